@@ -1,0 +1,125 @@
+//! Lights as homogeneous points.
+
+use glam::{DAffine3, DVec3};
+
+/// The most lights that one extraction takes.
+pub const MAX_LIGHTS: usize = 1024;
+
+/// A light (or, for outlines, a camera eye) as a homogeneous point `(x, y, z, w)`, in the space of the positions.
+///
+/// `w = 1`: a point light at `(x, y, z)`. `w = 0`: a direction **towards** a light at infinity. Any other finite `w`:
+/// a point light at `(x, y, z) / w`. A face `(a, b, c)` faces the light when `det[b − a, c − a, l − w·a] > 0`, for
+/// every finite `w`; with `w < 0` the sides are therefore reversed, and shadow volumes refuse such a light.
+///
+/// The components are used as given: never normalised, never divided.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Light {
+    /// Homogeneous x, y and z.
+    pub xyz: [f32; 3],
+    /// The homogeneous weight.
+    pub w: f32,
+}
+
+impl Light {
+    /// A light at a point, in the unit and space of the positions.
+    pub const fn point(xyz: [f32; 3]) -> Self {
+        Self { xyz, w: 1.0 }
+    }
+
+    /// A light at infinity; `towards` points from the scene to the light and need not be of unit length.
+    pub const fn directional(towards: [f32; 3]) -> Self {
+        Self { xyz: towards, w: 0.0 }
+    }
+
+    /// A light as a homogeneous point.
+    pub const fn homogeneous(xyzw: [f32; 4]) -> Self {
+        let [x, y, z, w] = xyzw;
+        Self { xyz: [x, y, z], w }
+    }
+
+    /// The four components `(x, y, z, w)`.
+    pub const fn to_array(self) -> [f32; 4] {
+        let [x, y, z] = self.xyz;
+        [x, y, z, self.w]
+    }
+
+    /// This light, given in world space, in the space of a mesh that `mesh_to_world` places.
+    ///
+    /// A rigid instance may so keep its mesh-space positions: a face's bit is then the one in world space, up to one
+    /// rounding of the light's components (computed in `f64`, rounded once to `f32`), for mirrored transforms too,
+    /// without turning the mesh's faces. `None` when the transform is singular or the result is not finite: such an
+    /// instance casts nothing.
+    pub fn to_mesh_space(self, mesh_to_world: &DAffine3) -> Option<Self> {
+        let determinant = mesh_to_world.matrix3.determinant();
+        if determinant == 0.0 || !determinant.is_finite() {
+            return None;
+        }
+        let [x, y, z] = self.xyz.map(f64::from);
+        let from_origin = DVec3::new(x, y, z) - f64::from(self.w) * mesh_to_world.translation;
+        let xyz = (mesh_to_world.matrix3.inverse() * from_origin).as_vec3().to_array();
+        xyz.iter().all(|c| c.is_finite()).then_some(Self { xyz, w: self.w })
+    }
+}
+
+/// Why a list of lights is refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LightError {
+    /// There is nothing to extract for.
+    #[error("no lights given; give at least one")]
+    None,
+    /// More than [`MAX_LIGHTS`], or more than the extractor was made for.
+    #[error("{count} lights given, at most {limit} fit; split them over several extractions")]
+    TooMany {
+        /// Lights given.
+        count: usize,
+        /// Lights that fit.
+        limit: usize,
+    },
+    /// `(0, 0, 0, 0)` is no point.
+    #[error("light {index} is (0, 0, 0, 0), which is neither a point nor a direction")]
+    Zero {
+        /// Position in the list.
+        index: usize,
+    },
+    /// A component is infinite or not a number.
+    #[error("light {index} is ({}, {}, {}, {}), and every component must be finite", .xyzw[0], .xyzw[1], .xyzw[2], .xyzw[3])]
+    NotFinite {
+        /// Position in the list.
+        index: usize,
+        /// The light as given.
+        xyzw: [f32; 4],
+    },
+}
+
+/// Checks a list of lights: 1 to `limit` of them, all finite, none all zeros.
+///
+/// # Errors
+/// The first [`LightError`] found.
+pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
+    if lights.is_empty() {
+        return Err(LightError::None);
+    }
+    if lights.len() > limit {
+        return Err(LightError::TooMany {
+            count: lights.len(),
+            limit,
+        });
+    }
+    for (index, light) in lights.iter().enumerate() {
+        let xyzw = light.to_array();
+        if xyzw.iter().any(|c| !c.is_finite()) {
+            return Err(LightError::NotFinite { index, xyzw });
+        }
+        if xyzw.iter().all(|&c| c == 0.0) {
+            return Err(LightError::Zero { index });
+        }
+    }
+    Ok(())
+}
+
+/// Words of 32 light bits that `lights` lights take, ⌈N/32⌉.
+pub const fn words(lights: usize) -> usize {
+    lights.div_ceil(32)
+}

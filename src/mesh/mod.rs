@@ -1,0 +1,161 @@
+//! Triangle meshes as the extraction sees them: faces, welded vertices, edge records.
+
+mod topology;
+pub(crate) mod weld;
+
+pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords};
+pub use weld::{Weld, WeldCounts};
+
+/// The most faces that a mesh may have: an edge's index and its winding bit share one `u32` in the edge lists, and a
+/// mesh has at most three edge records a face.
+pub const MAX_FACES: usize = (1 << 31) / 3;
+
+/// Faces over welded vertices and the edge records between them; what the extraction needs of a mesh but its positions.
+///
+/// Vertices keep the caller's numbering: each welded group goes by its lowest source index, in faces and records alike,
+/// so the caller's own position buffer can be read as it lies.
+///
+/// Memory beyond positions and indices, once built: 16 bytes an edge record, so 24 bytes a face on closed meshes (1.5
+/// records a face) and at most 48 (no two faces share an edge).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mesh {
+    vertex_count: u32,
+    faces: Vec<[u32; 3]>,
+    edges: EdgeRecords,
+    weld: WeldCounts,
+}
+
+impl Mesh {
+    /// Welds vertices and builds the edge records of counter-clockwise triangles. Positions may be non-finite: their
+    /// faces never face a light. Without skin or morph data here, [`Weld::Data`] and [`Weld::Position`] do the same.
+    ///
+    /// # Errors
+    /// [`MeshError`] for no faces, too many, or an index out of range.
+    pub fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], weld: Weld) -> Result<Self, MeshError> {
+        check(positions.len(), faces)?;
+        let (groups, counts) = weld::weld_positions(positions, weld);
+        let faces = match weld {
+            Weld::Keep => faces.to_vec(),
+            _ => faces.iter().map(|face| face.map(|v| groups[v as usize])).collect(),
+        };
+        Ok(Self::build(positions.len(), faces, counts))
+    }
+
+    /// Builds the edge records of counter-clockwise triangles over `vertex_count` vertices that are welded already.
+    ///
+    /// # Errors
+    /// [`MeshError`] for no faces, too many, or an index out of range.
+    pub fn from_faces(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        check(vertex_count, &faces)?;
+        Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
+    }
+
+    fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
+        let edges = EdgeRecords::build(vertex_count, &faces);
+        Self {
+            vertex_count: vertex_count as u32,
+            faces,
+            edges,
+            weld,
+        }
+    }
+
+    /// Source vertices, welded away or not: what a position buffer must hold.
+    pub fn vertex_count(&self) -> u32 {
+        self.vertex_count
+    }
+
+    /// Counter-clockwise triangles, degenerate ones included, in the order given.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The edge records.
+    pub fn edges(&self) -> &EdgeRecords {
+        &self.edges
+    }
+
+    /// What welding did.
+    pub fn weld_counts(&self) -> WeldCounts {
+        self.weld
+    }
+
+    /// Every record is of kind [`EdgeKind::Consistent`]: closed and consistently oriented.
+    pub fn is_closed(&self) -> bool {
+        let EdgeCounts {
+            inconsistent, boundary, ..
+        } = self.edges.counts();
+        inconsistent == 0 && boundary == 0
+    }
+
+    /// Faces that name a vertex twice. They face no light and have no edge records.
+    pub fn degenerate_faces(&self) -> usize {
+        self.faces.iter().filter(|face| is_degenerate(**face)).count()
+    }
+
+    /// Bytes that the edge records take in memory.
+    pub fn topology_bytes(&self) -> usize {
+        self.edges.bytes()
+    }
+}
+
+/// A face that names a vertex twice.
+pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
+    if faces.is_empty() {
+        return Err(MeshError::NoFaces);
+    }
+    if faces.len() > MAX_FACES {
+        return Err(MeshError::TooManyFaces { faces: faces.len() });
+    }
+    if vertex_count >= u32::MAX as usize {
+        return Err(MeshError::TooManyVertices { vertices: vertex_count });
+    }
+    for (face, corners) in faces.iter().enumerate() {
+        if let Some(corner) = corners.iter().position(|&v| v as usize >= vertex_count) {
+            return Err(MeshError::IndexOutOfRange {
+                face,
+                corner,
+                index: corners[corner],
+                vertices: vertex_count,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Why a mesh is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// Nothing could be a silhouette.
+    #[error("the mesh has no faces; a silhouette needs triangles")]
+    NoFaces,
+    /// More than [`MAX_FACES`].
+    #[error("the mesh has {faces} faces, more than the {MAX_FACES} that edge indices can count; split it")]
+    TooManyFaces {
+        /// Faces given.
+        faces: usize,
+    },
+    /// More vertices than `u32` indices can name.
+    #[error("the mesh has {vertices} vertices, more than u32 indices can name; split it")]
+    TooManyVertices {
+        /// Vertices given.
+        vertices: usize,
+    },
+    /// A face names a vertex that is not there.
+    #[error("face {face} names vertex {index} at corner {corner}, but there are {vertices} vertices")]
+    IndexOutOfRange {
+        /// The face's index.
+        face: usize,
+        /// 0, 1 or 2.
+        corner: usize,
+        /// The vertex it names.
+        index: u32,
+        /// Vertices there are.
+        vertices: usize,
+    },
+}

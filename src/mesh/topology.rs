@@ -1,0 +1,310 @@
+//! Edge records: which faces meet at each edge, for any triangles whatever.
+//!
+//! Half-edges are sorted by their two vertices with stable counting sorts, so the time is linear; a run of equal vertex
+//! pairs holds all faces at one edge, lowest face first, and is split into records of at most two faces.
+
+use super::is_degenerate;
+
+/// How the two faces of an edge record traverse it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum EdgeKind {
+    /// Face 1 traverses the edge against face 0, `b→a`: both have the same outside.
+    Consistent = 0,
+    /// Face 1 traverses it like face 0, `a→b`: one of them is turned inside out.
+    Inconsistent = 1,
+    /// There is no face 1.
+    Boundary = 2,
+}
+
+/// One edge record, unpacked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// `(a, b)`; face 0 traverses the edge `a→b`.
+    pub vertices: [u32; 2],
+    /// Face 0, the lower of the record's faces.
+    pub face_0: u32,
+    /// Face 1, if there is one.
+    pub face_1: Option<u32>,
+    /// How face 1 traverses it.
+    pub kind: EdgeKind,
+}
+
+/// Edge records by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EdgeCounts {
+    /// Of kind [`EdgeKind::Consistent`].
+    pub consistent: usize,
+    /// Of kind [`EdgeKind::Inconsistent`].
+    pub inconsistent: usize,
+    /// Of kind [`EdgeKind::Boundary`].
+    pub boundary: usize,
+}
+
+/// The edge records of a mesh, ordered by face 0 and its corner: the edge from corner 0 to corner 1 first.
+///
+/// An edge with more than two faces has several records that partition them: opposite traversals are paired first,
+/// lowest face first; of the rest, alike in traversal, neighbours pair up, and a last single one is a boundary.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EdgeRecords {
+    vertices: Vec<[u32; 2]>,
+    faces: Vec<[u32; 2]>,
+    counts: EdgeCounts,
+}
+
+/// Face 1 of a boundary record, in [`EdgeRecords::packed_faces`].
+pub const NO_FACE: u32 = u32::MAX;
+/// Set in face 0 of an inconsistent record, in [`EdgeRecords::packed_faces`].
+pub const INCONSISTENT: u32 = 1 << 31;
+
+impl EdgeRecords {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// None at all: every face is degenerate.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// How many there are of each kind.
+    pub fn counts(&self) -> EdgeCounts {
+        self.counts
+    }
+
+    /// One record; `None` past the end.
+    pub fn get(&self, index: usize) -> Option<Edge> {
+        let (&vertices, &faces) = (self.vertices.get(index)?, self.faces.get(index)?);
+        Some(unpack(vertices, faces))
+    }
+
+    /// All records, in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Edge> + '_ {
+        self.vertices
+            .iter()
+            .zip(&self.faces)
+            .map(|(&vertices, &faces)| unpack(vertices, faces))
+    }
+
+    /// `(a, b)` of each record, as the GPU reads them.
+    pub fn vertices(&self) -> &[[u32; 2]] {
+        &self.vertices
+    }
+
+    /// The faces of each record, as the GPU reads them: bit 31 of face 0 set for an inconsistent record, face 1
+    /// `0xFFFFFFFF` for a boundary.
+    pub fn packed_faces(&self) -> &[[u32; 2]] {
+        &self.faces
+    }
+
+    /// Bytes in memory.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.vertices) + size_of_val(&*self.faces)
+    }
+
+    /// Builds the records of `faces`, whose indices are below `vertex_count`.
+    pub(super) fn build(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
+        let mates = pair_half_edges(vertex_count, faces);
+        let count = mates
+            .iter()
+            .enumerate()
+            .filter(|&(half_edge, &mate)| is_first(half_edge, mate))
+            .count();
+        let (mut vertices, mut packed) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut counts = EdgeCounts::default();
+        for (face, (corners, mates)) in faces.iter().zip(mates.chunks_exact(3)).enumerate() {
+            for (corner, &mate) in mates.iter().enumerate() {
+                if !is_first(3 * face + corner, mate) {
+                    continue;
+                }
+                let face = face as u32;
+                let [a, b] = [corners[corner], corners[NEXT[corner]]];
+                vertices.push([a, b]);
+                if mate == BOUNDARY {
+                    counts.boundary += 1;
+                    packed.push([face, NO_FACE]);
+                } else if faces[mate as usize / 3][mate as usize % 3] == a {
+                    counts.inconsistent += 1;
+                    packed.push([face | INCONSISTENT, mate / 3]);
+                } else {
+                    counts.consistent += 1;
+                    packed.push([face, mate / 3]);
+                }
+            }
+        }
+        Self {
+            vertices,
+            faces: packed,
+            counts,
+        }
+    }
+}
+
+fn unpack(vertices: [u32; 2], [face_0, face_1]: [u32; 2]) -> Edge {
+    let kind = match (face_0 & INCONSISTENT, face_1) {
+        (_, NO_FACE) => EdgeKind::Boundary,
+        (0, _) => EdgeKind::Consistent,
+        _ => EdgeKind::Inconsistent,
+    };
+    Edge {
+        vertices,
+        face_0: face_0 & !INCONSISTENT,
+        face_1: (face_1 != NO_FACE).then_some(face_1),
+        kind,
+    }
+}
+
+/// The corner after each corner of a face.
+const NEXT: [usize; 3] = [1, 2, 0];
+/// The mate of a half-edge that has none.
+const BOUNDARY: u32 = u32::MAX;
+/// The mate of a half-edge of a degenerate face: it belongs to no record.
+const DEGENERATE: u32 = u32::MAX - 1;
+
+/// Whether a half-edge is face 0's of its record, so that the record is written at its place.
+fn is_first(half_edge: usize, mate: u32) -> bool {
+    mate == BOUNDARY || (mate != DEGENERATE && half_edge < mate as usize)
+}
+
+/// A half-edge at its lower vertex: the other vertex, and the half-edge with [`Entry::FORWARD`] set where it runs from
+/// the lower vertex to the upper.
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    upper: u32,
+    tagged: u32,
+}
+
+impl Entry {
+    const FORWARD: u32 = 1 << 31;
+    fn half_edge(self) -> u32 {
+        self.tagged & !Self::FORWARD
+    }
+    fn is_opposite(self, other: Self) -> bool {
+        (self.tagged ^ other.tagged) & Self::FORWARD != 0
+    }
+}
+
+/// Calls `visit(lower, entry)` for every half-edge `3·face + corner` of the faces that are not degenerate, in order.
+fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
+    for (face, &corners) in faces.iter().enumerate() {
+        if is_degenerate(corners) {
+            continue;
+        }
+        for (corner, next) in NEXT.into_iter().enumerate() {
+            let (a, b) = (corners[corner], corners[next]);
+            let half_edge = (3 * face + corner) as u32;
+            let tagged = if a < b { half_edge | Entry::FORWARD } else { half_edge };
+            visit(
+                a.min(b),
+                Entry {
+                    upper: a.max(b),
+                    tagged,
+                },
+            );
+        }
+    }
+}
+
+/// For every half-edge `3·face + corner` the one it shares a record with, [`BOUNDARY`] or [`DEGENERATE`].
+fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
+    let mut starts = vec![0_u32; vertex_count + 1];
+    for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
+    let largest = starts.iter().copied().max().unwrap_or(0);
+    prefix_sum(&mut starts);
+    let mut entries = vec![Entry::default(); starts[vertex_count] as usize];
+    if largest <= INSERTION_SORT_LIMIT {
+        let mut next = starts.clone();
+        for_each_half_edge(faces, |lower, entry| place(&mut next, &mut entries, lower, entry));
+        for bucket in buckets(&starts) {
+            insertion_sort(&mut entries[bucket]);
+        }
+    } else {
+        // A hub: some vertex has so many edges that only a second counting sort keeps the time linear.
+        entries = sorted_by_both(faces, &starts);
+    }
+    let mut mates = vec![DEGENERATE; 3 * faces.len()];
+    for bucket in buckets(&starts) {
+        for run in entries[bucket].chunk_by(|a, b| a.upper == b.upper) {
+            pair_run(run, &mut mates);
+        }
+    }
+    mates
+}
+
+/// Buckets up to this size are sorted in place; quadratic, but with an average of three entries nothing is faster.
+const INSERTION_SORT_LIMIT: u32 = 64;
+
+fn prefix_sum(starts: &mut [u32]) {
+    let mut sum = 0;
+    for start in starts {
+        sum += *start;
+        *start = sum;
+    }
+}
+
+fn place<T>(next: &mut [u32], sorted: &mut [T], key: u32, value: T) {
+    let slot = &mut next[key as usize];
+    sorted[*slot as usize] = value;
+    *slot += 1;
+}
+
+fn buckets(starts: &[u32]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    starts.windows(2).map(|pair| pair[0] as usize..pair[1] as usize)
+}
+
+fn insertion_sort(entries: &mut [Entry]) {
+    for end in 1..entries.len() {
+        let entry = entries[end];
+        let mut hole = end;
+        while hole > 0 && entries[hole - 1].upper > entry.upper {
+            entries[hole] = entries[hole - 1];
+            hole -= 1;
+        }
+        entries[hole] = entry;
+    }
+}
+
+/// Two stable counting sorts, by the upper vertex and then by the lower.
+fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
+    let mut next = vec![0_u32; starts.len()];
+    for_each_half_edge(faces, |_, entry| next[entry.upper as usize + 1] += 1);
+    prefix_sum(&mut next);
+    let mut by_upper = vec![(0_u32, Entry::default()); starts.last().map_or(0, |&total| total as usize)];
+    for_each_half_edge(faces, |lower, entry| {
+        place(&mut next, &mut by_upper, entry.upper, (lower, entry))
+    });
+    next.copy_from_slice(starts);
+    let mut sorted = vec![Entry::default(); by_upper.len()];
+    for (lower, entry) in by_upper {
+        place(&mut next, &mut sorted, lower, entry);
+    }
+    sorted
+}
+
+/// Pairs the half-edges of one edge, given lowest face first: opposite traversals, then the rest among themselves.
+fn pair_run(run: &[Entry], mates: &mut [u32]) {
+    let mut record = |first: Entry, second: Option<Entry>| {
+        mates[first.half_edge() as usize] = second.map_or(BOUNDARY, Entry::half_edge);
+        if let Some(second) = second {
+            mates[second.half_edge() as usize] = first.half_edge();
+        }
+    };
+    match *run {
+        [single] => record(single, None),
+        [first, second] => record(first, Some(second)),
+        _ => {
+            // Traversals taken in order: the i-th of one direction meets the i-th of the other.
+            let forward = || run.iter().copied().filter(|entry| !entry.is_opposite(run[0]));
+            let backward = || run.iter().copied().filter(|entry| entry.is_opposite(run[0]));
+            forward()
+                .zip(backward())
+                .for_each(|(first, second)| record(first, Some(second)));
+            let paired = forward().count().min(backward().count());
+            let mut rest = forward().skip(paired).chain(backward().skip(paired));
+            while let Some(first) = rest.next() {
+                record(first, rest.next());
+            }
+        }
+    }
+}

@@ -1,0 +1,2 @@
+//! Rimline's two commands.
+fn main() {}
