@@ -159,11 +159,19 @@ shared_structs! {
 impl LightWord {
     /// The word of up to 32 `lights`.
     pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
-        let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
+        let mut word = Self {
+            count: lights.len() as u32,
+            live: live_bits(lights.len()),
+            ..Self::zeroed()
+        };
         for (slot, light) in word.lights.iter_mut().zip(lights) {
             *slot = light.to_array();
         }
-        Self { position_offset, position_stride, ..word }
+        Self {
+            position_offset,
+            position_stride,
+            ..word
+        }
     }
 }
 

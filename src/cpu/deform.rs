@@ -8,7 +8,13 @@ pub type Displace<'a> = &'a (dyn Fn([f32; 3], u32, f32) -> [f32; 3] + Sync);
 
 /// World-space positions of all instances, in the vertex order of [`Model::mesh`]. A pose's missing matrices count as
 /// zeros, missing morph weights too. `f32` arithmetic in the order of `wgsl/deform.wgsl`; see NUMERICS.md, "Deform".
-pub fn deform(model: &Model, pose: &Pose, time_s: f32, displace: Option<Displace<'_>>, threads: Threads) -> Vec<[f32; 3]> {
+pub fn deform(
+    model: &Model,
+    pose: &Pose,
+    time_s: f32,
+    displace: Option<Displace<'_>>,
+    threads: Threads,
+) -> Vec<[f32; 3]> {
     let mut positions = vec![[0.0; 3]; model.vertex_count()];
     let mut rest = positions.as_mut_slice();
     for (instance, pose) in model.instances.iter().zip(&pose.instances) {
@@ -34,10 +40,14 @@ fn deform_vertex(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f3
             p = add_scaled(p, weight, target[vertex]);
         }
     }
-    let Some(influences) = &geometry.influences else { return transform(pose, 0, p) };
+    let Some(influences) = &geometry.influences else {
+        return transform(pose, 0, p);
+    };
     let range = influences.range(vertex);
     let joints = influences.joints[range.clone()].iter().zip(&influences.weights[range]);
-    joints.fold([0.0; 3], |sum, (&joint, &weight)| add_scaled(sum, weight, transform(pose, joint, p)))
+    joints.fold([0.0; 3], |sum, (&joint, &weight)| {
+        add_scaled(sum, weight, transform(pose, joint, p))
+    })
 }
 
 fn add_scaled(sum: [f32; 3], weight: f32, v: [f32; 3]) -> [f32; 3] {

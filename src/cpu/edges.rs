@@ -14,8 +14,16 @@ pub fn edges(
     light_count: usize,
     threads: Threads,
 ) -> Vec<Masks> {
-    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; records.len() * light::words(light_count)];
-    let planes = masks.chunks_mut(records.len().max(1)).zip(facing.chunks(face_count.max(1)));
+    let mut masks = vec![
+        Masks {
+            silhouette: 0,
+            winding: 0
+        };
+        records.len() * light::words(light_count)
+    ];
+    let planes = masks
+        .chunks_mut(records.len().max(1))
+        .zip(facing.chunks(face_count.max(1)));
     for (word, (plane, facing)) in planes.enumerate() {
         let live = live_bits(light_count - 32 * word);
         threads.share(plane, |first, masks| {

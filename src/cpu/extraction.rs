@@ -1,9 +1,9 @@
 //! All stages on the CPU.
 
 use super::{Threads, edges, facing, is_finite, per_edge};
-use crate::method::Method;
 use crate::layout::Masks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
+use crate::method::Method;
 use crate::{Light, Mesh};
 
 /// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
@@ -36,5 +36,9 @@ pub fn extract(
     };
     let is_usable = |v: &u32| positions.get(*v as usize).is_some_and(|&p| is_finite(p));
     let non_finite_faces = mesh.faces().iter().filter(|face| !face.iter().all(is_usable)).count() as u32;
-    Ok(CpuExtraction { facing, masks, non_finite_faces })
+    Ok(CpuExtraction {
+        facing,
+        masks,
+        non_finite_faces,
+    })
 }

@@ -20,15 +20,16 @@ pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light], thre
 
 /// The bits of one face for up to 32 lights.
 fn face_mask(positions: &[[f32; 3]], corners: [u32; 3], lights: &[Light]) -> u32 {
-    let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else { return 0 };
+    let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
+        return 0;
+    };
     if is_degenerate(corners) || ![a, b, c].into_iter().all(is_finite) {
         return 0;
     }
     let n = normal(a, b, c);
-    lights
-        .iter()
-        .enumerate()
-        .fold(0, |mask, (bit, light)| mask | u32::from(faces_light(n, a, *light)) << bit)
+    lights.iter().enumerate().fold(0, |mask, (bit, light)| {
+        mask | u32::from(faces_light(n, a, *light)) << bit
+    })
 }
 
 /// All three coordinates are finite.
@@ -40,7 +41,11 @@ pub fn is_finite(position: [f32; 3]) -> bool {
 pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
     let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ]
 }
 
 fn faces_light(n: [f32; 3], a: [f32; 3], light: Light) -> bool {

@@ -13,10 +13,11 @@ mod parallel;
 mod per_edge;
 
 pub use arguments::arguments;
-pub use compact::{CompactedList, compact};
-pub use deform::deform;
+pub use compact::{CompactedList, WINDING, compact};
+pub use deform::{Displace, deform};
 pub use edges::edges;
 pub use extraction::{CpuExtraction, extract};
 pub use facing::{facing, is_finite};
 pub use parallel::Threads;
+pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;

@@ -27,11 +27,7 @@ impl Threads {
 
     /// Cuts `items` into runs of at least a few thousand and calls `work(first index, run)` on each, at the same time.
     /// Returns what the calls returned, in order.
-    pub(super) fn share<T: Send, R: Send>(
-        self,
-        items: &mut [T],
-        work: impl Fn(usize, &mut [T]) -> R + Sync,
-    ) -> Vec<R> {
+    pub(super) fn share<T: Send, R: Send>(self, items: &mut [T], work: impl Fn(usize, &mut [T]) -> R + Sync) -> Vec<R> {
         const LEAST: usize = 4096;
         let run = items.len().div_ceil(self.count()).max(LEAST);
         if run >= items.len() {

@@ -68,13 +68,23 @@ pub enum MemoryError {
 }
 
 /// Checks buffer sizes before any is made. Returns the sum.
-pub(super) fn check(allocations: &[Allocation], buffer_limit: u64, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
+pub(super) fn check(
+    allocations: &[Allocation],
+    buffer_limit: u64,
+    memory_limit: Option<u64>,
+) -> Result<u64, MemoryError> {
     if let Some(&Allocation { label, bytes }) = allocations.iter().find(|allocation| allocation.bytes > buffer_limit) {
-        return Err(MemoryError::Buffer { label, bytes, limit: buffer_limit });
+        return Err(MemoryError::Buffer {
+            label,
+            bytes,
+            limit: buffer_limit,
+        });
     }
     let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
-    if let (Some(limit), Some(&largest)) = (memory_limit, allocations.iter().max_by_key(|allocation| allocation.bytes))
-        && bytes > limit
+    if let (Some(limit), Some(&largest)) = (
+        memory_limit,
+        allocations.iter().max_by_key(|allocation| allocation.bytes),
+    ) && bytes > limit
     {
         return Err(MemoryError::Total { bytes, limit, largest });
     }
@@ -87,18 +97,36 @@ pub(super) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() 
     let made = make();
     // Ready at once on native backends; elsewhere the error goes to the device's own handler.
     match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(Some(error)) => Err(MemoryError::OutOfMemory { bytes, message: error.to_string() }),
+        Poll::Ready(Some(error)) => Err(MemoryError::OutOfMemory {
+            bytes,
+            message: error.to_string(),
+        }),
         _ => Ok(made),
     }
 }
 
 /// A buffer of at least 4 bytes.
-pub(super) fn buffer(device: &wgpu::Device, label: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size: padded(bytes), usage, mapped_at_creation: false })
+pub(super) fn buffer(
+    device: &wgpu::Device,
+    label: &'static str,
+    bytes: u64,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: padded(bytes),
+        usage,
+        mapped_at_creation: false,
+    })
 }
 
 /// A buffer that begins with `contents`.
-pub(super) fn filled(device: &wgpu::Device, label: &'static str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(super) fn filled(
+    device: &wgpu::Device,
+    label: &'static str,
+    contents: &[u8],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: padded(contents.len() as u64),

@@ -32,15 +32,27 @@ impl Split {
 
     /// Cuts `items`, each of which takes up to `bytes_per_item` bytes of a binding, into runs that one dispatch can
     /// walk along. Runs begin at multiples of the workgroup size, so that any array of words may be bound there.
-    pub(super) fn chunks(&self, what: &'static str, items: usize, bytes_per_item: u64) -> Result<Vec<Range<usize>>, MemoryError> {
+    pub(super) fn chunks(
+        &self,
+        what: &'static str,
+        items: usize,
+        bytes_per_item: u64,
+    ) -> Result<Vec<Range<usize>>, MemoryError> {
         let workgroup = u64::from(WORKGROUP);
         let fitting = (self.binding / bytes_per_item.max(1)).min(self.workgroups * workgroup);
         let run = fitting / workgroup * workgroup;
         if run == 0 {
-            return Err(MemoryError::Binding { what, bytes: bytes_per_item * workgroup, limit: self.binding });
+            return Err(MemoryError::Binding {
+                what,
+                bytes: bytes_per_item * workgroup,
+                limit: self.binding,
+            });
         }
         let run = run as usize;
-        Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
+        Ok((0..items)
+            .step_by(run)
+            .map(|first| first..(first + run).min(items))
+            .collect())
     }
 
     /// Cuts `bytes` into [`WINDOWS`] bindings of equal length but the last; unused ones repeat the first. Also says how
@@ -53,9 +65,16 @@ impl Split {
         let single = bytes <= self.binding;
         let ranges = std::array::from_fn(|window| {
             let begin = self.binding * window as u64;
-            if begin < bytes { begin..bytes.min(begin + self.binding) } else { 0..bytes.min(self.binding) }
+            if begin < bytes {
+                begin..bytes.min(begin + self.binding)
+            } else {
+                0..bytes.min(self.binding)
+            }
         });
-        Ok(Windows { ranges, words: if single { 0 } else { (self.binding / 4) as u32 } })
+        Ok(Windows {
+            ranges,
+            words: if single { 0 } else { (self.binding / 4) as u32 },
+        })
     }
 
     /// The last place at or before `offset` at which a binding may begin.
