@@ -4,6 +4,7 @@
 pub mod light;
 pub mod mesh;
 pub mod model;
+pub mod shapes;
 
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
