@@ -164,7 +164,8 @@ impl Lattice {
 /// give the same bits.
 #[must_use]
 pub fn blob(subdivisions: u32, amplitude: f32, seed: u32) -> Shape {
-    let amplitude = amplitude.max(0.0).min(0.9);
+    // Not clamp, which would keep a NaN.
+    let amplitude = if amplitude > 0.0 { amplitude.min(0.9) } else { 0.0 };
     let mut shape = sphere(subdivisions);
     for position in &mut shape.positions {
         let radius = 1.0 + amplitude * noise::smooth(*position, seed);
