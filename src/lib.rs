@@ -9,6 +9,7 @@ pub mod light;
 pub mod mesh;
 pub mod method;
 pub mod model;
+pub mod shapes;
 pub mod stages;
 
 pub use displace::{DisplaceError, Displacement};
