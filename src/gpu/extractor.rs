@@ -221,11 +221,13 @@ impl Extractor {
         encoder.clear_buffer(&self.buffers.statistics, 0, None);
         encoder.clear_buffer(&self.buffers.counts, 0, None);
         let used = light::words(lights.len());
-        // Words share the masks where only compaction needs them, so each word goes through all stages by itself then.
-        let runs: Vec<Range<usize>> = if self.buffers.masks.len() < used {
+        // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each word of lights goes
+        // through all stages by itself there.
+        let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
+        let runs: Vec<Range<usize>> = if by_word {
             (0..used).map(|word| word..word + 1).collect()
         } else {
-            vec![0..used]
+            std::iter::once(0..used).collect()
         };
         let (per_light, at_last): (Vec<_>, Vec<_>) = self
             .from_facing

@@ -3,14 +3,14 @@
 use std::sync::OnceLock;
 
 /// A device with its queue and its adapter's name.
-pub struct Gpu {
-    pub device: wgpu::Device,
-    pub queue: wgpu::Queue,
-    pub name: String,
+pub(crate) struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) name: String,
 }
 
 /// The adapter's name, or why there is none.
-pub fn adapter() -> Result<wgpu::Adapter, String> {
+pub(crate) fn adapter() -> Result<wgpu::Adapter, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
         .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))
@@ -18,7 +18,7 @@ pub fn adapter() -> Result<wgpu::Adapter, String> {
 
 impl Gpu {
     /// A device with no optional feature and these limits.
-    pub fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
+    pub(crate) fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
         let adapter = adapter()?;
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -35,7 +35,7 @@ impl Gpu {
     }
 
     /// One device of `Limits::default()` that tests share.
-    pub fn shared() -> Result<&'static Self, String> {
+    pub(crate) fn shared() -> Result<&'static Self, String> {
         static SHARED: OnceLock<Result<Gpu, String>> = OnceLock::new();
         SHARED
             .get_or_init(|| Self::with_limits(wgpu::Limits::default()))
@@ -44,7 +44,7 @@ impl Gpu {
     }
 
     /// A storage buffer with these contents.
-    pub fn storage<T: bytemuck::Pod>(&self, contents: &[T]) -> wgpu::Buffer {
+    pub(crate) fn storage<T: bytemuck::Pod>(&self, contents: &[T]) -> wgpu::Buffer {
         let bytes = bytemuck::cast_slice(contents);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("test"),
@@ -57,7 +57,7 @@ impl Gpu {
     }
 
     /// A buffer's first `count` items.
-    pub fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, String> {
+    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, String> {
         let mut items =
             rimline::gpu::read_back_vec(&self.device, &self.queue, buffer).map_err(|error| error.to_string())?;
         items.truncate(count);
@@ -65,7 +65,10 @@ impl Gpu {
     }
 
     /// Records with `record` and submits.
-    pub fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>) -> Result<(), String> {
+    pub(crate) fn submit(
+        &self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>,
+    ) -> Result<(), String> {
         let mut encoder = self
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -2,16 +2,16 @@
 
 #![allow(dead_code, reason = "each test binary uses its part")]
 
-pub mod device;
-pub mod oracle;
-pub mod random;
+pub(crate) mod device;
+pub(crate) mod oracle;
+pub(crate) mod random;
 
 use std::path::PathBuf;
 
 use rimline::{Light, Mesh};
 
 /// The folder of model files beside the checkout, if it is there.
-pub fn assets() -> Option<PathBuf> {
+pub(crate) fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("RIMLINE_ASSETS").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/assets"),
         PathBuf::from,
@@ -20,7 +20,7 @@ pub fn assets() -> Option<PathBuf> {
 }
 
 /// Fails with the first place at which two slices differ, and how many there are.
-pub fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T]) -> Result<(), String> {
+pub(crate) fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T]) -> Result<(), String> {
     if got.len() != expected.len() {
         return Err(format!("{what}: {} items, expected {}", got.len(), expected.len()));
     }
@@ -38,7 +38,7 @@ pub fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expected: &[T
 }
 
 /// Vertices at which outgoing and incoming multiplicities of a light do not cancel, summed over lights.
-pub fn unclosed(mesh: &Mesh, masks: &[rimline::layout::Masks], facing: &[u32], lights: usize) -> usize {
+pub(crate) fn unclosed(mesh: &Mesh, masks: &[rimline::layout::Masks], facing: &[u32], lights: usize) -> usize {
     let _ = masks;
     let mut open = 0;
     for light in 0..lights {
@@ -68,7 +68,7 @@ pub fn unclosed(mesh: &Mesh, masks: &[rimline::layout::Masks], facing: &[u32], l
 }
 
 /// `count` lights around a mesh of about unit size: points near and far, directions, other weights.
-pub fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
+pub(crate) fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
     (0..count)
         .map(|index| {
             let [x, y, z] = random.direction().map(|c| c * random.between(0.1, 6.0));

@@ -11,7 +11,7 @@ type Test = (&'static str, fn() -> Result<(), String>);
 
 fn main() {
     let tests: Vec<Test> = [stages::TESTS].concat();
-    let name = common::device::Gpu::shared().map_or_else(Clone::clone, |gpu| gpu.name.clone());
+    let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
     println!("adapter: {name}");
     println!("gpu tests: {}", tests.len());
     let trials = tests

@@ -10,7 +10,7 @@ use crate::common::device::Gpu;
 use crate::common::random::Random;
 use crate::common::{lights, same};
 
-pub const TESTS: &[crate::Test] = &[
+pub(crate) const TESTS: &[crate::Test] = &[
     ("facing_and_edges_equal_their_twins", facing_and_edges),
     ("ordered_lists_equal_their_twin", ordered_lists),
     ("unordered_lists_hold_the_same_edges", unordered_lists),
@@ -19,17 +19,17 @@ pub const TESTS: &[crate::Test] = &[
 ];
 
 /// What one extraction left in its buffers.
-pub struct Found {
-    pub facing: Vec<u32>,
-    pub masks: Vec<Masks>,
-    pub lists: Vec<Vec<u32>>,
-    pub counts: Vec<u32>,
-    pub draws: Vec<DrawArguments>,
-    pub statistics: Statistics,
+pub(crate) struct Found {
+    pub(crate) facing: Vec<u32>,
+    pub(crate) masks: Vec<Masks>,
+    pub(crate) lists: Vec<Vec<u32>>,
+    pub(crate) counts: Vec<u32>,
+    pub(crate) draws: Vec<DrawArguments>,
+    pub(crate) statistics: Statistics,
 }
 
 /// Extracts on the GPU and reads everything back.
-pub fn extract(
+pub(crate) fn extract(
     gpu: &Gpu,
     positions: &[[f32; 3]],
     mesh: &Mesh,
@@ -51,7 +51,7 @@ pub fn extract(
     read(gpu, &extractor, mesh, options.max_lights)
 }
 
-pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) -> Result<Found, String> {
+pub(crate) fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) -> Result<Found, String> {
     let results = extractor.results();
     let mut found = Found {
         facing: Vec::new(),
@@ -79,7 +79,7 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
 }
 
 /// Shapes of every topology: closed, open, non-orientable, non-manifold, with faces that name a vertex twice.
-pub fn topologies() -> Vec<(&'static str, Vec<[f32; 3]>, Mesh)> {
+pub(crate) fn topologies() -> Vec<(&'static str, Vec<[f32; 3]>, Mesh)> {
     let mut soup = shapes::torus(12, 9, 1.0, 0.4);
     let mut random = Random::new(7);
     for _ in 0..60 {
@@ -87,10 +87,10 @@ pub fn topologies() -> Vec<(&'static str, Vec<[f32; 3]>, Mesh)> {
     }
     let shapes = [
         ("torus", shapes::torus(40, 30, 1.0, 0.4)),
-        ("blob", shapes::blob(4, 0.3)),
+        ("blob", shapes::blob(4, 0.3, 1)),
         ("grid", shapes::plane_grid(17, 9)),
         ("moebius", shapes::moebius(40, 4)),
-        ("three sheets", shapes::three_sheets(5, 4)),
+        ("three sheets", shapes::three_sheets(5)),
         ("soup", soup),
     ];
     shapes
