@@ -1,6 +1,8 @@
 //! Rimline.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod light;
 pub mod mesh;
 pub mod model;
