@@ -5,6 +5,8 @@
 
 mod body;
 pub(crate) mod glb;
+#[path = "../../common/glb.rs"]
+mod glb_file;
 pub(crate) mod skeleton;
 mod skin;
 mod surface;

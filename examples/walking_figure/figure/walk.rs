@@ -36,7 +36,12 @@ const LEAN: f32 = 4.0;
 
 /// The key poses.
 pub(crate) fn keys() -> [Pose; KEYS] {
-    std::array::from_fn(|key| pose((key % (KEYS - 1)) as f32 / (KEYS - 1) as f32))
+    std::array::from_fn(|key| pose(phase(key % (KEYS - 1))))
+}
+
+/// How far a key pose is into the cycle, from 0 to 1.
+pub(crate) fn phase(key: usize) -> f32 {
+    key as f32 / (KEYS - 1) as f32
 }
 
 /// The pose at `phase` of the cycle, from 0 to 1; the left heel strikes at 0.
