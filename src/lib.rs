@@ -54,6 +54,6 @@ pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::Method;
-pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseError};
+pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
 
 pub use {glam, wgpu};

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use rimline::cpu::{self, Threads};
+use rimline::cpu::{CpuExtraction, Threads};
 use rimline::{Light, Mesh, Method};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
@@ -13,18 +13,29 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
     let mut counts = vec![1, Threads::all().count()];
     counts.dedup();
     for threads in counts {
+        let mut extraction = CpuExtraction::default();
         let twin = move || {
             wall_ms(|| {
-                let found = cpu::extract(positions, mesh, lights, Method::FaceMask, Threads::new(threads));
-                black_box(found.expect("good lights"));
+                let done = extraction.update(positions, mesh, lights, Method::FaceMask, Threads::new(threads));
+                black_box(done.expect("good lights"));
             })
         };
         list.push((format!("twin, {threads} threads"), Box::new(twin)));
         if let [light] = lights {
             let (edges, light) = (mesh.edges().packed_faces(), light.to_array());
+            let (mut facing, mut silhouette) = (vec![0_u8; mesh.faces().len()], vec![0_u8; edges.len()]);
             let plain = move || {
                 wall_ms(|| {
-                    black_box(plain_loop(positions, mesh.faces(), edges, light, threads));
+                    plain_loop(
+                        positions,
+                        mesh.faces(),
+                        edges,
+                        light,
+                        threads,
+                        &mut facing,
+                        &mut silhouette,
+                    );
+                    black_box((&facing, &silhouette));
                 })
             };
             list.push((format!("plain loop, {threads} threads"), Box::new(plain)));
@@ -40,10 +51,10 @@ fn plain_loop(
     edges: &[[u32; 2]],
     light: [f32; 4],
     threads: usize,
-) -> (Vec<u8>, Vec<u8>) {
+    facing: &mut [u8],
+    silhouette: &mut [u8],
+) {
     let [lx, ly, lz, w] = light;
-    let mut facing = vec![0_u8; faces.len()];
-    let mut silhouette = vec![0_u8; edges.len()];
     let run = faces.len().div_ceil(threads);
     std::thread::scope(|scope| {
         for (facing, faces) in facing.chunks_mut(run).zip(faces.chunks(run)) {
@@ -64,7 +75,7 @@ fn plain_loop(
         }
     });
     let run = edges.len().div_ceil(threads);
-    let facing_bytes = &facing;
+    let facing_bytes = &*facing;
     std::thread::scope(|scope| {
         for (silhouette, edges) in silhouette.chunks_mut(run).zip(edges.chunks(run)) {
             scope.spawn(move || {
@@ -74,5 +85,4 @@ fn plain_loop(
             });
         }
     });
-    (facing, silhouette)
 }

@@ -51,8 +51,9 @@ impl Default for ExtractorOptions {
 pub struct ListOptions {
     /// Entries that each light's list has room for, clamped to 1 … edge records. `None`: boundary and inconsistent
     /// edges, and of the others a share of four lists of all edges, at least sixteen times their square root. A list
-    /// that overflows loses nothing: its draw goes over all edges, and [`crate::layout::Statistics`] counts it. The
-    /// per-edge method always has room for all edges.
+    /// that overflows loses nothing: its draw goes over all edges, of which the include rejects what is no silhouette
+    /// (by the facing masks; of the per-edge method, which has none, only the edge masks know), and
+    /// [`crate::layout::Statistics`] counts it.
     pub capacity: Option<u32>,
     /// Lists in the order of the edges, the same in every run; costs the masks' memory traffic.
     pub ordered: bool,
