@@ -273,7 +273,7 @@ fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
     prefix_sum(&mut next);
     let mut by_upper = vec![(0_u32, Entry::default()); starts.last().map_or(0, |&total| total as usize)];
     for_each_half_edge(faces, |lower, entry| {
-        place(&mut next, &mut by_upper, entry.upper, (lower, entry))
+        place(&mut next, &mut by_upper, entry.upper, (lower, entry));
     });
     next.copy_from_slice(starts);
     let mut sorted = vec![Entry::default(); by_upper.len()];
