@@ -38,7 +38,7 @@ const PICTURES: [Picture; 4] = [
     Picture {
         file: "blob.png",
         model: "blob.glb",
-        view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 32",
+        view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36",
     },
 ];
 
