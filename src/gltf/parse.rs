@@ -46,13 +46,13 @@ pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
     let all = |key: &str| root.objects(key);
     Ok(Document {
         buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,
-        views: all("bufferViews")?
-            .iter()
-            .map(|v| view(v, lengths))
-            .collect::<Result<_, _>>()?,
         accessors: all("accessors")?
             .iter()
             .map(|a| accessor(a, lengths))
+            .collect::<Result<_, _>>()?,
+        views: all("bufferViews")?
+            .iter()
+            .map(|v| view(v, lengths))
             .collect::<Result<_, _>>()?,
         meshes: all("meshes")?
             .iter()
@@ -241,7 +241,7 @@ fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError> {
 }
 
 /// Default morph weights must be as many as there are targets.
-pub(super) fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
+fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
     match weights {
         Some(weights) if weights.len() != targets => Err(GltfError::Count {
             place: json.at("weights"),
