@@ -9,7 +9,7 @@ use super::error::{AccessorProblem, GltfError};
 use super::extensions;
 
 /// What a file may unpack to whatever its size, in bytes.
-const UNPACKED_BASE: u64 = 16 << 20;
+const UNPACKED_BASE: u64 = 64 << 20;
 /// What it may unpack to for each byte of it and its buffers.
 const UNPACKED_PER_BYTE: u64 = 64;
 

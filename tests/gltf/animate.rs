@@ -31,12 +31,12 @@ fn animated(path: &str, interpolation: &str, times: &[f32], kind: &str, output: 
     add(
         &mut maker,
         path,
-        json!({ "input": input, "output": output, "interpolation": interpolation }),
+        &json!({ "input": input, "output": output, "interpolation": interpolation }),
     );
     maker
 }
 
-fn add(maker: &mut Maker, path: &str, sampler: Value) {
+fn add(maker: &mut Maker, path: &str, sampler: &Value) {
     let channel = json!({ "sampler": 0, "target": { "node": 0, "path": path } });
     maker.push("animations", json!({ "samplers": [sampler], "channels": [channel] }));
 }
@@ -184,7 +184,7 @@ fn integers() -> Outcome {
         let input = maker.floats("SCALAR", &[0.0, 1.0]);
         let output = maker.accessor(component, "VEC4", 2, &data);
         maker.json["accessors"][output]["normalized"] = json!(true);
-        add(&mut maker, "rotation", json!({ "input": input, "output": output }));
+        add(&mut maker, "rotation", &json!({ "input": input, "output": output }));
         let asset = maker.load()?;
         close(
             &at(&asset, 0.0, [1.0, 0.0, 0.0])?,
@@ -219,7 +219,7 @@ fn morph_weights() -> Outcome {
     let input = maker.floats("SCALAR", &[0.0, 1.0]);
     let output = maker.accessor(5121, "SCALAR", 4, &[0, 255, 51, 0]);
     maker.json["accessors"][output]["normalized"] = json!(true);
-    add(&mut maker, "weights", json!({ "input": input, "output": output }));
+    add(&mut maker, "weights", &json!({ "input": input, "output": output }));
     close(&weights(&maker, Some(0), 0.5)?, &[0.1, 0.5], 1e-6, "animated")?;
     close(&weights(&maker, None, 0.5)?, &[1.0, -2.0], 0.0, "not animated")
 }

@@ -1,6 +1,7 @@
 //! Every good file of the shared models loads, with the counts that their table states, and poses at any time.
 
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 use libtest_mimic::Trial;
 use rimline::gltf::Asset;
@@ -25,7 +26,7 @@ struct Counts {
 }
 
 /// File; triangles, vertices, welded, bnd, nm, mis, deg, dup, closed of meshes; instances, joints of all skins, morph
-/// targets, animations. Only what is drawn counts: 22_vertex_color has more vertices and instances in lines and points.
+/// targets, animations. Only what is drawn counts: `22_vertex_color` has more vertices and instances in lines and points.
 type Row = (&'static str, [usize; 10], [usize; 4]);
 
 const ROWS: &[Row] = &[
@@ -33,7 +34,7 @@ const ROWS: &[Row] = &[
     ("AnimatedMorphCube.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 2, 1]),
     (
         "AntiqueCamera.glb",
-        [20066, 21178, 10227, 206, 83, 10, 0, 0, 0, 2],
+        [20_066, 21_178, 10_227, 206, 83, 10, 0, 0, 0, 2],
         [2, 0, 0, 0],
     ),
     ("Box.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
@@ -50,7 +51,7 @@ const ROWS: &[Row] = &[
     ),
     (
         "FlightHelmet.glb",
-        [94722, 60366, 47561, 296, 0, 0, 0, 0, 3, 5],
+        [94_722, 60_366, 47_561, 296, 0, 0, 0, 0, 3, 5],
         [5, 0, 0, 0],
     ),
     ("Fox.glb", [576, 1728, 290, 0, 0, 0, 0, 0, 1, 1], [1, 24, 0, 3]),
@@ -81,7 +82,7 @@ const ROWS: &[Row] = &[
     ),
     (
         "SheenCloth.glb",
-        [115200, 58081, 58081, 960, 0, 0, 0, 0, 0, 1],
+        [115_200, 58_081, 58_081, 960, 0, 0, 0, 0, 0, 1],
         [1, 0, 0, 0],
     ),
     (
@@ -105,16 +106,20 @@ const ROWS: &[Row] = &[
         [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
         [1, 0, 0, 0],
     ),
-    ("scallop.glb", [120000, 60002, 60002, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
+    (
+        "scallop.glb",
+        [120_000, 60_002, 60_002, 0, 0, 0, 0, 0, 1, 1],
+        [1, 0, 0, 0],
+    ),
     ("spot.glb", [5856, 3225, 2930, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
     (
         "spot_catmull_big.glb",
-        [374784, 187394, 187394, 0, 0, 0, 0, 0, 1, 1],
+        [374_784, 187_394, 187_394, 0, 0, 0, 0, 0, 1, 1],
         [1, 0, 0, 0],
     ),
     (
         "subpass_scene_opaque.gltf",
-        [11132, 15719, 3145, 0, 897, 0, 4100, 0, 9, 12],
+        [11_132, 15_719, 3145, 0, 897, 0, 4100, 0, 9, 12],
         [70, 0, 0, 0],
     ),
     (
@@ -255,7 +260,8 @@ fn table_is_complete() -> Outcome {
     for folder in ["", "primitive_modes"] {
         for entry in std::fs::read_dir(assets().join(folder))? {
             let name = entry?.file_name().to_string_lossy().into_owned();
-            if name.ends_with(".glb") || name.ends_with(".gltf") {
+            let extension = Path::new(&name).extension();
+            if extension == Some("glb".as_ref()) || extension == Some("gltf".as_ref()) {
                 files.push(if folder.is_empty() {
                     name
                 } else {

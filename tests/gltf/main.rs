@@ -9,7 +9,10 @@ mod check;
 mod good;
 mod maker;
 mod mutate;
+mod place;
 mod refuse;
+mod refuse_moving;
+mod refuse_square;
 mod shape;
 
 use std::path::PathBuf;
@@ -27,6 +30,7 @@ fn main() {
         good::tests,
         bad::tests,
         shape::tests,
+        place::tests,
         animate::tests,
         refuse::tests,
         mutate::tests,

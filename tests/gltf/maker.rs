@@ -78,7 +78,7 @@ impl Maker {
     }
 
     /// A mesh of one primitive.
-    pub(crate) fn mesh(&mut self, primitive: Value) -> usize {
+    pub(crate) fn mesh(&mut self, primitive: &Value) -> usize {
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
@@ -87,7 +87,7 @@ impl Maker {
         let mut maker = Self::new();
         let positions = maker.floats("VEC3", &SQUARE);
         let indices = maker.indices(U16, &[0, 1, 2, 0, 2, 3]);
-        let mesh = maker.mesh(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+        let mesh = maker.mesh(&json!({ "attributes": { "POSITION": positions }, "indices": indices }));
         maker.push("nodes", json!({ "mesh": mesh }));
         maker
     }
@@ -184,7 +184,7 @@ pub(crate) fn everything() -> Maker {
         "indices": { "bufferView": at, "componentType": U8 },
         "values": { "bufferView": to },
     });
-    let fan = maker.mesh(json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
+    let fan = maker.mesh(&json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
     let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
     let node = maker.push(
         "nodes",

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use libtest_mimic::Trial;
+use libtest_mimic::{Failed, Trial};
 use rimline::gltf::Asset;
 use rimline::mesh::Weld;
 
@@ -85,6 +85,7 @@ fn run(small: &[Seed], large: &[Seed], cases: usize) -> Outcome {
             Err(message) => return Err(format!("case {case} of seed {first}: {message}").into()),
         }
     }
+    println!("mutate: {accepted} of {cases} cases were accepted");
     // Were nothing accepted, the checks on what loads would never have run.
     ensure(accepted * 20 > cases, || {
         format!("only {accepted} of {cases} were accepted")
@@ -101,17 +102,20 @@ fn holds(bytes: &[u8], base: Option<&Path>) -> Result<bool, String> {
     } else {
         Weld::Position
     };
-    let load = || match Asset::from_slice(bytes, base, weld) {
+    guarded(|| match Asset::from_slice(bytes, base, weld) {
         Ok(asset) => check::asset(&asset, 2, true).map(|()| true),
         Err(error) => ensure(error.to_string().len() < 500, || "a long message".to_owned()).map(|()| false),
-    };
-    match catch_unwind(AssertUnwindSafe(load)) {
+    })
+}
+
+fn guarded(run: impl FnOnce() -> Result<bool, Failed>) -> Result<bool, String> {
+    match catch_unwind(AssertUnwindSafe(run)) {
         Ok(result) => result.map_err(|failed| failed.message().unwrap_or("unsound").to_owned()),
         Err(_) => Err("it panicked".to_owned()),
     }
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
+/// `SplitMix64` (Steele, Lea, Flood 2014).
 struct Random(u64);
 
 impl Random {
@@ -130,15 +134,17 @@ impl Random {
 
 fn mutated(file: &[u8], random: &mut Random) -> Vec<u8> {
     let (mut json, mut binary) = split(file);
-    for _ in 0..=random.below(3) {
-        match random.below(8) {
-            0 | 1 => flip(&mut json, random),
-            2 => flip(&mut binary, random),
-            3 => {
+    // Mostly one change: more tend to break the JSON before anything deeper is reached.
+    let changes = if random.below(4) == 0 { 3 } else { 1 };
+    for _ in 0..changes {
+        match random.below(16) {
+            0 => flip(&mut json, random),
+            1..=5 => flip(&mut binary, random),
+            6 => {
                 let part = if random.below(2) == 0 { &mut json } else { &mut binary };
                 part.truncate(random.below(part.len() + 1));
             }
-            4 => copy_number(&mut json, random),
+            7..=10 => copy_number(&mut json, random),
             _ => replace_number(&mut json, random),
         }
     }
@@ -199,7 +205,7 @@ fn replace_number(json: &mut Vec<u8>, random: &mut Random) {
     let run = runs[random.below(runs.len())].clone();
     let old = String::from_utf8_lossy(&json[run.clone()]).into_owned();
     let value: u64 = old.parse().unwrap_or(0);
-    let new = match random.below(12) {
+    let new = match random.below(16) {
         0 => "0".to_owned(),
         1 => "-1".to_owned(),
         2 => "18446744073709551615".to_owned(),
@@ -211,6 +217,7 @@ fn replace_number(json: &mut Vec<u8>, random: &mut Random) {
         8 => value.saturating_sub(1).to_string(),
         9 => "null".to_owned(),
         10 => value.saturating_mul(2).to_string(),
+        11..=13 => random.below(12).to_string(),
         _ => value.saturating_add(1).to_string(),
     };
     json.splice(run, new.into_bytes());
@@ -228,10 +235,10 @@ fn copy_number(json: &mut Vec<u8>, random: &mut Random) {
 
 /// The harness notices a panic and an unsound model, and its mutations change something.
 fn control() -> Outcome {
-    let caught = catch_unwind(|| {
-        std::panic::resume_unwind(Box::new("on purpose"));
-    });
+    let caught = guarded(|| std::panic::resume_unwind(Box::new("on purpose")));
     ensure(caught.is_err(), || "a panic went unnoticed".to_owned())?;
+    let unsound = guarded(|| Err("on purpose".into()));
+    ensure(unsound.is_err(), || "an unsound model went unnoticed".to_owned())?;
     let file = everything().glb();
     ensure(holds(&file, None) == Ok(true), || {
         "the unmutated file is not sound".to_owned()
