@@ -60,6 +60,17 @@ use skin::LoadedSkin;
 ///
 /// Nothing is allocated for numbers that the file merely states; and what accessors, faces and instances unpack to may
 /// not exceed 64 MiB plus 64 bytes for each byte of the file and its buffers, see [`GltfError::TooMuch`].
+///
+/// ```no_run
+/// use rimline::gltf::Asset;
+/// use rimline::mesh::Weld;
+///
+/// let asset = Asset::open("fox.glb", Weld::Data)?;
+/// let pose = asset.pose(asset.animation_index("Run"), 0.5)?;
+/// let mesh = asset.model().mesh(&pose)?;
+/// println!("{} edge records, closed: {}", mesh.edges().len(), mesh.is_closed());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Asset {
     /// Without buffers, views and accessors, which are no longer needed.
