@@ -1,7 +1,7 @@
 //! Deformable models: geometries, their instances, and a pose, whatever file they came from.
 
 use crate::mesh::weld::{self, bits, groups, hash, same_bits};
-use crate::mesh::{Mesh, MeshError, Weld, WeldCounts};
+use crate::mesh::{MAX_FACES, Mesh, MeshError, Weld, WeldCounts};
 
 /// The joints that move each vertex, any number a vertex; weights of a vertex sum to 1.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -188,7 +188,16 @@ impl Model {
     /// # Errors
     /// [`MeshError`] as for [`Mesh::from_faces`].
     pub fn mesh(&self, pose: &Pose) -> Result<Mesh, MeshError> {
-        let mut faces = Vec::new();
+        // Counted first, so that instances of a large geometry are refused before they fill the memory.
+        let geometries = self
+            .instances
+            .iter()
+            .map(|instance| &self.geometries[instance.geometry]);
+        let count = geometries.map(|geometry| geometry.faces.len()).sum();
+        if count > MAX_FACES {
+            return Err(MeshError::TooManyFaces { faces: count });
+        }
+        let mut faces = Vec::with_capacity(count);
         let mut first_vertex = 0;
         for (instance, pose) in self.instances.iter().zip(&pose.instances) {
             let geometry = &self.geometries[instance.geometry];
