@@ -192,7 +192,7 @@ impl Deformer {
         upload(&self.device, encoder, &self.chunks, table.bytes());
         upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
         self.pass
-            .record_with(encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+            .record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 
