@@ -3,9 +3,9 @@
 use rimline::cpu::{self, Threads};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::layout::{DrawArguments, DrawShape, Masks, Statistics};
-use rimline::mesh::Weld;
-use rimline::{Light, Mesh, Method, shapes};
+use rimline::{Light, Mesh, Method};
 
+use crate::common::cases::topologies;
 use crate::common::device::Gpu;
 use crate::common::random::Random;
 use crate::common::{lights, same};
@@ -76,30 +76,6 @@ pub(crate) fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: us
         }
     }
     Ok(found)
-}
-
-/// Shapes of every topology: closed, open, non-orientable, non-manifold, with faces that name a vertex twice.
-pub(crate) fn topologies() -> Vec<(&'static str, Vec<[f32; 3]>, Mesh)> {
-    let mut soup = shapes::torus(12, 9, 1.0, 0.4);
-    let mut random = Random::new(7);
-    for _ in 0..60 {
-        soup.faces.push(std::array::from_fn(|_| random.below(24) as u32));
-    }
-    let shapes = [
-        ("torus", shapes::torus(40, 30, 1.0, 0.4)),
-        ("blob", shapes::blob(4, 0.3, 1)),
-        ("grid", shapes::plane_grid(17, 9)),
-        ("moebius", shapes::moebius(40, 4)),
-        ("three sheets", shapes::three_sheets(5)),
-        ("soup", soup),
-    ];
-    shapes
-        .into_iter()
-        .map(|(name, shape)| {
-            let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).expect("a shape is a mesh");
-            (name, shape.positions, mesh)
-        })
-        .collect()
 }
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
