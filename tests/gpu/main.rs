@@ -5,6 +5,8 @@ mod closure;
 #[path = "../common/mod.rs"]
 mod common;
 mod facing;
+mod lights;
+mod positions;
 mod stages;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -13,7 +15,15 @@ use libtest_mimic::{Arguments, Failed, Trial};
 type Test = (&'static str, fn() -> Result<(), String>);
 
 fn main() {
-    let tests: Vec<Test> = [stages::TESTS, facing::TESTS, closure::TESTS, assets::TESTS].concat();
+    let tests: Vec<Test> = [
+        stages::TESTS,
+        facing::TESTS,
+        closure::TESTS,
+        lights::TESTS,
+        positions::TESTS,
+        assets::TESTS,
+    ]
+    .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
     println!("adapter: {name}");
     println!("gpu tests: {}", tests.len());
