@@ -4,6 +4,7 @@ mod assets;
 mod closure;
 #[path = "../common/mod.rs"]
 mod common;
+mod deform;
 mod facing;
 mod lights;
 mod positions;
@@ -21,6 +22,7 @@ fn main() {
         closure::TESTS,
         lights::TESTS,
         positions::TESTS,
+        deform::TESTS,
         assets::TESTS,
     ]
     .concat();
