@@ -7,6 +7,7 @@ mod common;
 mod deform;
 mod facing;
 mod lights;
+mod limits;
 mod positions;
 mod stages;
 
@@ -23,6 +24,7 @@ fn main() {
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,
+        limits::TESTS,
         assets::TESTS,
     ]
     .concat();
