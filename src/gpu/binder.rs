@@ -196,7 +196,7 @@ impl Binder<'_> {
                 dispatch.offsets = vec![dispatch.chunk_offset];
                 dispatch.group = Some(pipeline.bind(self.device, &resources));
                 if scans {
-                    dispatch.workgroups = self.shape.word_lights(dispatch.word) as u32;
+                    dispatch.workgroups = self.at_most_workgroups(self.shape.word_lights(dispatch.word));
                 }
             }
             Pass { pipeline, dispatches }
@@ -235,7 +235,7 @@ impl Binder<'_> {
             self.buffers.statistics.as_entire_binding(),
         ];
         let group = Some(pipeline.bind(self.device, &resources));
-        let workgroups = (max_lights as u32).div_ceil(64);
+        let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));
         let dispatch = Dispatch {
             group,
             offsets: vec![0],
@@ -246,6 +246,12 @@ impl Binder<'_> {
             pipeline,
             dispatches: vec![dispatch],
         }
+    }
+
+    /// `wanted` workgroups, or as many as the device lets one dispatch have: for stages whose workgroups take turns.
+    fn at_most_workgroups(&self, wanted: usize) -> u32 {
+        let limit = self.device.limits().max_compute_workgroups_per_dimension;
+        (wanted as u32).min(limit)
     }
 
     /// Masks, counts and list, as `emit.wgsl` binds them.

@@ -3,10 +3,11 @@
 use wgpu::BufferUsages;
 
 use super::extractor::ExtractorOptions;
+use super::frame::UniformTable;
 use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use super::split::Split;
 use crate::cpu::edge_corners;
-use crate::layout::{DrawArguments, Masks, Statistics};
+use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
 use crate::method::{Method, Predicate};
 use crate::{Mesh, light};
 
@@ -117,12 +118,14 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
+    /// `chunks` are those that a word of lights is dispatched with.
     pub(super) fn new(
         device: &wgpu::Device,
         mesh: &Mesh,
         shape: &Shape,
         options: &ExtractorOptions,
         split: &Split,
+        chunks: usize,
     ) -> Result<Self, MemoryError> {
         let words = shape.words();
         let per_edge = options.method == Method::PerEdge;
@@ -131,7 +134,19 @@ impl Buffers {
         let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;
         let lists = if options.lists.is_some() { words } else { 0 };
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
+        let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let undecided_bytes = UNDECIDED_HEAD + 8 * shape.undecided as u64;
+        // These are bound whole; everything else is bound by chunks or windows.
+        let bound_whole = [
+            ("places", places_bytes),
+            ("counts", lights * 4),
+            ("draw arguments", lights * size_of::<DrawArguments>() as u64),
+        ];
+        if let Some(&(what, bytes)) = bound_whole.iter().find(|&&(_, bytes)| padded(bytes) > split.binding) {
+            let limit = split.binding;
+            return Err(MemoryError::Binding { what, bytes, limit });
+        }
 
         let mut wanted = vec![
             ("faces", faces * 12),
@@ -142,10 +157,10 @@ impl Buffers {
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
-        let undecided_bytes = UNDECIDED_HEAD + 8 * shape.undecided as u64;
-        wanted.push(("places", places_bytes));
         wanted.push(("undecided faces", undecided_bytes));
-        wanted.push(("light words", words as u64 * 1792));
+        wanted.extend(bound_whole);
+        wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
+        wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
         let allocations: Vec<_> = wanted
             .iter()
             .map(|&(label, bytes)| Allocation {
@@ -157,7 +172,6 @@ impl Buffers {
 
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let result = storage | BufferUsages::COPY_DST;
-        let lights = shape.max_lights as u64;
         guarded(device, bytes, || Self {
             faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
             edge_vertices: filled(

@@ -155,7 +155,14 @@ impl Extractor {
         let face_chunks = split.chunks("faces", shape.faces, 12)?;
         let edge_chunks = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
         let facing_windows = split.windows("facing masks", 4 * shape.faces as u64)?;
-        let buffers = Buffers::new(device, mesh, &shape, &options, &split)?;
+        let buffers = Buffers::new(
+            device,
+            mesh,
+            &shape,
+            &options,
+            &split,
+            face_chunks.len() + edge_chunks.len(),
+        )?;
 
         let mut chunk_table = UniformTable::default();
         let face_dispatches = plan(&shape, &face_chunks, &mut chunk_table);
