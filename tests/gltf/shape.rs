@@ -24,6 +24,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("shape::data_uris_and_files", uris),
         test("shape::unknown_glb_chunks", glb_chunks),
         test("shape::welding", welding),
+        test("shape::welding_in_one_point_is_linear", one_point),
     ]
 }
 
@@ -264,4 +265,19 @@ fn welding() -> Outcome {
         check::asset(&asset, 0, false)?;
     }
     Ok(())
+}
+
+/// A reproduction: welding compared every pair of vertices that share a position and differ in the rest, which would
+/// take a quarter of an hour here.
+fn one_point() -> Outcome {
+    let count = 600_000_u32;
+    let mut maker = Maker::new();
+    let offsets: Vec<f32> = (0..count).flat_map(|v| [v as f32, 0.0, 0.0]).collect();
+    let target = maker.floats("VEC3", &offsets);
+    let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": count });
+    let positions = maker.push("accessors", zeros);
+    maker.mesh(&json!({ "attributes": { "POSITION": positions }, "targets": [{ "POSITION": target }] }));
+    let asset = Asset::from_slice(&maker.glb(), None, Weld::Data)?;
+    let counts = asset.weld_counts(0).ok_or("no counts")?;
+    same(&(counts.after, counts.apart), &(600_000, 599_999), "counts")
 }
