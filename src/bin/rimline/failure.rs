@@ -1,0 +1,94 @@
+//! Everything that can go wrong, and the exit code it ends with.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use rimline::{LightError, MeshError};
+
+use crate::npz::NpzError;
+
+/// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The model file, or what is in it.
+    #[error("{}: {source}", .file.display())]
+    Input {
+        file: PathBuf,
+        #[source]
+        source: InputError,
+    },
+    /// The command line asks for what cannot be.
+    #[error(transparent)]
+    Usage(#[from] UsageError),
+    /// There is no device that could do it.
+    #[error(transparent)]
+    NoDevice(#[from] NoDevice),
+    /// The device stopped in the middle.
+    #[error("the device {adapter} failed: {message}; nothing was written")]
+    DeviceLost { adapter: String, message: String },
+    /// The result could not be written.
+    #[error("{}: cannot be written: {source}", .file.display())]
+    Output {
+        file: PathBuf,
+        #[source]
+        source: std::io::Error,
+    },
+}
+
+/// What is wrong with the input.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum InputError {
+    #[error("cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+    #[error("the ending says neither .gltf, .glb nor .npz, the formats that can be read")]
+    Format,
+    #[error(transparent)]
+    Npz(#[from] NpzError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error("its lights cannot be used: {0}")]
+    Lights(#[from] LightError),
+}
+
+/// What is wrong with the command line, beyond what the parser of options sees.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum UsageError {
+    #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
+    DisplaceOnCpu,
+}
+
+/// Why no device serves.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NoDevice {
+    #[error("no GPU was found. {}", crate::device::ADVICE)]
+    None,
+    #[error("no adapter's name contains `{name}`; there is {}. `rimline devices` says more", .adapters.join(", "))]
+    NotNamed { name: String, adapters: Vec<String> },
+    #[error("the adapter {adapter} cannot be used: it lacks {lacking}")]
+    Lacks { adapter: String, lacking: String },
+    #[error("the adapter {adapter} gave no device: {source}")]
+    Refused {
+        adapter: String,
+        source: rimline::wgpu::RequestDeviceError,
+    },
+}
+
+impl Failure {
+    /// Pins what is wrong with an input to its file.
+    pub(crate) fn input(file: &Path) -> impl Fn(InputError) -> Self + '_ {
+        move |source| Self::Input {
+            file: file.to_owned(),
+            source,
+        }
+    }
+
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Input { .. } => 1,
+            Self::Usage(_) => 2,
+            Self::NoDevice(_) => 3,
+            Self::DeviceLost { .. } | Self::Output { .. } => 4,
+        })
+    }
+}
