@@ -1,12 +1,20 @@
 //! Rimline.
 #![forbid(unsafe_code)]
 
+pub mod cpu;
+pub mod displace;
+pub mod gpu;
+pub mod layout;
 pub mod light;
 pub mod mesh;
+pub mod method;
 pub mod model;
+pub mod stages;
 
+pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
-pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose};
+pub use method::Method;
+pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseError};
 
 pub use {glam, wgpu};

@@ -123,6 +123,15 @@ impl Geometry {
         (welded, counts)
     }
 
+    /// Matrices that a pose's palette must have: one more than the highest joint named, or 1 where nothing is skinned.
+    pub fn joints_needed(&self) -> usize {
+        let highest = self
+            .influences
+            .as_ref()
+            .map(|influences| influences.joints.iter().max());
+        highest.map_or(1, |joint| joint.map_or(0, |&joint| joint as usize + 1))
+    }
+
     fn same_position(&self, a: usize, b: usize) -> bool {
         same_bits(self.positions[a], self.positions[b])
     }
@@ -191,4 +200,38 @@ impl Model {
         }
         Mesh::from_faces(self.vertex_count(), faces)
     }
+}
+
+/// Why a pose is not one of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// Another number of instances.
+    #[error("the pose has {given} instances, and the model has {needed}")]
+    Instances {
+        /// Instances of the pose.
+        given: usize,
+        /// Instances of the model.
+        needed: usize,
+    },
+    /// Too few matrices.
+    #[error("the pose of instance {instance} has {given} matrices, and its geometry needs {needed}")]
+    Palette {
+        /// The instance's index.
+        instance: usize,
+        /// Matrices of the pose.
+        given: usize,
+        /// Matrices needed.
+        needed: usize,
+    },
+    /// Another number of morph weights than targets.
+    #[error("the pose of instance {instance} has {given} morph weights, and its geometry has {needed} targets")]
+    MorphWeights {
+        /// The instance's index.
+        instance: usize,
+        /// Weights of the pose.
+        given: usize,
+        /// Targets of the geometry.
+        needed: usize,
+    },
 }

@@ -5,7 +5,7 @@ mod topology;
 pub(crate) mod weld;
 
 pub use survey::{Bounds, Survey};
-pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords};
+pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 
 /// The most faces that a mesh may have: an edge's index and its winding bit share one `u32` in the edge lists, and a

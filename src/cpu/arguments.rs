@@ -1,0 +1,15 @@
+//! Arguments: what an indirect draw of a light's list needs.
+
+use crate::layout::{DrawArguments, DrawShape};
+
+/// The draw of each light, from its count of silhouette edges; and how many lists overflowed.
+pub fn arguments(shape: DrawShape, counts: &[u32]) -> (Vec<DrawArguments>, u32) {
+    let draws = counts.iter().map(|&count| DrawArguments {
+        vertex_count: shape.vertices_per_edge,
+        instance_count: if count > shape.capacity { shape.edges } else { count },
+        first_vertex: 0,
+        first_instance: 0,
+    });
+    let overflowed = counts.iter().filter(|&&count| count > shape.capacity).count() as u32;
+    (draws.collect(), overflowed)
+}

@@ -1,0 +1,48 @@
+//! Edges: silhouette and winding masks of the edge records, from the facing masks of their faces.
+
+use super::Threads;
+use crate::layout::{Masks, live_bits};
+use crate::light;
+use crate::mesh::{EdgeRecords, INCONSISTENT, NO_FACE};
+
+/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record, from planes of `face_count` facing
+/// masks for `light_count` lights. Missing facing masks count as zeros.
+pub fn edges(
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+) -> Vec<Masks> {
+    let mut masks = vec![
+        Masks {
+            silhouette: 0,
+            winding: 0
+        };
+        records.len() * light::words(light_count)
+    ];
+    let planes = masks
+        .chunks_mut(records.len().max(1))
+        .zip(facing.chunks(face_count.max(1)));
+    for (word, (plane, facing)) in planes.enumerate() {
+        let live = live_bits(light_count - 32 * word);
+        threads.share(plane, |first, masks| {
+            for (masks, &faces) in masks.iter_mut().zip(&records.packed_faces()[first..]) {
+                *masks = edge_masks(faces, facing, live);
+            }
+        });
+    }
+    masks
+}
+
+/// The bits of one edge record.
+fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> Masks {
+    let mask = |face: u32| facing.get(face as usize).copied().unwrap_or(0);
+    let winding = mask(face_0 & !INCONSISTENT);
+    let silhouette = match face_1 {
+        NO_FACE => live,
+        _ if face_0 & INCONSISTENT != 0 => !(winding ^ mask(face_1)) & live,
+        _ => winding ^ mask(face_1),
+    };
+    Masks { silhouette, winding }
+}

@@ -1,0 +1,23 @@
+//! The stages on the CPU: each a twin of the WGSL file of the same name, which tests compare bit for bit. They need no
+//! driver and serve as `--device cpu`.
+//!
+//! Masks are laid out as on the GPU: word after word of 32 lights, within a word item after item.
+
+mod arguments;
+mod compact;
+mod deform;
+mod edges;
+mod extraction;
+mod facing;
+mod parallel;
+mod per_edge;
+
+pub use arguments::arguments;
+pub use compact::{CompactedList, WINDING, compact};
+pub use deform::{Displace, deform};
+pub use edges::edges;
+pub use extraction::{CpuExtraction, extract};
+pub use facing::{facing, is_finite};
+pub use parallel::Threads;
+pub(crate) use per_edge::edge_corners;
+pub use per_edge::per_edge;

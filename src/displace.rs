@@ -1,0 +1,207 @@
+//! A caller's displacement function: checked with naga and composed into the deform stage before any pipeline is made.
+
+use naga::{Binding, Module, Span, TypeInner, VectorSize};
+
+use crate::stages::{DEFORM, INCLUDES};
+
+/// The bind group that a displacement may use.
+pub const DISPLACE_GROUP: u32 = 1;
+
+/// WGSL with a function `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>` and whatever it calls.
+///
+/// `position` is in world space, after morph and skin; `vertex` is the source vertex index; `time` is in seconds. The
+/// source may declare resources of its own in bind group [`DISPLACE_GROUP`], up to two storage buffers within
+/// `wgpu::Limits::default()`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Displacement {
+    source: String,
+    uses_resources: bool,
+}
+
+/// Why a displacement is refused. Lines and columns count from 1 in the caller's own source.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DisplaceError {
+    /// It is no valid WGSL.
+    #[error("displacement, line {line}, column {column}: {message}")]
+    Wgsl {
+        /// Line from 1.
+        line: u32,
+        /// Column from 1.
+        column: u32,
+        /// What naga says.
+        message: String,
+    },
+    /// There is no function `displace`.
+    #[error("the displacement declares no function `displace`; it needs `{SIGNATURE}`")]
+    Missing,
+    /// `displace` has other arguments or another result.
+    #[error("displacement, line {line}: `displace` must be `{SIGNATURE}`")]
+    Signature {
+        /// Line from 1.
+        line: u32,
+    },
+    /// A resource lies in another bind group.
+    #[error(
+        "displacement, line {line}: `{name}` is in bind group {group}; a displacement's resources belong in group 1"
+    )]
+    Group {
+        /// Line from 1.
+        line: u32,
+        /// The resource's name.
+        name: String,
+        /// The group it is in.
+        group: u32,
+    },
+    /// The source has an entry point.
+    #[error("the displacement declares the entry point `{name}`; it must have functions only")]
+    EntryPoint {
+        /// The entry point's name.
+        name: String,
+    },
+}
+
+const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";
+
+impl Displacement {
+    /// Checks `source` by itself and within the deform stage.
+    ///
+    /// # Errors
+    /// [`DisplaceError`] that points at the line of `source`.
+    pub fn new(source: &str) -> Result<Self, DisplaceError> {
+        let module = parse(source, source)?;
+        if let Some(entry_point) = module.entry_points.first() {
+            return Err(DisplaceError::EntryPoint {
+                name: entry_point.name.clone(),
+            });
+        }
+        check_signature(&module, source)?;
+        let mut uses_resources = false;
+        for (handle, variable) in module.global_variables.iter() {
+            let Some(binding) = &variable.binding else { continue };
+            uses_resources = true;
+            if binding.group != DISPLACE_GROUP {
+                let line = line_of(module.global_variables.get_span(handle), source);
+                let name = variable.name.clone().unwrap_or_default();
+                return Err(DisplaceError::Group {
+                    line,
+                    name,
+                    group: binding.group,
+                });
+            }
+        }
+        validate(&module, source, source)?;
+        let displacement = Self {
+            source: source.to_owned(),
+            uses_resources,
+        };
+        let composed = displacement.deform_wgsl();
+        validate(&parse(&composed, source)?, &composed, source)?;
+        Ok(displacement)
+    }
+
+    /// The source declares resources, so the deform stage needs a bind group of the caller's.
+    pub fn uses_resources(&self) -> bool {
+        self.uses_resources
+    }
+
+    /// The deform stage's module with this displacement. The caller's source comes first, so its line numbers hold.
+    pub fn deform_wgsl(&self) -> String {
+        format!("{}\n{}", self.source, DEFORM.wgsl())
+    }
+}
+
+/// The deform stage's module without any displacement.
+pub fn plain_deform_wgsl() -> String {
+    let identity = INCLUDES
+        .iter()
+        .find(|(name, _)| *name == "displace")
+        .map_or("", |(_, source)| source);
+    format!("{identity}\n{}", DEFORM.wgsl())
+}
+
+/// Parses `text`, which begins with the caller's `source`; errors are placed in `source`.
+fn parse(text: &str, source: &str) -> Result<Module, DisplaceError> {
+    naga::front::wgsl::parse_str(text).map_err(|error| {
+        let spans: Vec<Span> = error.labels().map(|(span, _)| span).collect();
+        wgsl_error(error.message().to_owned(), &spans, source)
+    })
+}
+
+fn validate(module: &Module, text: &str, source: &str) -> Result<(), DisplaceError> {
+    let mut validator = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::default(),
+    );
+    validator.validate(module).map(drop).map_err(|error| {
+        let spans: Vec<Span> = error.spans().map(|(span, _)| *span).collect();
+        // The error proper is wrapped in one that names the function.
+        let mut message = error.as_inner().to_string();
+        let mut cause = std::error::Error::source(error.as_inner());
+        while let Some(error) = cause {
+            message = format!("{message}: {error}");
+            cause = error.source();
+        }
+        debug_assert!(text.starts_with(source));
+        wgsl_error(message, &spans, source)
+    })
+}
+
+/// An error at the first of `spans` that lies in `source`, the most precise one if there are several.
+fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
+    let ranges = spans
+        .iter()
+        .filter_map(|span| span.to_range())
+        .filter(|range| range.start <= source.len());
+    let span = ranges
+        .min_by_key(ExactSizeIterator::len)
+        .map_or(Span::UNDEFINED, |range| {
+            let end = range.end.min(source.len());
+            Span::new(range.start.min(end) as u32, end as u32)
+        });
+    let place = span.location(source);
+    DisplaceError::Wgsl {
+        line: place.line_number.max(1),
+        column: place.line_position.max(1),
+        message,
+    }
+}
+
+fn line_of(span: Span, source: &str) -> u32 {
+    span.location(source).line_number
+}
+
+fn check_signature(module: &Module, source: &str) -> Result<(), DisplaceError> {
+    let mut functions = module.functions.iter();
+    let Some((handle, function)) = functions.find(|(_, function)| function.name.as_deref() == Some("displace")) else {
+        return Err(DisplaceError::Missing);
+    };
+    let is = |ty: naga::Handle<naga::Type>, inner: &TypeInner| &module.types[ty].inner == inner;
+    let vec3 = TypeInner::Vector {
+        size: VectorSize::Tri,
+        scalar: naga::Scalar::F32,
+    };
+    let expected = [
+        vec3.clone(),
+        TypeInner::Scalar(naga::Scalar::U32),
+        TypeInner::Scalar(naga::Scalar::F32),
+    ];
+    let plain = |binding: &Option<Binding>| binding.is_none();
+    let arguments_fit = function.arguments.len() == expected.len()
+        && function
+            .arguments
+            .iter()
+            .zip(&expected)
+            .all(|(given, inner)| is(given.ty, inner) && plain(&given.binding));
+    let result_fits = function
+        .result
+        .as_ref()
+        .is_some_and(|result| is(result.ty, &vec3) && plain(&result.binding));
+    if arguments_fit && result_fits {
+        Ok(())
+    } else {
+        Err(DisplaceError::Signature {
+            line: line_of(module.functions.get_span(handle), source),
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! The buffers of an extraction: sizes, then the buffers.
+
+use wgpu::BufferUsages;
+
+use super::extractor::ExtractorOptions;
+use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use super::split::Split;
+use crate::cpu::edge_corners;
+use crate::layout::{DrawArguments, Masks, Statistics};
+use crate::method::Method;
+use crate::{Mesh, light};
+
+/// The numbers that sizes follow from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    pub(super) vertices: u32,
+    pub(super) faces: usize,
+    pub(super) edges: usize,
+    pub(super) max_lights: usize,
+    /// Entries that each light's list has room for; 0 without lists.
+    pub(super) capacity: u32,
+    /// Blocks of edges that compaction counts by.
+    pub(super) blocks: u32,
+}
+
+impl Shape {
+    pub(super) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> Result<Self, MemoryError> {
+        let edges = mesh.edges().len();
+        let word = options.max_lights.min(32) as u64;
+        let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
+        let capacity = match options.lists {
+            None => 0,
+            // Nothing of this method can stand in for a list that overflowed, so there is room for every edge.
+            Some(_) if options.method == Method::PerEdge => edges as u32,
+            Some(lists) => match lists.capacity {
+                Some(capacity) => capacity,
+                None => default_capacity(mesh, options.max_lights).min(fitting),
+            }
+            .clamp(1, edges.max(1) as u32),
+        };
+        if capacity > fitting {
+            let bytes = u64::from(capacity) * 4 * word;
+            return Err(MemoryError::Binding {
+                what: "edge lists",
+                bytes,
+                limit: split.binding,
+            });
+        }
+        Ok(Self {
+            vertices: mesh.vertex_count(),
+            faces: mesh.faces().len(),
+            edges,
+            max_lights: options.max_lights,
+            capacity,
+            blocks: edges.div_ceil(super::split::WORKGROUP as usize) as u32,
+        })
+    }
+
+    /// Words of 32 lights.
+    pub(super) fn words(&self) -> usize {
+        light::words(self.max_lights)
+    }
+
+    /// The most lights of a word.
+    pub(super) fn word_lights(&self, word: usize) -> usize {
+        (self.max_lights - 32 * word).min(32)
+    }
+}
+
+/// Boundary and inconsistent edges always have room. Of the consistent ones, as many as lists of 16 bytes an edge in
+/// all give each light, which is every edge for up to four lights; and never fewer than sixteen times the square root,
+/// a few times what a smooth surface shows.
+fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
+    let counts = mesh.edges().counts();
+    let smooth = 16 * counts.consistent.isqrt();
+    let shared = 4 * counts.consistent / lights.max(1);
+    (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
+}
+
+/// The buffers of an extraction, one a word of lights where there is a list of them.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    pub(super) faces: wgpu::Buffer,
+    pub(super) edge_vertices: wgpu::Buffer,
+    pub(super) edge_faces: wgpu::Buffer,
+    /// Of the per-edge method.
+    pub(super) edge_corners: Option<wgpu::Buffer>,
+    pub(super) facing: Vec<wgpu::Buffer>,
+    /// None, one that all words share for compaction, or one a word where the masks are asked for.
+    pub(super) masks: Vec<wgpu::Buffer>,
+    pub(super) lists: Vec<wgpu::Buffer>,
+    pub(super) places: wgpu::Buffer,
+    pub(super) counts: wgpu::Buffer,
+    pub(super) draw_arguments: wgpu::Buffer,
+    pub(super) statistics: wgpu::Buffer,
+    /// Bound where a stage's binding is not used.
+    pub(super) unused: wgpu::Buffer,
+}
+
+impl Buffers {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        mesh: &Mesh,
+        shape: &Shape,
+        options: &ExtractorOptions,
+        split: &Split,
+    ) -> Result<Self, MemoryError> {
+        let words = shape.words();
+        let per_edge = options.method == Method::PerEdge;
+        let ordered = options.lists.is_some_and(|lists| lists.ordered);
+        let mask_planes = if options.masks { words } else { usize::from(ordered) };
+        let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;
+        let lists = if options.lists.is_some() { words } else { 0 };
+        let [edges, faces] = [shape.edges as u64, shape.faces as u64];
+        let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+
+        let mut wanted = vec![
+            ("faces", faces * 12),
+            ("edge vertices", edges * 8),
+            ("edge faces", edges * 8),
+        ];
+        wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
+        wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
+        wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
+        wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
+        wanted.push(("places", places_bytes));
+        wanted.push(("light words", words as u64 * 768));
+        let allocations: Vec<_> = wanted
+            .iter()
+            .map(|&(label, bytes)| Allocation {
+                label,
+                bytes: padded(bytes),
+            })
+            .collect();
+        let bytes = check(&allocations, split.buffer, options.memory_limit)?;
+
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let result = storage | BufferUsages::COPY_DST;
+        let lights = shape.max_lights as u64;
+        guarded(device, bytes, || Self {
+            faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
+            edge_vertices: filled(
+                device,
+                "edge vertices",
+                bytemuck::cast_slice(mesh.edges().vertices()),
+                storage,
+            ),
+            edge_faces: filled(
+                device,
+                "edge faces",
+                bytemuck::cast_slice(mesh.edges().packed_faces()),
+                storage,
+            ),
+            edge_corners: per_edge.then(|| {
+                filled(
+                    device,
+                    "edge corners",
+                    bytemuck::cast_slice(&edge_corners(mesh)),
+                    storage,
+                )
+            }),
+            facing: (0..if per_edge { 0 } else { words })
+                .map(|_| buffer(device, "facing masks", faces * 4, result))
+                .collect(),
+            masks: (0..mask_planes)
+                .map(|_| buffer(device, "edge masks", edges * size_of::<Masks>() as u64, result))
+                .collect(),
+            lists: (0..lists)
+                .map(|word| buffer(device, "edge lists", list_bytes(word), result))
+                .collect(),
+            places: buffer(device, "places", places_bytes, storage),
+            counts: buffer(device, "counts", lights * 4, result),
+            draw_arguments: buffer(
+                device,
+                "draw arguments",
+                lights * size_of::<DrawArguments>() as u64,
+                result | BufferUsages::INDIRECT,
+            ),
+            statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
+            unused: buffer(device, "unused", 64, result),
+        })
+    }
+}

@@ -1,0 +1,326 @@
+//! The extraction: facing, edges, compaction, draw arguments.
+
+use std::ops::Range;
+
+use super::binder::Binder;
+use super::buffers::{Buffers, Shape};
+use super::frame::{UniformTable, upload};
+use super::memory::MemoryError;
+use super::pass::{Dispatch, Pass};
+use super::positions::{BoundPositions, PositionBuffer, PositionError};
+use super::results::Results;
+use super::split::Split;
+use super::timer::StageTimer;
+use crate::layout::{Chunk, LightWord};
+use crate::light::{self, LightError, MAX_LIGHTS, check_lights};
+use crate::method::Method;
+use crate::stages::ARGUMENTS;
+use crate::{Light, Mesh};
+
+/// What an [`Extractor`] finds and keeps.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtractorOptions {
+    /// The most lights of one encode, 1 to [`MAX_LIGHTS`].
+    pub max_lights: usize,
+    /// How silhouettes are found.
+    pub method: Method,
+    /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and word of 32 lights.
+    pub masks: bool,
+    /// Make lists of silhouette edges; `None` for none.
+    pub lists: Option<ListOptions>,
+    /// Refuse, before anything is allocated, to take more bytes of device memory than this. wgpu tells no device's
+    /// memory, so without it a mesh too large is found out by the device, and what was allocated is given back.
+    pub memory_limit: Option<u64>,
+}
+
+impl Default for ExtractorOptions {
+    /// One light, face masks, lists, no edge masks, no memory limit.
+    fn default() -> Self {
+        Self {
+            max_lights: 1,
+            method: Method::FaceMask,
+            masks: false,
+            lists: Some(ListOptions::default()),
+            memory_limit: None,
+        }
+    }
+}
+
+/// How lists of silhouette edges are made.
+#[derive(Clone, Copy, Debug)]
+pub struct ListOptions {
+    /// Entries that each light's list has room for, clamped to 1 … edge records. `None`: boundary and inconsistent
+    /// edges, and of the others a share of four lists of all edges, at least sixteen times their square root. A list
+    /// that overflows loses nothing: its draw goes over all edges, and [`crate::layout::Statistics`] counts it. The
+    /// per-edge method always has room for all edges.
+    pub capacity: Option<u32>,
+    /// Lists in the order of the edges, the same in every run; costs the masks' memory traffic.
+    pub ordered: bool,
+    /// `vertex_count` of the draw arguments: 4 for a quad as a strip, 6 as two triangles, 2 for a line.
+    pub vertices_per_edge: u32,
+}
+
+impl Default for ListOptions {
+    /// Capacity by the mesh, unordered, 4 vertices an edge.
+    fn default() -> Self {
+        Self {
+            capacity: None,
+            ordered: false,
+            vertices_per_edge: 4,
+        }
+    }
+}
+
+/// Why an extraction cannot be recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The lights are refused.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// The position buffer is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+}
+
+/// Why an extractor cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExtractorError {
+    /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// The mesh does not fit the device.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+/// Extracts the silhouettes of one mesh, frame after frame, for up to `max_lights` lights. Records compute passes into
+/// the caller's encoder; the results stay in GPU buffers, see [`Extractor::results`].
+#[derive(Debug)]
+pub struct Extractor {
+    device: wgpu::Device,
+    split: Split,
+    shape: Shape,
+    buffers: Buffers,
+    light_words: wgpu::Buffer,
+    chunks: wgpu::Buffer,
+    /// Facing, or the per-edge method; bound to positions when they are known.
+    from_positions: Pass,
+    /// Edges, compaction, arguments: what the options ask for, in order.
+    from_facing: Vec<Pass>,
+    options: ExtractorOptions,
+    bound_to: Option<BoundTo>,
+}
+
+/// The position buffer that bind groups were made for.
+#[derive(Debug, PartialEq)]
+struct BoundTo {
+    buffer: wgpu::Buffer,
+    offset: u64,
+    stride: u64,
+}
+
+impl Extractor {
+    /// Uploads the mesh's topology and makes pipelines and result buffers on the caller's device.
+    ///
+    /// # Errors
+    /// [`ExtractorError`] for an impossible number of lights, or a mesh that does not fit the device's limits, the
+    /// `memory_limit` or its memory.
+    pub fn new(device: &wgpu::Device, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
+        match options.max_lights {
+            0 => return Err(LightError::None.into()),
+            count if count > MAX_LIGHTS => {
+                return Err(LightError::TooMany {
+                    count,
+                    limit: MAX_LIGHTS,
+                }
+                .into());
+            }
+            _ => {}
+        }
+        let split = Split::new(&device.limits());
+        let shape = Shape::new(mesh, &options, &split)?;
+        let per_edge = options.method == Method::PerEdge;
+        let face_chunks = split.chunks("faces", shape.faces, 12)?;
+        let edge_chunks = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
+        let facing_windows = split.windows("facing masks", 4 * shape.faces as u64)?;
+        let buffers = Buffers::new(device, mesh, &shape, &options, &split)?;
+
+        let mut chunk_table = UniformTable::default();
+        let face_dispatches = plan(&shape, &face_chunks, &mut chunk_table);
+        let edge_dispatches = plan(&shape, &edge_chunks, &mut chunk_table);
+        let chunks = chunk_table.into_buffer(device, "chunks");
+        let mut light_table = UniformTable::default();
+        (0..shape.words()).for_each(|_| _ = light_table.push(&LightWord::new(&[], 0, 3)));
+        let light_words = light_table.into_buffer(device, "light words");
+
+        let binder = Binder {
+            device,
+            shape: &shape,
+            buffers: &buffers,
+            chunks: &chunks,
+            light_words: &light_words,
+        };
+        let from_positions = Pass {
+            pipeline: binder.positions_pipeline(&options, 0),
+            dispatches: if per_edge {
+                edge_dispatches.clone()
+            } else {
+                face_dispatches
+            },
+        };
+        let mut from_facing = Vec::new();
+        if !per_edge && (options.masks || options.lists.is_some()) {
+            from_facing.push(binder.edges(&options, edge_dispatches.clone(), &facing_windows));
+        }
+        if let Some(lists) = options.lists {
+            if lists.ordered {
+                from_facing.extend(binder.compact(&edge_dispatches));
+            }
+            from_facing.push(binder.arguments(lists.vertices_per_edge));
+        }
+        Ok(Self {
+            device: device.clone(),
+            split,
+            shape,
+            light_words,
+            chunks,
+            from_positions,
+            from_facing,
+            options,
+            bound_to: None,
+            buffers,
+        })
+    }
+
+    /// Records the extraction for `lights`, which are in the space of the positions. Lights past those given keep the
+    /// masks of an earlier encode, and their draws are empty. Several encodes in one encoder are fine: each sees its own lights,
+    /// and overwrites the results of the one before.
+    ///
+    /// `timer` takes a timestamp around each stage.
+    ///
+    /// # Errors
+    /// [`EncodeError`] when lights or positions are refused; nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        positions: PositionBuffer<'_>,
+        lights: &[Light],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), EncodeError> {
+        check_lights(lights, self.options.max_lights)?;
+        let bound = positions.bind(self.shape.vertices, &self.split)?;
+        self.bind_positions(&positions, &bound);
+
+        let mut words = UniformTable::default();
+        for lights in lights.chunks(32) {
+            words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
+        }
+        upload(&self.device, encoder, &self.light_words, words.bytes());
+        encoder.clear_buffer(&self.buffers.statistics, 0, None);
+        encoder.clear_buffer(&self.buffers.counts, 0, None);
+        let used = light::words(lights.len());
+        // Words share the masks where only compaction needs them, so each word goes through all stages by itself then.
+        let runs: Vec<Range<usize>> = if self.buffers.masks.len() < used {
+            (0..used).map(|word| word..word + 1).collect()
+        } else {
+            vec![0..used]
+        };
+        let (per_light, at_last): (Vec<_>, Vec<_>) = self
+            .from_facing
+            .iter()
+            .partition(|pass| pass.pipeline.label != ARGUMENTS.name);
+        for run in runs {
+            self.from_positions.record(encoder, run.clone(), timer.as_deref_mut());
+            for pass in &per_light {
+                pass.record(encoder, run.clone(), timer.as_deref_mut());
+            }
+        }
+        for pass in at_last {
+            pass.record(encoder, 0..used, timer.as_deref_mut());
+        }
+        Ok(())
+    }
+
+    /// Makes the bind groups that read positions, unless they are made for this very place already.
+    fn bind_positions(&mut self, positions: &PositionBuffer<'_>, bound: &BoundPositions) {
+        let &PositionBuffer { buffer, offset, stride } = positions;
+        let target = BoundTo {
+            buffer: buffer.clone(),
+            offset,
+            stride,
+        };
+        if self.bound_to.as_ref() == Some(&target) {
+            return;
+        }
+        let Self {
+            device,
+            shape,
+            buffers,
+            chunks,
+            light_words,
+            ..
+        } = self;
+        let binder = Binder {
+            device,
+            shape,
+            buffers,
+            chunks,
+            light_words,
+        };
+        if self.from_positions.pipeline.window_words != bound.windows.words {
+            self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
+        }
+        binder.bind_positions(&self.options, &mut self.from_positions, buffer, bound);
+        self.bound_to = Some(target);
+    }
+
+    /// The buffers that hold the results once the encoder is submitted.
+    pub fn results(&self) -> Results<'_> {
+        let Buffers {
+            edge_vertices,
+            edge_faces,
+            facing,
+            masks,
+            lists,
+            counts,
+            draw_arguments,
+            statistics,
+            ..
+        } = &self.buffers;
+        Results {
+            edge_vertices,
+            edge_faces,
+            facing,
+            masks: if self.options.masks { masks } else { &[] },
+            lists,
+            capacity: self.shape.capacity,
+            counts,
+            draw_arguments,
+            statistics,
+        }
+    }
+
+    pub(super) fn parts(&self) -> (&wgpu::Device, &Split, &Shape) {
+        (&self.device, &self.split, &self.shape)
+    }
+}
+
+/// A dispatch for each word of lights and chunk of items.
+fn plan(shape: &Shape, chunks: &[Range<usize>], table: &mut UniformTable) -> Vec<Dispatch> {
+    let mut dispatches = Vec::with_capacity(shape.words() * chunks.len());
+    for word in 0..shape.words() {
+        for items in chunks {
+            let chunk_offset = table.push(&Chunk {
+                first: items.start as u32,
+                count: items.len() as u32,
+                first_light: 32 * word as u32,
+                capacity: shape.capacity,
+                blocks: shape.blocks,
+            });
+            dispatches.push(Dispatch::over(word, items.clone(), chunk_offset));
+        }
+    }
+    dispatches
+}

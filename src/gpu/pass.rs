@@ -1,0 +1,86 @@
+//! A compute pass: one pipeline and its dispatches.
+
+use std::ops::Range;
+
+use super::pipelines::Pipeline;
+use super::split::WORKGROUP;
+use super::timer::StageTimer;
+
+/// A stage's pipeline and what it is dispatched with.
+#[derive(Debug)]
+pub(super) struct Pass {
+    pub(super) pipeline: Pipeline,
+    pub(super) dispatches: Vec<Dispatch>,
+}
+
+/// One dispatch over a chunk of items for one word of lights.
+#[derive(Clone, Debug)]
+pub(super) struct Dispatch {
+    /// The word of 32 lights.
+    pub(super) word: usize,
+    /// The faces or edges.
+    pub(super) items: Range<usize>,
+    /// Where its `Chunk` lies in the table of chunks.
+    pub(super) chunk_offset: u32,
+    /// Made once all its buffers are known.
+    pub(super) group: Option<wgpu::BindGroup>,
+    /// Dynamic offsets of the group's uniforms.
+    pub(super) offsets: Vec<u32>,
+    pub(super) workgroups: u32,
+}
+
+impl Dispatch {
+    /// A dispatch of one invocation an item, not bound yet.
+    pub(super) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
+        let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
+        Self {
+            word,
+            items,
+            chunk_offset,
+            group: None,
+            offsets: Vec::new(),
+            workgroups,
+        }
+    }
+
+    /// Bytes of this chunk in an array of `bytes_per_item`.
+    pub(super) fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
+        self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
+    }
+}
+
+impl Pass {
+    /// Records the dispatches of `words`.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        words: Range<usize>,
+        timer: Option<&mut StageTimer>,
+    ) {
+        self.record_with(encoder, words, timer, None);
+    }
+
+    /// The same with a second bind group, at the index given.
+    pub(super) fn record_with(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        words: Range<usize>,
+        timer: Option<&mut StageTimer>,
+        further: Option<(u32, &wgpu::BindGroup)>,
+    ) {
+        let label = self.pipeline.label;
+        let timestamp_writes = timer.and_then(|timer| timer.writes(label));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(label),
+            timestamp_writes,
+        });
+        pass.set_pipeline(&self.pipeline.pipeline);
+        if let Some((index, group)) = further {
+            pass.set_bind_group(index, group, &[]);
+        }
+        for dispatch in self.dispatches.iter().filter(|dispatch| words.contains(&dispatch.word)) {
+            pass.set_bind_group(0, dispatch.group.as_ref(), &dispatch.offsets);
+            pass.dispatch_workgroups(dispatch.workgroups, 1, 1);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Structs that Rust and WGSL share. A test reads the WGSL through naga and compares every size, offset and type.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A field of a [`StructLayout`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldLayout {
+    /// The field's name, the same in WGSL.
+    pub name: &'static str,
+    /// Bytes from the struct's start.
+    pub offset: usize,
+    /// Bytes it takes.
+    pub size: usize,
+    /// Its type as Rust writes it.
+    pub rust_type: &'static str,
+}
+
+/// How a shared struct lies in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StructLayout {
+    /// The struct's name, the same in WGSL.
+    pub name: &'static str,
+    /// Bytes it takes in an array.
+    pub size: usize,
+    /// Its fields in order.
+    pub fields: &'static [FieldLayout],
+}
+
+/// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`].
+macro_rules! shared_structs {
+    ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+            #[repr(C)]
+            pub struct $name { $($(#[$field_doc])* pub $field: $type,)* }
+        )*
+
+        /// Every struct shared with WGSL.
+        pub const LAYOUTS: &[StructLayout] = &[$(StructLayout {
+            name: stringify!($name),
+            size: size_of::<$name>(),
+            fields: &[$(FieldLayout {
+                name: stringify!($field),
+                offset: std::mem::offset_of!($name, $field),
+                size: size_of::<$type>(),
+                rust_type: stringify!($type),
+            },)*],
+        },)*];
+    };
+}
+
+shared_structs! {
+    /// Up to 32 lights and where the positions lie.
+    struct LightWord {
+        /// Homogeneous lights; zeros past `count`.
+        lights: [[f32; 4]; 32],
+        /// Lights in use.
+        count: u32,
+        /// The lowest `count` bits.
+        live: u32,
+        /// First word of vertex 0 in the bound positions.
+        position_offset: u32,
+        /// Words from a vertex to the next.
+        position_stride: u32,
+    }
+
+    /// The part of the faces or edges that one dispatch works on.
+    struct Chunk {
+        /// Its first item.
+        first: u32,
+        /// Its items.
+        count: u32,
+        /// The first light of the 32 at hand.
+        first_light: u32,
+        /// Entries that each light's list has room for.
+        capacity: u32,
+        /// Blocks of edges in the whole mesh.
+        blocks: u32,
+    }
+
+    /// What turns counts into draws.
+    struct DrawShape {
+        /// Lights of all words.
+        lights: u32,
+        /// Entries that each light's list has room for.
+        capacity: u32,
+        /// Edge records in the mesh.
+        edges: u32,
+        /// Vertices that a silhouette edge is drawn with.
+        vertices_per_edge: u32,
+    }
+
+    /// An edge record's bits, one a light.
+    struct Masks {
+        /// Set where the edge is a silhouette.
+        silhouette: u32,
+        /// Set where face 0 faces the light.
+        winding: u32,
+    }
+
+    /// What an extraction counts besides its results.
+    struct Statistics {
+        /// Faces with an infinite or NaN vertex: they face no light.
+        non_finite_faces: u32,
+        /// Lists that overflowed; their lights are drawn over all edges.
+        overflowed_lists: u32,
+    }
+
+    /// What wgpu's `draw_indirect` reads.
+    struct DrawArguments {
+        /// Vertices an instance.
+        vertex_count: u32,
+        /// Silhouette edges, or all edges where the list overflowed.
+        instance_count: u32,
+        /// 0.
+        first_vertex: u32,
+        /// 0.
+        first_instance: u32,
+    }
+
+    /// The vertices of one instance that one dispatch deforms.
+    struct DeformChunk {
+        /// Vertices in this dispatch.
+        count: u32,
+        /// First word of the dispatch's first vertex in the bound positions.
+        first_word: u32,
+        /// Words in the pose where the matrices begin.
+        palette: u32,
+        /// Words in the pose where the active morph targets begin.
+        targets: u32,
+        /// Active morph targets.
+        target_count: u32,
+        /// 0: every vertex follows the palette's first matrix.
+        skinned: u32,
+        /// 0: no displacement.
+        displaced: u32,
+        /// Seconds, handed to `displace`.
+        time: f32,
+    }
+
+    /// What the WGSL include knows of a word of lights.
+    struct RimlineInfo {
+        /// Edge records in the mesh.
+        edges: u32,
+        /// Entries that each light's list has room for.
+        capacity: u32,
+        /// The first light of this word among all lights.
+        first_light: u32,
+        /// Lights in this word.
+        lights: u32,
+        /// First word of vertex 0 in the bound positions.
+        position_offset: u32,
+        /// Words from a vertex to the next.
+        position_stride: u32,
+    }
+}
+
+impl LightWord {
+    /// The word of up to 32 `lights`.
+    pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
+        let mut word = Self {
+            count: lights.len() as u32,
+            live: live_bits(lights.len()),
+            ..Self::zeroed()
+        };
+        for (slot, light) in word.lights.iter_mut().zip(lights) {
+            *slot = light.to_array();
+        }
+        Self {
+            position_offset,
+            position_stride,
+            ..word
+        }
+    }
+}
+
+/// The lowest `count` bits of a word, `count` up to 32.
+pub(crate) const fn live_bits(count: usize) -> u32 {
+    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
+}

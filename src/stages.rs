@@ -1,0 +1,73 @@
+//! The one list of stages: name, WGSL, entry points. Pipelines, labels, twins and tests go by it.
+
+/// A stage: its WGSL file, pipeline labels, CPU twin and test carry its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// The name, also of `wgsl/NAME.wgsl` and `src/cpu/NAME.rs`.
+    pub name: &'static str,
+    /// WGSL files that make its module, in order.
+    pub files: &'static [(&'static str, &'static str)],
+    /// Compute entry points, which are the pipelines' labels.
+    pub entry_points: &'static [&'static str],
+}
+
+macro_rules! files {
+    ($($name:literal),*) => { &[$(($name, include_str!(concat!("../wgsl/", $name, ".wgsl")))),*] };
+}
+
+/// Morph, skin, displace: mesh space to world space.
+pub const DEFORM: Stage = Stage {
+    name: "deform",
+    files: files!["common", "deform"],
+    entry_points: &["deform"],
+};
+/// Facing masks.
+pub const FACING: Stage = Stage {
+    name: "facing",
+    files: files!["common", "positions", "facing"],
+    entry_points: &["facing"],
+};
+/// Silhouette and winding masks from facing masks, and unordered lists.
+pub const EDGES: Stage = Stage {
+    name: "edges",
+    files: files!["common", "emit", "edges"],
+    entry_points: &["edges"],
+};
+/// The same from positions, as published in 2003.
+pub const PER_EDGE: Stage = Stage {
+    name: "per_edge",
+    files: files!["common", "positions", "emit", "per_edge"],
+    entry_points: &["per_edge"],
+};
+/// Ordered lists from masks.
+pub const COMPACT: Stage = Stage {
+    name: "compact",
+    files: files!["common", "compact"],
+    entry_points: &["compact_count", "compact_scan", "compact_scatter"],
+};
+/// Indirect draw arguments from counts.
+pub const ARGUMENTS: Stage = Stage {
+    name: "arguments",
+    files: files!["common", "arguments"],
+    entry_points: &["arguments"],
+};
+
+/// Every stage, in the order of the data flow.
+pub const STAGES: [Stage; 6] = [DEFORM, FACING, EDGES, PER_EDGE, COMPACT, ARGUMENTS];
+
+/// WGSL that is part of no stage by itself: what callers include or replace.
+pub const INCLUDES: [(&str, &str); 2] = [
+    ("displace", include_str!("../wgsl/displace.wgsl")),
+    ("results", include_str!("../wgsl/results.wgsl")),
+];
+
+impl Stage {
+    /// The stage's whole module. The deform stage lacks its `displace`; see [`crate::displace`].
+    pub fn wgsl(&self) -> String {
+        self.files
+            .iter()
+            .map(|(_, source)| *source)
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
+}

@@ -1,0 +1,21 @@
+// Arguments: for each light what an indirect draw of its list needs. A list that overflowed is drawn over all edges,
+// and the vertex shader rejects those that are no silhouettes.
+
+@group(0) @binding(0) var<uniform> shape: DrawShape;
+@group(0) @binding(1) var<storage, read> counts: array<u32>;
+@group(0) @binding(2) var<storage, read_write> draw_arguments: array<DrawArguments>;
+@group(0) @binding(3) var<storage, read_write> statistics: Statistics;
+
+@compute @workgroup_size(64)
+fn arguments(@builtin(global_invocation_id) id: vec3<u32>) {
+  let light = id.x;
+  if (light >= shape.lights) {
+    return;
+  }
+  var instances = counts[light];
+  if (instances > shape.capacity) {
+    atomicAdd(&statistics.overflowed_lists, 1u);
+    instances = shape.edges;
+  }
+  draw_arguments[light] = DrawArguments(shape.vertices_per_edge, instances, 0u, 0u);
+}

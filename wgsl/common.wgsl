@@ -1,0 +1,81 @@
+// Structs and constants that stages share among themselves and with src/layout.rs, which a test holds against this file.
+
+const NO_FACE: u32 = 0xffffffffu;
+// Bit 31 of an edge record's face 0: both faces traverse the edge the same way.
+const INCONSISTENT: u32 = 0x80000000u;
+// Bit 31 of a list entry: the edge's winding bit.
+const WINDING: u32 = 0x80000000u;
+// Edges that one workgroup compacts.
+const BLOCK: u32 = 256u;
+
+// Up to 32 lights, one bit each, and where the positions lie.
+struct LightWord {
+  // Homogeneous (x, y, z, w); zeros past `count`, which face nothing.
+  lights: array<vec4<f32>, 32>,
+  count: u32,
+  // The lowest `count` bits.
+  live: u32,
+  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  position_offset: u32,
+  position_stride: u32,
+}
+
+// The part of the faces or edges that one dispatch works on; its arrays are bound from its first item on.
+struct Chunk {
+  first: u32,
+  count: u32,
+  // The first light of the 32 at hand.
+  first_light: u32,
+  // Entries that each light's list has room for.
+  capacity: u32,
+  // Blocks of edges in the whole mesh.
+  blocks: u32,
+}
+
+// What turns counts into draws.
+struct DrawShape {
+  lights: u32,
+  capacity: u32,
+  // Edge records in the mesh.
+  edges: u32,
+  vertices_per_edge: u32,
+}
+
+// An edge record's bits, one a light.
+struct Masks {
+  silhouette: u32,
+  winding: u32,
+}
+
+struct Statistics {
+  // Faces with an infinite or NaN vertex: they face no light.
+  non_finite_faces: atomic<u32>,
+  // Lists that overflowed: these lights are drawn over all edges.
+  overflowed_lists: atomic<u32>,
+}
+
+// What wgpu's draw_indirect reads.
+struct DrawArguments {
+  vertex_count: u32,
+  instance_count: u32,
+  first_vertex: u32,
+  first_instance: u32,
+}
+
+// The vertices of one instance that one dispatch deforms.
+struct DeformChunk {
+  // Vertices in this dispatch; the arrays are bound from its first vertex on.
+  count: u32,
+  // First word of the dispatch's first vertex in `positions`.
+  first_word: u32,
+  // Words in `pose` where the matrices begin (12 each, three rows of four) and where the active morph targets do
+  // (two each, index and weight), and how many of these there are.
+  palette: u32,
+  targets: u32,
+  target_count: u32,
+  // 0: every vertex follows the palette's first matrix.
+  skinned: u32,
+  // 0: no displacement.
+  displaced: u32,
+  time: f32,
+}

@@ -1,0 +1,99 @@
+// Compact: lists of silhouette edges a light, in the order of the edges, from the masks. Three passes: count the bits of
+// each block of edges, turn the counts into places, scatter.
+
+@group(0) @binding(0) var<uniform> chunk: Chunk;
+@group(0) @binding(1) var<storage, read> masks: array<Masks>;
+// Light by light, a number a block: how many silhouettes it has, then how many all earlier blocks have.
+@group(0) @binding(2) var<storage, read_write> places: array<u32>;
+@group(0) @binding(3) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(4) var<storage, read_write> list: array<u32>;
+
+const BLOCK_WORDS: u32 = BLOCK / 32u;
+// Light by light the block's edges as a bit set.
+var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;
+
+fn silhouette_of(edge: u32) -> Masks {
+  if (edge < chunk.count) {
+    return masks[edge];
+  }
+  return Masks(0u, 0u);
+}
+
+fn gather_members(silhouette: u32, local: u32) {
+  for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
+    atomicOr(&members[firstTrailingBit(rest) * BLOCK_WORDS + local / 32u], 1u << (local % 32u));
+  }
+  workgroupBarrier();
+}
+
+@compute @workgroup_size(BLOCK)
+fn compact_count(
+  @builtin(global_invocation_id) id: vec3<u32>,
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  gather_members(silhouette_of(id.x).silhouette, local);
+  if (local < 32u) {
+    var total = 0u;
+    for (var at = 0u; at < BLOCK_WORDS; at++) {
+      total += countOneBits(atomicLoad(&members[local * BLOCK_WORDS + at]));
+    }
+    places[local * chunk.blocks + chunk.first / BLOCK + group.x] = total;
+  }
+}
+
+var<workgroup> sums: array<u32, BLOCK>;
+
+// One workgroup a light: each thread takes a run of blocks, the runs' sums are scanned, then the runs are filled in.
+@compute @workgroup_size(BLOCK)
+fn compact_scan(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+  let light = group.x;
+  let run = (chunk.blocks + BLOCK - 1u) / BLOCK;
+  let begin = min(local * run, chunk.blocks);
+  let end = min(begin + run, chunk.blocks);
+  var total = 0u;
+  for (var block = begin; block < end; block++) {
+    total += places[light * chunk.blocks + block];
+  }
+  sums[local] = total;
+  for (var reach = 1u; reach < BLOCK; reach *= 2u) {
+    workgroupBarrier();
+    var before = 0u;
+    if (local >= reach) {
+      before = sums[local - reach];
+    }
+    workgroupBarrier();
+    sums[local] += before;
+  }
+  var place = sums[local] - total;
+  for (var block = begin; block < end; block++) {
+    let count = places[light * chunk.blocks + block];
+    places[light * chunk.blocks + block] = place;
+    place += count;
+  }
+  if (local == BLOCK - 1u) {
+    counts[chunk.first_light + light] = place;
+  }
+}
+
+@compute @workgroup_size(BLOCK)
+fn compact_scatter(
+  @builtin(global_invocation_id) id: vec3<u32>,
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let found = silhouette_of(id.x);
+  gather_members(found.silhouette, local);
+  for (var rest = found.silhouette; rest != 0u; rest &= rest - 1u) {
+    let light = firstTrailingBit(rest);
+    let own = light * BLOCK_WORDS + local / 32u;
+    var place = places[light * chunk.blocks + chunk.first / BLOCK + group.x];
+    for (var at = light * BLOCK_WORDS; at < own; at++) {
+      place += countOneBits(atomicLoad(&members[at]));
+    }
+    place += countOneBits(atomicLoad(&members[own]) & ((1u << (local % 32u)) - 1u));
+    if (place < chunk.capacity) {
+      list[light * chunk.capacity + place] = (chunk.first + id.x) | (((found.winding >> light) & 1u) << 31u);
+    }
+  }
+}

@@ -1,0 +1,41 @@
+// Positions in whatever buffer holds them: words at any offset and stride, in up to four bindings of equal length.
+// Read as u32, so that no load can flush a subnormal.
+
+@group(0) @binding(2) var<storage, read> positions_0: array<u32>;
+@group(0) @binding(3) var<storage, read> positions_1: array<u32>;
+@group(0) @binding(4) var<storage, read> positions_2: array<u32>;
+@group(0) @binding(5) var<storage, read> positions_3: array<u32>;
+
+// 0: everything lies in the first binding.
+override WINDOW_WORDS: u32 = 0u;
+
+fn position_word(word: u32) -> u32 {
+  if (WINDOW_WORDS == 0u) {
+    return positions_0[word];
+  }
+  let at = word % max(WINDOW_WORDS, 1u);
+  switch (word / max(WINDOW_WORDS, 1u)) {
+    case 0u: { return positions_0[at]; }
+    case 1u: { return positions_1[at]; }
+    case 2u: { return positions_2[at]; }
+    default: { return positions_3[at]; }
+  }
+}
+
+fn position_bits(vertex: u32, offset: u32, stride: u32) -> vec3<u32> {
+  let word = offset + vertex * stride;
+  return vec3<u32>(position_word(word), position_word(word + 1u), position_word(word + 2u));
+}
+
+// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+fn is_finite(bits: vec3<u32>) -> bool {
+  let exponent = bits & vec3<u32>(0x7f800000u);
+  return all(exponent != vec3<u32>(0x7f800000u));
+}
+
+// (b - a) x (c - a), counter-clockwise outside.
+fn normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+  let u = b - a;
+  let v = c - a;
+  return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+}

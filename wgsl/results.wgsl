@@ -1,0 +1,78 @@
+// Reads Rimline's results in a caller's own shaders: up to 32 lights, whose numbers here count from the word's first.
+// Bind group GROUP is made by `Results::bind_group`.
+
+struct RimlineInfo {
+  edges: u32,
+  // Entries that a light's list has room for.
+  capacity: u32,
+  // The first light of this word among all lights.
+  first_light: u32,
+  lights: u32,
+  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  position_offset: u32,
+  position_stride: u32,
+}
+
+// One silhouette edge for one light.
+struct RimlineSilhouette {
+  // False: draw nothing (the list overflowed, and this edge is no silhouette).
+  valid: bool,
+  // The edge record's index, and its vertices: face 0 traverses it a -> b.
+  edge: u32,
+  a: u32,
+  b: u32,
+  // Face 0 faces the light: (b, a, far a, far b) is then counter-clockwise seen from outside the shadow volume.
+  winding: bool,
+  // 0 consistent, 1 inconsistent, 2 boundary.
+  kind: u32,
+}
+
+@group(GROUP) @binding(0) var<uniform> rimline_info: RimlineInfo;
+@group(GROUP) @binding(1) var<storage, read> rimline_positions: array<u32>;
+@group(GROUP) @binding(2) var<storage, read> rimline_edge_vertices: array<vec2<u32>>;
+@group(GROUP) @binding(3) var<storage, read> rimline_edge_faces: array<vec2<u32>>;
+@group(GROUP) @binding(4) var<storage, read> rimline_facing: array<u32>;
+@group(GROUP) @binding(5) var<storage, read> rimline_list: array<u32>;
+@group(GROUP) @binding(6) var<storage, read> rimline_counts: array<u32>;
+
+// The position of a vertex, in the space of the positions that were extracted from.
+fn rimline_position(vertex: u32) -> vec3<f32> {
+  let word = rimline_info.position_offset + vertex * rimline_info.position_stride;
+  return bitcast<vec3<f32>>(
+    vec3<u32>(rimline_positions[word], rimline_positions[word + 1u], rimline_positions[word + 2u]));
+}
+
+// Whether a face faces a light.
+fn rimline_faces_light(face: u32, light: u32) -> bool {
+  return ((rimline_facing[face] >> light) & 1u) != 0u;
+}
+
+// How many silhouette edges a light has, in the list or beyond its capacity.
+fn rimline_silhouettes(light: u32) -> u32 {
+  return rimline_counts[rimline_info.first_light + light];
+}
+
+// The silhouette edge that instance `instance` of a light's indirect draw stands for.
+fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
+  let overflowed = rimline_silhouettes(light) > rimline_info.capacity;
+  var edge = instance;
+  if (!overflowed) {
+    edge = rimline_list[light * rimline_info.capacity + instance] & 0x7fffffffu;
+  }
+  let vertices = rimline_edge_vertices[edge];
+  let faces = rimline_edge_faces[edge];
+  let face_0 = faces.x & 0x7fffffffu;
+  var kind = faces.x >> 31u;
+  var valid = true;
+  if (faces.y == 0xffffffffu) {
+    kind = 2u;
+  } else if (overflowed) {
+    let differ = rimline_faces_light(face_0, light) != rimline_faces_light(faces.y, light);
+    valid = differ == (kind == 0u);
+  }
+  var winding = rimline_faces_light(face_0, light);
+  if (!overflowed) {
+    winding = rimline_list[light * rimline_info.capacity + instance] >= 0x80000000u;
+  }
+  return RimlineSilhouette(valid, edge, vertices.x, vertices.y, winding, kind);
+}
