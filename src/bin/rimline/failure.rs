@@ -47,7 +47,13 @@ pub(crate) enum InputError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error("its lights cannot be used: {0}")]
-    Lights(#[from] LightError),
+    Lights(LightError),
+    #[error(transparent)]
+    Displacement(#[from] rimline::DisplaceError),
+    #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
+    DisplacementResources,
+    #[error("no vertex has a finite position, so there is nothing to look at")]
+    NoFinitePosition,
 }
 
 /// What is wrong with the command line, beyond what the parser of options sees.
@@ -55,6 +61,25 @@ pub(crate) enum InputError {
 pub(crate) enum UsageError {
     #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
     DisplaceOnCpu,
+    #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
+    DrawOnCpu,
+    #[error("there is no animation `{wanted}`; {there}")]
+    Animation { wanted: String, there: String },
+    #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
+    NoFileLights,
+    #[error("the file has no light `{wanted}`; it has {}", listed(.there))]
+    FileLight { wanted: String, there: Vec<String> },
+    #[error(transparent)]
+    Lights(LightError),
+    #[error("--eye and --target are the same point; move one")]
+    EyeAtTarget,
+    #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
+    Size {
+        width: u32,
+        height: u32,
+        limit: u32,
+        adapter: String,
+    },
 }
 
 /// Why no device serves.
@@ -66,11 +91,20 @@ pub(crate) enum NoDevice {
     NotNamed { name: String, adapters: Vec<String> },
     #[error("the adapter {adapter} cannot be used: it lacks {lacking}")]
     Lacks { adapter: String, lacking: String },
+    #[error("the model does not fit the adapter {adapter}: {reason}; try `--device cpu` or another adapter")]
+    TooSmall { adapter: String, reason: String },
     #[error("the adapter {adapter} gave no device: {source}")]
     Refused {
         adapter: String,
         source: rimline::wgpu::RequestDeviceError,
     },
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "none".into(),
+        names => names.join(", "),
+    }
 }
 
 impl Failure {

@@ -7,7 +7,7 @@ use zip::result::ZipError;
 
 use super::header::{ElementType, Header, HeaderError};
 
-/// Positions, as they lie in the file bit for bit, and faces whose indices are not checked yet.
+/// Positions, as they lie in the file bit for bit, and faces whose indices are below their number.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Arrays {
     pub(crate) positions: Vec<[f32; 3]>,
@@ -49,6 +49,8 @@ pub(crate) enum NpzError {
         row: usize,
         index: i128,
     },
+    #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
+    OutOfRange { row: usize, index: u32, vertices: usize },
     #[error("array `{array}`, row {row}: {source}")]
     Data {
         array: &'static str,
@@ -83,10 +85,15 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
         accepts: |element| matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8)),
     };
-    Ok(Arrays {
-        positions: positions.rows(&mut archive, float)?,
-        faces: faces.rows(&mut archive, index)?,
-    })
+    let positions = positions.rows(&mut archive, float)?;
+    let faces: Vec<[u32; 3]> = faces.rows(&mut archive, index)?;
+    let vertices = positions.len();
+    for (row, face) in faces.iter().enumerate() {
+        if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
+            return Err(NpzError::OutOfRange { row, index, vertices });
+        }
+    }
+    Ok(Arrays { positions, faces })
 }
 
 /// What one of the arrays must be.
