@@ -3,6 +3,8 @@
 
 pub mod cpu;
 pub mod displace;
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod gpu;
 pub mod layout;
 pub mod light;

@@ -9,8 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use rimline::layout::Masks;
-use rimline::light::{MAX_LIGHTS, check_lights};
-use rimline::{Displacement, Light, LightError, Method};
+use rimline::{Displacement, Method};
 
 use crate::args::{ExtractArgs, MethodArg};
 use crate::device::{self, Device, Wanted};
@@ -56,7 +55,6 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     }
     let progress = Progress::start();
     let mut times = Times::default();
-    let file = args.model.file.as_path();
     let displacement = args.displace.as_deref().map(displacement).transpose()?;
 
     progress.step("reading the model");
@@ -65,13 +63,11 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     if args.pose.time != 0.0 && animation.is_none() && displacement.is_none() {
         note("--time has no effect without --animation or --displace");
     }
-    let lights = lights(&input, args, animation)?;
+    let lights = input.lights(&args.lights, animation, args.pose.time)?;
     progress.step("building edge records");
-    let scene = times
-        .measure("topology", || {
-            input.scene(animation, args.pose.time, displacement.is_some())
-        })
-        .map_err(Failure::input(file))?;
+    let scene = times.measure("topology", || {
+        input.scene(animation, args.pose.time, displacement.is_some())
+    })?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -117,14 +113,4 @@ pub(crate) fn displacement(file: &Path) -> Result<Displacement, Failure> {
         Ok(displacement)
     };
     read().map_err(Failure::input(file))
-}
-
-fn lights(input: &Input, args: &ExtractArgs, animation: Option<usize>) -> Result<Vec<Light>, Failure> {
-    let lights = input.lights(&args.lights, animation, args.pose.time)?;
-    match check_lights(&lights, MAX_LIGHTS) {
-        Ok(()) => Ok(lights),
-        Err(error @ (LightError::None | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
-        // Those of the command line were checked when they were read.
-        Err(error) => Err(Failure::input(&args.model.file)(InputError::Lights(error))),
-    }
 }

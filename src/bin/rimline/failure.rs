@@ -40,8 +40,12 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error("the ending says neither .gltf, .glb nor .npz, the formats that can be read")]
+    #[error("it is none of .gltf, .glb and .npz, the formats that can be read")]
     Format,
+    #[error(transparent)]
+    Gltf(#[from] rimline::gltf::GltfError),
+    #[error(transparent)]
+    Pose(#[from] rimline::gltf::PoseError),
     #[error(transparent)]
     Npz(#[from] NpzError),
     #[error(transparent)]

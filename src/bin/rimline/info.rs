@@ -1,5 +1,6 @@
 //! `rimline info`: what a model holds, and whether it is closed.
 
+mod asset;
 mod json;
 mod report;
 mod text;
@@ -8,20 +9,19 @@ use rimline::cpu::{self, Threads};
 use serde_json::{Value, json};
 
 use crate::args::InfoArgs;
-use crate::failure::{Failure, InputError};
-use crate::input::{Input, Shape};
+use crate::failure::Failure;
+use crate::input::{Input, Shape, Source};
 use crate::output::print;
 use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let file = args.model.file.as_path();
     let input = Input::open(&args.model)?;
-    let report = Report::new(&input).map_err(Failure::input(file))?;
+    let report = Report::new(&input)?;
     print(&if args.json {
-        format!("{:#}\n", report.json(&input))
+        format!("{:#}\n", report.json(&input)?)
     } else {
-        report.text(&input, &file.display().to_string())
+        report.text(&input)?
     })
 }
 
@@ -34,13 +34,12 @@ struct Report {
 }
 
 impl Report {
-    fn new(input: &Input) -> Result<Self, InputError> {
-        let geometries = &input.model().geometries;
+    fn new(input: &Input) -> Result<Self, Failure> {
+        let geometries = input.model().geometries.iter().enumerate();
         let meshes = geometries
-            .iter()
-            .zip(&*input.weld_counts())
-            .map(|(geometry, &weld)| MeshReport::of_geometry(geometry, weld))
-            .collect::<Result<Vec<_>, _>>()?;
+            .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index)))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|error| Failure::input(&input.file)(error.into()))?;
         let scene = input.scene(None, 0.0, false)?;
         let placed = match &scene.shape {
             Shape::World(positions) => MeshReport::of_mesh(&scene.mesh, positions),
@@ -57,21 +56,27 @@ impl Report {
     }
 
     /// Keys are stable: they are only ever added to.
-    fn json(&self, input: &Input) -> Value {
+    fn json(&self, input: &Input) -> Result<Value, Failure> {
         let mut value = json!({
+            "file": input.file.display().to_string(),
+            "instances": input.model().instances.len(),
             "meshes": self.meshes.iter().map(json::mesh).collect::<Vec<_>>(),
             "total": json::mesh(&self.total),
             "placed": json::mesh(&self.placed),
         });
-        input.info_json(&mut value);
-        value
+        if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
+            asset::json(asset, &asset::lights(asset, input)?, value);
+        }
+        Ok(value)
     }
 
-    fn text(&self, input: &Input, title: &str) -> String {
-        let mut text = Text::titled(&title);
+    fn text(&self, input: &Input) -> Result<String, Failure> {
+        let mut text = Text::titled(&input.file.display());
         text.line("meshes", self.meshes.len());
         text.line("instances", input.model().instances.len());
-        input.info_text(&mut text);
+        if let Source::Gltf(asset) = &input.source {
+            asset::text(asset, &asset::lights(asset, input)?, &mut text);
+        }
         for (index, mesh) in self.meshes.iter().enumerate() {
             let name = mesh.name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\""));
             text.heading(format!("mesh {index}{name}, in its own space"));
@@ -83,6 +88,6 @@ impl Report {
         }
         text.heading("all instances, at rest in world space");
         text.mesh(&self.placed);
-        text.finish()
+        Ok(text.finish())
     }
 }

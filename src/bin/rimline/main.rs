@@ -3,9 +3,14 @@
 mod args;
 mod device;
 mod devices;
+mod extract;
 mod failure;
+mod gpu_error;
+mod info;
+mod input;
 mod npz;
 mod output;
+mod positions;
 mod progress;
 mod spec;
 
@@ -34,6 +39,8 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Devices(args) => devices::run(args),
-        _ => todo!(),
+        Command::Extract(args) => extract::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Draw(_) => Ok(()),
     }
 }

@@ -23,6 +23,15 @@ pub(super) struct MeshReport {
 
 impl MeshReport {
     pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts) -> Result<Self, MeshError> {
+        if geometry.faces.is_empty() {
+            // A mesh of lines or points alone; no instance shows it.
+            let name = geometry.name.clone();
+            return Ok(Self {
+                name,
+                vertices,
+                ..Self::default()
+            });
+        }
         let mesh = Mesh::from_faces(geometry.positions.len(), geometry.faces.clone())?;
         let joints = geometry
             .influences
