@@ -18,7 +18,7 @@ mod split;
 mod timer;
 
 pub use deformer::{DeformError, Deformer, DeformerOptions};
-pub use extractor::{EncodeError, Extractor, ExtractorOptions, ListOptions};
+pub use extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
 pub use include::{IncludeError, include_wgsl, results_bind_group_layout};
 pub use memory::{Allocation, MemoryError};
 pub use positions::{PositionBuffer, PositionError};
