@@ -53,6 +53,13 @@ impl Wanted {
             name => Self::Named(name.to_owned()),
         }
     }
+
+    fn fits(&self, adapter: &wgpu::Adapter) -> bool {
+        match self {
+            Self::Named(part) => adapter.get_info().name.to_lowercase().contains(&part.to_lowercase()),
+            _ => true,
+        }
+    }
 }
 
 /// Where the work is done.
@@ -71,14 +78,20 @@ pub(crate) struct Gpu {
 
 /// All adapters of all backends, the ones to prefer first.
 pub(crate) fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(Backends::all()));
+    adapters_of(Backends::all())
+}
+
+fn adapters_of(backends: Backends) -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(
+        wgpu::InstanceDescriptor {
+            backends,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        }
+        .with_env(),
+    );
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.retain(|adapter| adapter.get_info().backend != Backend::Noop);
-    adapters.sort_by_key(|adapter| {
-        let info = adapter.get_info();
-        // The same GPU may show twice; OpenGL is the poorer way to it.
-        (kind_rank(info.device_type), info.backend == Backend::Gl)
-    });
+    adapters.sort_by_key(|adapter| kind_rank(adapter.get_info().device_type));
     adapters
 }
 
@@ -139,44 +152,32 @@ fn lower_first(text: &str) -> String {
         .map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
 }
 
-/// Opens the first adapter that fits; [`Wanted::Auto`] means any here.
+/// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
+/// only where nothing else fits: its drivers talk, and the same GPU mostly shows elsewhere too.
 pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
-    let all = adapters();
-    if all.is_empty() {
-        return Err(NoDevice::None);
-    }
-    let names = || all.iter().map(|adapter| describe(&adapter.get_info())).collect();
-    let fits = |adapter: &wgpu::Adapter| match wanted {
-        Wanted::Named(part) => adapter.get_info().name.to_lowercase().contains(&part.to_lowercase()),
-        _ => true,
-    };
-    let mut refused = None;
-    for adapter in all.iter().filter(|adapter| fits(adapter)) {
-        let name = || describe(&adapter.get_info());
-        if let Some(lacking) = lacks(adapter) {
-            refused.get_or_insert(NoDevice::Lacks {
-                adapter: name(),
-                lacking,
-            });
-            continue;
-        }
-        match request(adapter) {
-            Ok(gpu) => return Ok(gpu),
-            Err(source) => {
-                refused.get_or_insert(NoDevice::Refused {
-                    adapter: name(),
-                    source,
-                });
+    let (mut names, mut refused) = (Vec::new(), None);
+    for backends in [Backends::all().difference(Backends::GL), Backends::GL] {
+        for adapter in adapters_of(backends) {
+            names.push(describe(&adapter.get_info()));
+            if !wanted.fits(&adapter) {
+                continue;
+            }
+            match request(&adapter) {
+                Ok(gpu) => return Ok(gpu),
+                Err(reason) => {
+                    refused.get_or_insert(reason);
+                }
             }
         }
     }
-    Err(refused.unwrap_or_else(|| NoDevice::NotNamed {
-        name: match wanted {
-            Wanted::Named(name) => name.clone(),
-            _ => String::new(),
-        },
-        adapters: names(),
-    }))
+    match (refused, wanted) {
+        (Some(reason), _) => Err(reason),
+        (None, Wanted::Named(name)) if !names.is_empty() => Err(NoDevice::NotNamed {
+            name: name.clone(),
+            adapters: names,
+        }),
+        _ => Err(NoDevice::None),
+    }
 }
 
 /// An adapter's name and the way to it.
@@ -195,7 +196,12 @@ pub(crate) fn backend_name(backend: Backend) -> &'static str {
     }
 }
 
-fn request(adapter: &wgpu::Adapter) -> Result<Gpu, wgpu::RequestDeviceError> {
+fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
+    let name = || describe(&adapter.get_info());
+    if let Some(lacking) = lacks(adapter) {
+        let adapter = name();
+        return Err(NoDevice::Lacks { adapter, lacking });
+    }
     let offered = adapter.limits();
     // The portable limits, as far as they go, and more only where big meshes and pictures need it.
     let limits = Limits {
@@ -212,7 +218,11 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, wgpu::RequestDeviceError> {
         required_features: adapter.features() & features,
         required_limits: limits,
         ..Default::default()
-    }))?;
+    }))
+    .map_err(|source| NoDevice::Refused {
+        adapter: name(),
+        source,
+    })?;
     let failure = Arc::new(Mutex::new(None));
     let record = {
         let failure = Arc::clone(&failure);

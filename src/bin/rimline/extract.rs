@@ -5,17 +5,17 @@ mod on_cpu;
 mod on_gpu;
 mod report;
 
-use std::path::Path;
 use std::time::Instant;
 
+use rimline::Method;
 use rimline::layout::Masks;
-use rimline::{Displacement, Method};
 
 use crate::args::{ExtractArgs, MethodArg};
 use crate::device::{self, Device, Wanted};
-use crate::failure::{Failure, InputError, UsageError};
+use crate::displacement;
+use crate::failure::{Failure, UsageError};
 use crate::input::Input;
-use crate::output::{Output, note, print};
+use crate::output::{Output, print};
 use crate::progress::Progress;
 use report::Report;
 
@@ -55,14 +55,12 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     }
     let progress = Progress::start();
     let mut times = Times::default();
-    let displacement = args.displace.as_deref().map(displacement).transpose()?;
+    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
 
     progress.step("reading the model");
     let input = times.measure("load", || Input::open(&args.model))?;
     let animation = input.animation(&args.pose)?;
-    if args.pose.time != 0.0 && animation.is_none() && displacement.is_none() {
-        note("--time has no effect without --animation or --displace");
-    }
+    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
     let lights = input.lights(&args.lights, animation, args.pose.time)?;
     progress.step("building edge records");
     let scene = times.measure("topology", || {
@@ -100,17 +98,9 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     })?;
     let report = Report::new(mesh, &lights, &found, method, adapter, times);
     drop(progress);
-    print(&if args.json { report.json() } else { report.text(&args.out) })
-}
-
-/// Reads and checks a displacement function.
-pub(crate) fn displacement(file: &Path) -> Result<Displacement, Failure> {
-    let read = || -> Result<Displacement, InputError> {
-        let displacement = Displacement::new(&std::fs::read_to_string(file)?)?;
-        if displacement.uses_resources() {
-            return Err(InputError::DisplacementResources);
-        }
-        Ok(displacement)
-    };
-    read().map_err(Failure::input(file))
+    print(&if args.json {
+        report.json()
+    } else {
+        report.text(&args.out)
+    })
 }

@@ -78,7 +78,10 @@ impl Report {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }
         for (index, mesh) in self.meshes.iter().enumerate() {
-            let name = mesh.name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\""));
+            let name = mesh
+                .name
+                .as_ref()
+                .map_or_else(String::new, |name| format!(" \"{name}\""));
             text.heading(format!("mesh {index}{name}, in its own space"));
             text.mesh(mesh);
         }

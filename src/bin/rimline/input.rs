@@ -5,9 +5,9 @@ use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::gltf::Asset;
+use rimline::light::{MAX_LIGHTS, check_lights};
 use rimline::mesh::{Weld, WeldCounts};
 use rimline::model::{Geometry, Instance, InstancePose};
-use rimline::light::{MAX_LIGHTS, check_lights};
 use rimline::{Light, LightError, Mesh, Model, Pose};
 
 use crate::args::{ModelArgs, PoseArgs};
@@ -25,7 +25,10 @@ pub(crate) struct Input {
 pub(crate) enum Source {
     Gltf(Box<Asset>),
     /// World-space positions, welded: one geometry, one instance.
-    Npz { model: Model, weld: WeldCounts },
+    Npz {
+        model: Model,
+        weld: WeldCounts,
+    },
 }
 
 /// The input at one moment.

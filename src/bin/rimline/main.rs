@@ -3,9 +3,12 @@
 mod args;
 mod device;
 mod devices;
+mod displacement;
+mod draw;
 mod extract;
 mod failure;
 mod gpu_error;
+mod image;
 mod info;
 mod input;
 mod npz;
@@ -41,6 +44,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Devices(args) => devices::run(args),
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
-        Command::Draw(_) => Ok(()),
+        Command::Draw(args) => draw::run(args),
     }
 }

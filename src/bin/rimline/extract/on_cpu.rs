@@ -12,9 +12,9 @@ pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, t
     let (mesh, threads) = (&scene.mesh, Threads::all());
     let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
         Shape::World(positions) => Cow::Borrowed(positions),
-        Shape::Posed { model, pose } => Cow::Owned(times.measure("deform", || {
-            cpu::deform(model, pose, 0.0, None, threads)
-        })),
+        Shape::Posed { model, pose } => {
+            Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads)))
+        }
     };
     let faces = mesh.faces();
     let facing = times.measure("facing", || cpu::facing(&positions, faces, lights, threads));

@@ -106,10 +106,7 @@ impl Report {
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
         if self.non_finite_faces > 0 {
-            line(
-                "",
-                &format!("{} not finite: they face no light", self.non_finite_faces),
-            );
+            line("", &format!("{} not finite: they face no light", self.non_finite_faces));
         }
         line(
             "edge records",
@@ -187,7 +184,12 @@ mod tests {
     fn an_open_mesh_closes_too() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("it is a triangle");
-        let facing = facing(&positions, mesh.faces(), &[Light::directional([0.0, 0.0, 1.0])], Threads::ONE);
+        let facing = facing(
+            &positions,
+            mesh.faces(),
+            &[Light::directional([0.0, 0.0, 1.0])],
+            Threads::ONE,
+        );
         let masks = edges(mesh.edges(), &facing, 1, 1, Threads::ONE);
         assert_eq!(count_light(&mesh, &masks, 0, &mut [0; 3]), (3, 0));
     }

@@ -19,12 +19,13 @@ pub(super) fn json(asset: &Asset, lights: &[SceneLight], value: &mut Map<String,
         .skins()
         .iter()
         .map(|skin| json!({ "name": skin.name, "joints": skin.joints }));
-    let animations = asset.animations().iter().map(
-        |info| json!({ "name": info.name, "duration_seconds": info.duration_s, "channels": info.channels }),
-    );
-    let lights = lights.iter().map(
-        |light| json!({ "name": light.name, "kind": kind_name(light.kind), "xyzw": light.light.to_array() }),
-    );
+    let animations = asset
+        .animations()
+        .iter()
+        .map(|info| json!({ "name": info.name, "duration_seconds": info.duration_s, "channels": info.channels }));
+    let lights = lights
+        .iter()
+        .map(|light| json!({ "name": light.name, "kind": kind_name(light.kind), "xyzw": light.light.to_array() }));
     let Skipped {
         points,
         lines,
@@ -54,7 +55,11 @@ pub(super) fn text(asset: &Asset, lights: &[SceneLight], text: &mut Text) {
     list(text, "animations", animations.collect());
     let lights = lights.iter().map(|light| {
         let [x, y, z, _] = light.light.to_array();
-        let at = if light.kind == SceneLightKind::Directional { "towards" } else { "at" };
+        let at = if light.kind == SceneLightKind::Directional {
+            "towards"
+        } else {
+            "at"
+        };
         let place = point(&[x, y, z]);
         format!("{}, {}, {at} {place}", shown(&light.name), kind_name(light.kind))
     });

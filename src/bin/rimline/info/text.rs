@@ -66,11 +66,7 @@ impl Text {
             ],
         );
         if survey.non_manifold_edges > 0 {
-            let _ = write!(
-                edges,
-                "; {} places with more than two faces",
-                survey.non_manifold_edges
-            );
+            let _ = write!(edges, "; {} places with more than two faces", survey.non_manifold_edges);
         }
         self.line("edge records", edges);
         self.line("parts", survey.components);
