@@ -205,7 +205,7 @@ impl Model {
 /// Why a pose is not one of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PoseError {
+pub enum PoseMismatch {
     /// Another number of instances.
     #[error("the pose has {given} instances, and the model has {needed}")]
     Instances {

@@ -7,28 +7,59 @@ use crate::{Light, light};
 /// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes of one `u32` a face. Vertices that `positions` lacks count as
 /// non-finite. `f32` arithmetic in the order of `wgsl/facing.wgsl`; see NUMERICS.md, "Facing".
 pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light], threads: Threads) -> Vec<u32> {
-    let mut masks = vec![0; faces.len() * light::words(lights.len())];
-    for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
-        threads.share(plane, |first, masks| {
-            for (mask, &corners) in masks.iter_mut().zip(&faces[first..]) {
-                *mask = face_mask(positions, corners, lights);
-            }
-        });
-    }
+    let mut masks = Vec::new();
+    facing_into(&mut masks, positions, faces, lights, threads);
     masks
 }
 
-/// The bits of one face for up to 32 lights.
-fn face_mask(positions: &[[f32; 3]], corners: [u32; 3], lights: &[Light]) -> u32 {
-    let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
-        return 0;
-    };
-    if is_degenerate(corners) || ![a, b, c].into_iter().all(is_finite) {
-        return 0;
+/// The same into a vector that may be used again. Returns how many faces have a non-finite vertex.
+pub(super) fn facing_into(
+    masks: &mut Vec<u32>,
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    lights: &[Light],
+    threads: Threads,
+) -> u32 {
+    masks.resize(faces.len() * light::words(lights.len()), 0);
+    let mut non_finite_faces = 0;
+    for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
+        let counts = threads.share(plane, |first, masks| {
+            let mut non_finite_faces = 0;
+            for (mask, &corners) in masks.iter_mut().zip(&faces[first..]) {
+                *mask = face_mask(positions, corners, lights).unwrap_or_else(|NonFinite| {
+                    non_finite_faces += 1;
+                    0
+                });
+            }
+            non_finite_faces
+        });
+        non_finite_faces = counts.into_iter().sum();
     }
+    non_finite_faces
+}
+
+/// A face has an infinite or NaN vertex, or one that is not there.
+struct NonFinite;
+
+/// The bits of one face for up to 32 lights.
+fn face_mask(positions: &[[f32; 3]], corners: [u32; 3], lights: &[Light]) -> Result<u32, NonFinite> {
+    let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
+        return Err(NonFinite);
+    };
     let n = normal(a, b, c);
-    lights.iter().enumerate().fold(0, |mask, (bit, light)| {
-        mask | u32::from(faces_light(n, a, *light)) << bit
+    // A non-finite coordinate makes two components of the normal non-finite, so this one test stands for nine. Finite
+    // ones may overflow: those faces are then decided like any other.
+    if !(n[0] + n[1] + n[2]).is_finite() && ![a, b, c].into_iter().all(is_finite) {
+        return Err(NonFinite);
+    }
+    if is_degenerate(corners) {
+        return Ok(0);
+    }
+    Ok(match lights {
+        [light] => u32::from(faces_light(n, a, *light)),
+        _ => lights.iter().enumerate().fold(0, |mask, (bit, light)| {
+            mask | u32::from(faces_light(n, a, *light)) << bit
+        }),
     })
 }
 

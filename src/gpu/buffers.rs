@@ -30,8 +30,6 @@ impl Shape {
         let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
         let capacity = match options.lists {
             None => 0,
-            // Nothing of this method can stand in for a list that overflowed, so there is room for every edge.
-            Some(_) if options.method == Method::PerEdge => edges as u32,
             Some(lists) => match lists.capacity {
                 Some(capacity) => capacity,
                 None => default_capacity(mesh, options.max_lights).min(fitting),

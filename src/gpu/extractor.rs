@@ -51,8 +51,9 @@ impl Default for ExtractorOptions {
 pub struct ListOptions {
     /// Entries that each light's list has room for, clamped to 1 … edge records. `None`: boundary and inconsistent
     /// edges, and of the others a share of four lists of all edges, at least sixteen times their square root. A list
-    /// that overflows loses nothing: its draw goes over all edges, and [`crate::layout::Statistics`] counts it. The
-    /// per-edge method always has room for all edges.
+    /// that overflows loses nothing: its draw goes over all edges, of which the include rejects what is no silhouette
+    /// (by the facing masks; of the per-edge method, which has none, only the edge masks know), and
+    /// [`crate::layout::Statistics`] counts it.
     pub capacity: Option<u32>,
     /// Lists in the order of the edges, the same in every run; costs the masks' memory traffic.
     pub ordered: bool,
@@ -221,11 +222,13 @@ impl Extractor {
         encoder.clear_buffer(&self.buffers.statistics, 0, None);
         encoder.clear_buffer(&self.buffers.counts, 0, None);
         let used = light::words(lights.len());
-        // Words share the masks where only compaction needs them, so each word goes through all stages by itself then.
-        let runs: Vec<Range<usize>> = if self.buffers.masks.len() < used {
+        // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each word of lights goes
+        // through all stages by itself there.
+        let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
+        let runs: Vec<Range<usize>> = if by_word {
             (0..used).map(|word| word..word + 1).collect()
         } else {
-            vec![0..used]
+            std::iter::once(0..used).collect()
         };
         let (per_light, at_last): (Vec<_>, Vec<_>) = self
             .from_facing

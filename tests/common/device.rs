@@ -1,0 +1,79 @@
+//! The device that GPU tests run on.
+
+use std::sync::OnceLock;
+
+/// A device with its queue and its adapter's name.
+pub(crate) struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) name: String,
+}
+
+/// The adapter's name, or why there is none.
+pub(crate) fn adapter() -> Result<wgpu::Adapter, String> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+        .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))
+}
+
+impl Gpu {
+    /// A device with no optional feature and these limits.
+    pub(crate) fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
+        let adapter = adapter()?;
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("test"),
+            required_limits: limits,
+            ..Default::default()
+        }))
+        .map_err(|error| error.to_string())?;
+        Ok(Self {
+            device,
+            queue,
+            name: format!("{} ({:?})", info.name, info.backend),
+        })
+    }
+
+    /// One device of `Limits::default()` that tests share.
+    pub(crate) fn shared() -> Result<&'static Self, String> {
+        static SHARED: OnceLock<Result<Gpu, String>> = OnceLock::new();
+        SHARED
+            .get_or_init(|| Self::with_limits(wgpu::Limits::default()))
+            .as_ref()
+            .map_err(Clone::clone)
+    }
+
+    /// A storage buffer with these contents.
+    pub(crate) fn storage<T: bytemuck::Pod>(&self, contents: &[T]) -> wgpu::Buffer {
+        let bytes = bytemuck::cast_slice(contents);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("test"),
+            size: (bytes.len() as u64).next_multiple_of(4).max(16),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// A buffer's first `count` items.
+    pub(crate) fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, String> {
+        let mut items =
+            rimline::gpu::read_back_vec(&self.device, &self.queue, buffer).map_err(|error| error.to_string())?;
+        items.truncate(count);
+        Ok(items)
+    }
+
+    /// Records with `record` and submits.
+    pub(crate) fn submit(
+        &self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        record(&mut encoder)?;
+        self.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+}

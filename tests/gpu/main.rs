@@ -1,0 +1,21 @@
+//! GPU tests. Without an adapter they fail; they are never passed over.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod stages;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// A test's name and body.
+type Test = (&'static str, fn() -> Result<(), String>);
+
+fn main() {
+    let tests: Vec<Test> = [stages::TESTS].concat();
+    let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
+    println!("adapter: {name}");
+    println!("gpu tests: {}", tests.len());
+    let trials = tests
+        .into_iter()
+        .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
+    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit();
+}
