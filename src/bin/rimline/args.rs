@@ -152,11 +152,12 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// Where the eye is; by default in front, to the right and above, as near as shows the whole model
+    /// Where the eye is; by default in front of the model, to the right and above, as near as
+    /// shows all of it
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
     pub(crate) eye: Option<[f32; 3]>,
 
-    /// What the eye looks at; by default the centre of the model
+    /// What the eye looks at; by default the middle of the model
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
     pub(crate) target: Option<[f32; 3]>,
 
@@ -189,7 +190,7 @@ Examples:
   rimline draw fox.glb --out fox.png
   rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --size 1920x1080 --out fox.png
 
-Silhouette edges are drawn dark, open boundaries in orange. World space is right-handed with +Y up.";
+Silhouette edges are drawn dark, open boundaries blue. World space is right-handed with +Y up.";
 
 #[derive(Args, Debug)]
 pub(crate) struct InfoArgs {

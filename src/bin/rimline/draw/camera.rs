@@ -29,13 +29,12 @@ impl Camera {
         args: &DrawArgs,
         centre: [f32; 3],
         extent: f32,
-        points: impl Iterator<Item = [f32; 3]>,
+        points: impl Iterator<Item = [f32; 3]> + Clone,
     ) -> Result<Self, UsageError> {
         let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
-        let target = vector(args.target.unwrap_or(centre));
+        let mut target = vector(args.target.unwrap_or(centre));
         let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
         let [width, height] = args.size.map(f64::from);
-        let scale = [scale_y * height / width, scale_y];
         let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
         let backward = match args.eye {
             Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
@@ -45,32 +44,85 @@ impl Camera {
                 azimuth.cos() * elevation.cos(),
             ),
         };
-        let forward = -backward;
-        // Looking straight up or down, the top of the picture is −Z or +Z.
-        let right = forward
-            .cross(DVec3::Y)
-            .try_normalize()
-            .filter(|_| forward.y.abs() < 0.999_999);
-        let right = right.unwrap_or(DVec3::X);
-        let up = right.cross(forward);
+        let view = View::new(-backward, [scale_y * height / width, scale_y]);
+        let nearest = f64::from(extent) * 1e-3;
         let distance = match args.eye {
             Some(eye) => (vector(eye) - target).length(),
-            None => points
-                .map(|point| {
-                    let p = vector(point) - target;
-                    let sideways = (p.dot(right).abs() * scale[0]).max(p.dot(up).abs() * scale[1]);
-                    sideways / FILLED - p.dot(forward)
-                })
-                .fold(f64::from(extent) * 1e-3, f64::max),
+            None => {
+                let points = points.map(vector);
+                // Perspective moves the middle of what is seen; a few steps find it.
+                for _ in 0..if args.target.is_none() { 6 } else { 0 } {
+                    let distance = view.distance(target, points.clone(), nearest);
+                    target += view.off_centre(target, distance, points.clone());
+                }
+                view.distance(target, points, nearest)
+            }
         };
         Ok(Self {
             eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
-            right: right.as_vec3(),
-            up: up.as_vec3(),
-            forward: forward.as_vec3(),
-            scale: scale.map(|scale| scale as f32),
+            right: view.right.as_vec3(),
+            up: view.up.as_vec3(),
+            forward: view.forward.as_vec3(),
+            scale: view.scale.map(|scale| scale as f32),
             near: (distance.min(f64::from(extent)) * 1e-3) as f32,
         })
+    }
+}
+
+/// A direction to look in, without a place to look from.
+struct View {
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    scale: [f64; 2],
+}
+
+impl View {
+    fn new(forward: DVec3, scale: [f64; 2]) -> Self {
+        // Looking straight up or down, the right of the picture is +X.
+        let right = forward.cross(DVec3::Y).try_normalize();
+        let right = right.filter(|_| forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
+        let up = right.cross(forward);
+        Self {
+            right,
+            up,
+            forward,
+            scale,
+        }
+    }
+
+    /// Right, up and forward from the target.
+    fn seen(&self, target: DVec3, point: DVec3) -> [f64; 3] {
+        let p = point - target;
+        [p.dot(self.right), p.dot(self.up), p.dot(self.forward)]
+    }
+
+    /// The least distance from the target at which the picture holds all points.
+    fn distance(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> f64 {
+        points.fold(least, |distance, point| {
+            let [x, y, z] = self.seen(target, point);
+            let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
+            distance.max(sideways / FILLED - z)
+        })
+    }
+
+    /// From the target to what is in the middle, of all points seen from this distance.
+    fn off_centre(&self, target: DVec3, distance: f64, points: impl Iterator<Item = DVec3>) -> DVec3 {
+        let ([mut low, mut high], mut count) = ([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], 0);
+        for point in points {
+            let [x, y, z] = self.seen(target, point);
+            let away = (distance + z).max(distance * 1e-6);
+            for (axis, c) in [x / away, y / away].into_iter().enumerate() {
+                low[axis] = low[axis].min(c);
+                high[axis] = high[axis].max(c);
+            }
+            count += 1;
+        }
+        if count == 0 {
+            return DVec3::ZERO;
+        }
+        let middle = |axis: usize| 0.5 * (low[axis] + high[axis]) * distance;
+        self.right * middle(0) + self.up * middle(1)
     }
 }
 

@@ -37,8 +37,8 @@ impl Frame {
             up: camera.up.into(),
             scale_y: camera.scale[1],
             forward: camera.forward.into(),
-            // 2.5 pixels wide at 960 pixels of height, and never too thin to see.
-            half_line: (size[1] as f32 / 768.0).clamp(0.6, 4.0),
+            // 2.75 pixels wide at 960 pixels of height, and never too thin to see.
+            half_line: (size[1] as f32 / 700.0).clamp(0.6, 4.0),
             size: size.map(|pixels| pixels as f32),
             extent,
             ground: min[1],

@@ -3,7 +3,7 @@
 use rimline::glam::{Vec2, Vec3};
 
 /// Faces that meet at more than this angle, in degrees, keep their own normals.
-const CREASE: f32 = 48.0;
+const CREASE: f32 = 60.0;
 
 /// A normal a corner of `faces`, folded onto an octahedron as two 16-bit signed fractions. Neighbours count by area.
 pub(super) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {

@@ -51,5 +51,5 @@ fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     let falloff = max(0.0, 1.0 - squared / (radius * radius));
     sum += falloff * max(0.0, dot(to, normal) - 0.004 * radius - 0.0008 * here.z) / (sqrt(squared) + 1e-3 * radius);
   }
-  return vec4<f32>(saturate(1.0 - 1.5 * sum / f32(SAMPLES)));
+  return vec4<f32>(saturate(1.0 - 2.2 * sum / f32(SAMPLES)));
 }

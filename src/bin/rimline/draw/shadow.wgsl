@@ -16,7 +16,7 @@ struct Ground {
 
 @fragment fn shadow_fragment(in: Ground) -> @location(0) vec4<f32> {
   let at = vec2<f32>(in.at.x, -in.at.y) * 0.5 + 0.5;
-  let darkness = 0.62 * textureSampleLevel(shadow, linear, at, 0.0).r;
+  let darkness = 0.8 * textureSampleLevel(shadow, linear, at, 0.0).r;
   // Multiplied in: warm light that is missing leaves a slightly cool grey.
   return vec4<f32>(1.0 - darkness * vec3<f32>(1.0, 0.97, 0.92), 1.0);
 }

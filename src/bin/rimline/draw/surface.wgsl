@@ -40,19 +40,19 @@ fn studio(right: f32, up: f32, back: f32) -> vec3<f32> {
   // Interpolated normals may lean away from the eye at the rim.
   n = normalize(n + max(0.0, 0.02 - dot(n, to_eye)) * to_eye);
 
-  let key = saturate((dot(n, studio(-0.62, 0.72, 0.62)) + 0.25) / 1.25);
-  let fill = saturate((dot(n, studio(0.95, 0.05, 0.45)) + 0.4) / 1.4);
+  let key_from = studio(-0.52, 0.68, 0.72);
+  let key = saturate((dot(n, key_from) + 0.2) / 1.2);
+  let fill = saturate((dot(n, studio(0.95, 0.1, 0.5)) + 0.35) / 1.35);
   let sky = 0.5 + 0.5 * n.y;
-  let facing = saturate(dot(n, to_eye));
-  let rim = pow(1.0 - facing, 3.0) * saturate(dot(n, studio(0.75, 0.5, -0.6)) + 0.1);
+  let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, studio(0.8, 0.5, -0.5)) + 0.15);
 
-  // The inside of an open surface is a little bluer.
-  let clay = select(vec3<f32>(0.50, 0.53, 0.58), vec3<f32>(0.74, 0.66, 0.575), front);
-  var light = mix(vec3<f32>(0.20, 0.165, 0.145), vec3<f32>(0.33, 0.36, 0.41), sky);
-  light += 0.80 * pow(key, 1.35) * vec3<f32>(1.0, 0.955, 0.89);
-  light += 0.13 * fill * vec3<f32>(0.72, 0.86, 1.0);
-  let halfway = normalize(to_eye + studio(-0.62, 0.72, 0.62));
-  let sheen = 0.05 * pow(saturate(dot(n, halfway)), 24.0);
-  let colour = clay * light + 0.22 * rim * vec3<f32>(0.95, 0.97, 1.0) + sheen;
+  // Fired clay; the inside of an open surface is glazed grey.
+  let clay = select(vec3<f32>(0.40, 0.43, 0.46), vec3<f32>(0.74, 0.445, 0.26), front);
+  var light = mix(vec3<f32>(0.27, 0.20, 0.18), vec3<f32>(0.34, 0.36, 0.40), sky);
+  light += 0.84 * pow(key, 1.3) * vec3<f32>(1.0, 0.94, 0.86);
+  light += 0.22 * fill * vec3<f32>(0.90, 0.94, 1.0);
+  let halfway = normalize(to_eye + key_from);
+  let sheen = 0.045 * pow(saturate(dot(n, halfway)), 20.0);
+  let colour = clay * light + 0.18 * rim * vec3<f32>(0.95, 0.95, 1.0) + sheen;
   return vec4<f32>(colour, 1.0);
 }
