@@ -46,7 +46,7 @@ fn refused(file: &Path) -> Outcome {
         &["info"],
     ];
     for options in options {
-        let mut line: Vec<_> = options.iter().map(|option| option.as_ref()).collect();
+        let mut line: Vec<_> = options.iter().map(AsRef::as_ref).collect();
         line.push(model);
         if options[0] != "info" {
             line.extend(["--out".as_ref(), out.as_os_str()]);

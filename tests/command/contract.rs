@@ -73,9 +73,9 @@ fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; 
         let out = folder.path().join("out.npz");
         let mut line = vec!["extract".as_ref(), file.as_os_str(), "--out".as_ref(), out.as_os_str()];
         line.extend(options.iter().map(AsRef::<OsStr>::as_ref));
-        specs
-            .iter()
-            .for_each(|spec| line.extend([OsStr::new("--light"), OsStr::new(spec)]));
+        for spec in &specs {
+            line.extend([OsStr::new("--light"), OsStr::new(spec)]);
+        }
         rimline(line).expect(0, &[])?;
         *result = std::fs::read(&out).map_err(|error| error.to_string())?;
     }
@@ -146,7 +146,7 @@ fn entries() -> Outcome {
     let edge_vertices = words(data(named(&entries, "edges")?, "<u4", &pairs)?);
     let kinds = data(named(&entries, "edge_kind")?, "|u1", &format!("({edges},)"))?;
     ensure!(
-        kinds.iter().filter(|&&kind| kind == 2).count() == 4,
+        edge_faces.iter().filter(|&&face| face == u32::MAX).count() == 4,
         "a box without a lid has four open edges"
     );
     let has = |face: u32, a: u32, b: u32| {
@@ -265,7 +265,7 @@ fn non_finite() -> Outcome {
             device,
             "--out",
         ];
-        let mut line: Vec<&OsStr> = line.iter().map(|option| option.as_ref()).collect();
+        let mut line: Vec<&OsStr> = line.iter().map(AsRef::as_ref).collect();
         line.extend([out.as_os_str(), file.as_os_str()]);
         let json = rimline(line).json()?;
         // Vertex 4 has three faces.

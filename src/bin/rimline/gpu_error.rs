@@ -37,7 +37,7 @@ impl GpuError {
                 reason: memory.to_string(),
             }
             .into(),
-            (_, Some(lights)) => UsageError::Lights(lights.clone()).into(),
+            (_, Some(lights)) => UsageError::Lights(*lights).into(),
             _ => gpu.failed(&self.to_string()),
         }
     }

@@ -1,4 +1,5 @@
 //! The command `rimline`: extract silhouettes, draw outlines, look into models and devices.
+#![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
 mod device;

@@ -46,17 +46,16 @@ impl Camera {
         };
         let view = View::new(-backward, [scale_y * height / width, scale_y]);
         let nearest = f64::from(extent) * 1e-3;
-        let distance = match args.eye {
-            Some(eye) => (vector(eye) - target).length(),
-            None => {
-                let points = points.map(vector);
-                // Perspective moves the middle of what is seen; a few steps find it.
-                for _ in 0..if args.target.is_none() { 6 } else { 0 } {
-                    let distance = view.distance(target, points.clone(), nearest);
-                    target += view.off_centre(target, distance, points.clone());
-                }
-                view.distance(target, points, nearest)
+        let distance = if let Some(eye) = args.eye {
+            (vector(eye) - target).length()
+        } else {
+            let points = points.map(vector);
+            // Perspective moves the middle of what is seen; a few steps find it.
+            for _ in 0..if args.target.is_none() { 6 } else { 0 } {
+                let distance = view.distance(target, points.clone(), nearest);
+                target += view.off_centre(target, distance, points.clone());
             }
+            view.distance(target, points, nearest)
         };
         Ok(Self {
             eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),

@@ -38,7 +38,7 @@ impl Frame {
             scale_y: camera.scale[1],
             forward: camera.forward.into(),
             // 2.75 pixels wide at 960 pixels of height, and never too thin to see.
-            half_line: (size[1] as f32 / 700.0).clamp(0.6, 4.0),
+            half_line: (size[1] as f32 / 700.0).clamp(0.9, 4.0),
             size: size.map(|pixels| pixels as f32),
             extent,
             ground: min[1],

@@ -33,80 +33,95 @@ pub(super) fn record(
     size: [u32; 2],
     subject: &Subject<'_>,
 ) -> Result<wgpu::Texture, GpuError> {
-    let kit = Kit::new(&gpu.device, &gpu.queue, frame);
-    let storage = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: true },
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let faces = kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(subject.faces));
-    let normals = kit.buffer(&gpu.queue, "normals", bytemuck::cast_slice(subject.normals));
-    let geometry_layout = kit.layout(&[storage; 3]);
-    let geometry = kit.group(
-        &geometry_layout,
-        &[
-            subject.positions.buffer.as_entire_binding(),
-            faces.as_entire_binding(),
-            normals.as_entire_binding(),
-        ],
-    );
-    let corners = 3 * subject.faces.len() as u32;
-    let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let colour = view(&kit.target("colour", size, FORMAT, SAMPLES, TextureUsages::empty()));
-    let depth = kit.target(
-        "depth",
-        size,
-        TextureFormat::Depth32Float,
-        SAMPLES,
-        TextureUsages::TEXTURE_BINDING,
-    );
-    let depth = view(&depth);
-    let occlusion = view(&kit.target(
-        "occlusion",
-        size,
-        TextureFormat::R8Unorm,
-        1,
-        TextureUsages::TEXTURE_BINDING,
-    ));
-    let finished = kit.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC);
+    let canvas = Canvas::new(gpu, frame, size);
+    canvas.model(gpu, encoder, frame, subject);
+    canvas.occlusion(encoder);
+    canvas.lines(gpu, encoder, subject)?;
+    Ok(canvas.finished)
+}
 
-    let shadow = frame
-        .sees_ground()
-        .then(|| contact::record(&kit, encoder, (&geometry_layout, &geometry), corners));
-    let backdrop = onto_picture(
-        &kit,
-        "backdrop",
-        include_str!("backdrop.wgsl"),
-        &[],
-        PrimitiveTopology::TriangleList,
-        None,
-        Some(false),
-    );
-    let surface = onto_picture(
-        &kit,
-        "surface",
-        include_str!("surface.wgsl"),
-        &[&geometry_layout],
-        PrimitiveTopology::TriangleList,
-        None,
-        Some(true),
-    );
-    {
+/// The targets, and what reads them.
+struct Canvas<'a> {
+    kit: Kit<'a>,
+    colour: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    depth_layout: wgpu::BindGroupLayout,
+    depth_group: wgpu::BindGroup,
+    occlusion: wgpu::TextureView,
+    finished: wgpu::Texture,
+}
+
+const DEPTH_TYPE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Depth,
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: true,
+};
+
+impl<'a> Canvas<'a> {
+    fn new(gpu: &'a Gpu, frame: &Frame, size: [u32; 2]) -> Self {
+        let kit = Kit::new(&gpu.device, &gpu.queue, frame);
+        let target = |label, format, samples, usage| view(&kit.target(label, size, format, samples, usage));
+        let readable = TextureUsages::TEXTURE_BINDING;
+        let depth = target("depth", TextureFormat::Depth32Float, SAMPLES, readable);
+        let depth_layout = kit.layout(&[DEPTH_TYPE]);
+        Self {
+            colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
+            depth_group: kit.group(&depth_layout, &[wgpu::BindingResource::TextureView(&depth)]),
+            depth,
+            depth_layout,
+            occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
+            finished: kit.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
+            kit,
+        }
+    }
+
+    /// Paper, contact shadow and the shaded model, with depth.
+    fn model(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, frame: &Frame, subject: &Subject<'_>) {
+        let kit = &self.kit;
+        let storage = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let faces = kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(subject.faces));
+        let normals = kit.buffer(&gpu.queue, "normals", bytemuck::cast_slice(subject.normals));
+        let layout = kit.layout(&[storage; 3]);
+        let resources = [subject.positions.buffer, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
+        let geometry = kit.group(&layout, &resources);
+        let corners = 3 * subject.faces.len() as u32;
+        let shadow = frame
+            .sees_ground()
+            .then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
+
+        let triangles = PrimitiveTopology::TriangleList;
+        let backdrop = onto_picture(
+            kit,
+            "backdrop",
+            include_str!("backdrop.wgsl"),
+            &[],
+            triangles,
+            None,
+            Some(false),
+        );
+        let surface = onto_picture(
+            kit,
+            "surface",
+            include_str!("surface.wgsl"),
+            &[&layout],
+            triangles,
+            None,
+            Some(true),
+        );
         let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-        let mut pass = color_pass(encoder, "model", &colour, None, clear, Some(&depth));
+        let mut pass = color_pass(encoder, "model", &self.colour, None, clear, Some(&self.depth));
         pass.set_bind_group(0, &kit.frame_group, &[]);
         pass.set_pipeline(&backdrop);
         pass.draw(0..3, 0..1);
         if let Some((layout, group)) = &shadow {
-            pass.set_pipeline(&onto_picture(
-                &kit,
-                "shadow",
-                include_str!("shadow.wgsl"),
-                &[layout],
-                PrimitiveTopology::TriangleStrip,
-                Some(MULTIPLY),
-                Some(false),
-            ));
+            let source = include_str!("shadow.wgsl");
+            let strip = PrimitiveTopology::TriangleStrip;
+            let pipeline = onto_picture(kit, "shadow", source, &[layout], strip, Some(MULTIPLY), Some(false));
+            pass.set_pipeline(&pipeline);
             pass.set_bind_group(1, group, &[]);
             pass.draw(0..4, 0..1);
         }
@@ -115,18 +130,12 @@ pub(super) fn record(
         pass.draw(0..corners, 0..1);
     }
 
-    let depth_type = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: true,
-    };
-    let depth_layout = kit.layout(&[depth_type]);
-    let depth_group = kit.group(&depth_layout, &[wgpu::BindingResource::TextureView(&depth)]);
-    {
-        let pipeline = kit.pipeline(&Pass {
+    /// How little light from all around comes to each pixel.
+    fn occlusion(&self, encoder: &mut wgpu::CommandEncoder) {
+        let pipeline = self.kit.pipeline(&Pass {
             name: "occlusion",
             source: include_str!("occlusion.wgsl"),
-            groups: &[&depth_layout],
+            groups: &[&self.depth_layout],
             topology: PrimitiveTopology::TriangleList,
             format: TextureFormat::R8Unorm,
             blend: None,
@@ -135,63 +144,59 @@ pub(super) fn record(
             constants: &[],
         });
         let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-        let mut pass = color_pass(encoder, "occlusion", &occlusion, None, clear, None);
+        let mut pass = color_pass(encoder, "occlusion", &self.occlusion, None, clear, None);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &kit.frame_group, &[]);
-        pass.set_bind_group(1, &depth_group, &[]);
+        pass.set_bind_group(0, &self.kit.frame_group, &[]);
+        pass.set_bind_group(1, &self.depth_group, &[]);
         pass.draw(0..3, 0..1);
     }
 
-    let darken_layout = kit.layout(&[
-        depth_type,
-        wgpu::BindingType::Texture {
+    /// The occlusion darkens the model, and the lines go over it.
+    fn lines(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, subject: &Subject<'_>) -> Result<(), GpuError> {
+        let kit = &self.kit;
+        let occlusion_type = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
-        },
-    ]);
-    let darken_group = kit.group(
-        &darken_layout,
-        &[
-            wgpu::BindingResource::TextureView(&depth),
-            wgpu::BindingResource::TextureView(&occlusion),
-        ],
-    );
-    let darken = onto_picture(
-        &kit,
-        "darken",
-        include_str!("darken.wgsl"),
-        &[&darken_layout],
-        PrimitiveTopology::TriangleList,
-        Some(MULTIPLY),
-        None,
-    );
-    let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-    let results = subject
-        .extractor
-        .results_bind_group(&results_layout, 0, subject.positions)?;
-    let lines = onto_picture(
-        &kit,
-        "lines",
-        &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
-        &[&depth_layout, &results_layout],
-        PrimitiveTopology::TriangleStrip,
-        Some(BlendState::ALPHA_BLENDING),
-        None,
-    );
-    let resolved = view(&finished);
-    let mut pass = color_pass(encoder, "lines", &colour, Some(&resolved), wgpu::LoadOp::Load, None);
-    pass.set_bind_group(0, &kit.frame_group, &[]);
-    pass.set_pipeline(&darken);
-    pass.set_bind_group(1, &darken_group, &[]);
-    pass.draw(0..3, 0..1);
-    pass.set_pipeline(&lines);
-    pass.set_bind_group(1, &depth_group, &[]);
-    pass.set_bind_group(2, &results, &[]);
-    // As many lines as the GPU found; the CPU never learns how many.
-    pass.draw_indirect(subject.extractor.results().draw_arguments, Results::draw_offset(0));
-    drop(pass);
-    Ok(finished)
+        };
+        let layout = kit.layout(&[DEPTH_TYPE, occlusion_type]);
+        let group = kit.group(
+            &layout,
+            &[&self.depth, &self.occlusion].map(wgpu::BindingResource::TextureView),
+        );
+        let source = include_str!("darken.wgsl");
+        let triangles = PrimitiveTopology::TriangleList;
+        let darken = onto_picture(kit, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
+        let extractor = subject.extractor;
+        let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+        let results = extractor.results_bind_group(&results_layout, 0, subject.positions)?;
+        let lines = onto_picture(
+            kit,
+            "lines",
+            &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
+            &[&self.depth_layout, &results_layout],
+            PrimitiveTopology::TriangleStrip,
+            Some(BlendState::ALPHA_BLENDING),
+            None,
+        );
+        let finished = view(&self.finished);
+        let load = wgpu::LoadOp::Load;
+        let mut pass = color_pass(encoder, "lines", &self.colour, Some(&finished), load, None);
+        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_pipeline(&darken);
+        pass.set_bind_group(1, &group, &[]);
+        pass.draw(0..3, 0..1);
+        pass.set_pipeline(&lines);
+        pass.set_bind_group(1, &self.depth_group, &[]);
+        pass.set_bind_group(2, &results, &[]);
+        // As many lines as the GPU found; the CPU never learns how many.
+        pass.draw_indirect(extractor.results().draw_arguments, Results::draw_offset(0));
+        Ok(())
+    }
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// A pipeline onto the multisampled picture.

@@ -76,9 +76,9 @@ impl<'s> Job<'_, 's> {
             Some(timer) => {
                 submitted()?;
                 let stages = timer.read(device, queue).map_err(|error| fail(error.into()))?;
-                stages
-                    .into_iter()
-                    .for_each(|(stage, milliseconds)| times.add(stage, milliseconds));
+                for (stage, milliseconds) in stages {
+                    times.add(stage, milliseconds);
+                }
             }
         }
         let found = times

@@ -199,9 +199,8 @@ impl Cursor<'_> {
     }
 
     fn string(&mut self) -> Result<String, HeaderError> {
-        let quote = match self.peek() {
-            Some(quote @ (b'\'' | b'"')) => quote,
-            _ => return Err(self.error()),
+        let Some(quote @ (b'\'' | b'"')) = self.peek() else {
+            return Err(self.error());
         };
         self.next += 1;
         let text = String::from_utf8_lossy(self.run(|byte| byte != quote && byte != b'\\')).into_owned();

@@ -192,9 +192,10 @@ impl<T: Copy + Default> Elements<T> {
                 })?;
             }
         }
-        // One read past the end: only then does the archive compare checksums.
-        match reader.read(&mut [0]) {
-            Ok(_) => Ok(all),
+        // One byte past the end: only then does the archive compare checksums.
+        match reader.take(1).read_to_end(&mut Vec::new()) {
+            Ok(0) => Ok(all),
+            Ok(_) => Err(self.data(self.rows, io::Error::other("its ZIP entry is longer than it says"))),
             Err(source) => Err(self.data(self.rows, source)),
         }
     }
