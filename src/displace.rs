@@ -90,6 +90,7 @@ impl Displacement {
                 });
             }
         }
+        check_overrides(&module, source)?;
         validate(&module, source, source)?;
         let displacement = Self {
             source: source.to_owned(),
@@ -164,6 +165,19 @@ fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
         line: place.line_number.max(1),
         column: place.line_position.max(1),
         message,
+    }
+}
+
+/// An override without a default would fail the pipeline, as nobody gives it a value.
+fn check_overrides(module: &Module, source: &str) -> Result<(), DisplaceError> {
+    let mut overrides = module.overrides.iter();
+    match overrides.find(|(_, constant)| constant.init.is_none()) {
+        None => Ok(()),
+        Some((handle, constant)) => {
+            let name = constant.name.as_deref().unwrap_or_default();
+            let message = format!("override `{name}` has no default, and nothing sets it; write `const` or a default");
+            Err(wgsl_error(message, &[module.overrides.get_span(handle)], source))
+        }
     }
 }
 

@@ -53,7 +53,7 @@ pub mod stages;
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
-pub use method::Method;
+pub use method::{Method, Predicate};
 pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
 
 pub use {glam, wgpu};

@@ -6,16 +6,18 @@
 @group(0) @binding(2) var<storage, read_write> draw_arguments: array<DrawArguments>;
 @group(0) @binding(3) var<storage, read_write> statistics: Statistics;
 
-@compute @workgroup_size(64)
-fn arguments(@builtin(global_invocation_id) id: vec3<u32>) {
-  let light = id.x;
-  if (light >= shape.lights) {
-    return;
-  }
+fn write_arguments(light: u32) {
   var instances = counts[light];
   if (instances > shape.capacity) {
     atomicAdd(&statistics.overflowed_lists, 1u);
     instances = shape.edges;
   }
   draw_arguments[light] = DrawArguments(shape.vertices_per_edge, instances, 0u, 0u);
+}
+
+@compute @workgroup_size(64)
+fn arguments(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  for (var light = id.x; light < shape.lights; light += 64u * groups.x) {
+    write_arguments(light);
+  }
 }

@@ -44,10 +44,8 @@ fn compact_count(
 
 var<workgroup> sums: array<u32, BLOCK>;
 
-// One workgroup a light: each thread takes a run of blocks, the runs' sums are scanned, then the runs are filled in.
-@compute @workgroup_size(BLOCK)
-fn compact_scan(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-  let light = group.x;
+// Each thread takes a run of blocks, the runs' sums are scanned, then the runs are filled in.
+fn scan_light(light: u32, local: u32) {
   let run = (chunk.blocks + BLOCK - 1u) / BLOCK;
   let begin = min(local * run, chunk.blocks);
   let end = min(begin + run, chunk.blocks);
@@ -73,6 +71,19 @@ fn compact_scan(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
   }
   if (local == BLOCK - 1u) {
     counts[chunk.first_light + light] = place;
+  }
+}
+
+// One workgroup a light; where a dispatch may not have so many, each takes several lights in turn.
+@compute @workgroup_size(BLOCK)
+fn compact_scan(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let lights = min(arrayLength(&counts) - chunk.first_light, 32u);
+  for (var light = group.x; light < lights; light += groups.x) {
+    scan_light(light, local);
   }
 }
 

@@ -16,7 +16,14 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
         let mut extraction = CpuExtraction::default();
         let twin = move || {
             wall_ms(|| {
-                let done = extraction.update(positions, mesh, lights, Method::FaceMask, Threads::new(threads));
+                let done = extraction.update(
+                    positions,
+                    mesh,
+                    lights,
+                    Method::FaceMask,
+                    predicate,
+                    Threads::new(threads),
+                );
                 black_box(done.expect("good lights"));
             })
         };

@@ -2,10 +2,10 @@
 
 use super::edges::edges_into;
 use super::facing::facing_into;
-use super::{Threads, per_edge};
+use super::{FacingCounts, Threads, per_edge};
 use crate::layout::Masks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
-use crate::method::Method;
+use crate::method::{Method, Predicate};
 use crate::{Light, Mesh};
 
 /// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
@@ -15,8 +15,8 @@ pub struct CpuExtraction {
     pub facing: Vec<u32>,
     /// Silhouette and winding masks an edge record.
     pub masks: Vec<Masks>,
-    /// Faces with an infinite or NaN vertex: they face no light.
-    pub non_finite_faces: u32,
+    /// What facing counted.
+    pub counts: FacingCounts,
 }
 
 impl CpuExtraction {
@@ -30,10 +30,11 @@ impl CpuExtraction {
         mesh: &Mesh,
         lights: &[Light],
         method: Method,
+        predicate: Predicate,
         threads: Threads,
     ) -> Result<(), LightError> {
         check_lights(lights, MAX_LIGHTS)?;
-        self.non_finite_faces = facing_into(&mut self.facing, positions, mesh.faces(), lights, threads);
+        self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
         match method {
             Method::FaceMask => {
                 let faces = mesh.faces().len();
@@ -61,9 +62,10 @@ pub fn extract(
     mesh: &Mesh,
     lights: &[Light],
     method: Method,
+    predicate: Predicate,
     threads: Threads,
 ) -> Result<CpuExtraction, LightError> {
     let mut extraction = CpuExtraction::default();
-    extraction.update(positions, mesh, lights, method, threads)?;
+    extraction.update(positions, mesh, lights, method, predicate, threads)?;
     Ok(extraction)
 }

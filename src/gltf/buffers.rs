@@ -1,5 +1,6 @@
 //! The bytes of a file's buffers: binary chunk, data URIs, files beside the glTF.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
@@ -21,18 +22,18 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// Loads all buffers; `None` for one without data, which matters only where something uses it. Then checks that every
 /// buffer view lies within its buffer's stated length.
-pub(super) fn load(
+pub(super) fn load<'a>(
     document: &Document,
-    binary: Option<&[u8]>,
+    binary: Option<&'a [u8]>,
     base: Option<&Path>,
-) -> Result<Vec<Option<Vec<u8>>>, GltfError> {
+) -> Result<Vec<Option<Cow<'a, [u8]>>>, GltfError> {
     let buffers = document
         .buffers
         .iter()
         .enumerate()
         .map(|(index, buffer)| match (&buffer.uri, binary) {
-            (Some(uri), _) => resolve(uri, index, buffer, base).map(Some),
-            (None, Some(binary)) if index == 0 => Ok(Some(binary.to_vec())),
+            (Some(uri), _) => resolve(uri, index, buffer, base).map(|bytes| Some(Cow::Owned(bytes))),
+            (None, Some(binary)) if index == 0 => Ok(Some(Cow::Borrowed(binary))),
             _ => Ok(None),
         })
         .collect::<Result<Vec<_>, _>>()?;

@@ -62,7 +62,7 @@ fn word(bytes: &[u8], offset: usize) -> Result<u32, GltfError> {
         .get(offset..)
         .and_then(|rest| rest.first_chunk())
         .map(|word| u32::from_le_bytes(*word))
-        .ok_or_else(|| damaged(offset, "the file ends in a header".to_owned()))
+        .ok_or_else(|| damaged(offset, "the GLB ends inside a header".to_owned()))
 }
 
 fn damaged(offset: usize, problem: String) -> GltfError {

@@ -64,9 +64,9 @@ impl Curve {
 
     fn part(&self, key: usize, part: Part, component: usize) -> f64 {
         let offset = match (self.interpolation, part) {
-            (Interpolation::CubicSpline, Part::InTangent) => 0,
             (Interpolation::CubicSpline, Part::Value) => self.width,
             (Interpolation::CubicSpline, Part::OutTangent) => 2 * self.width,
+            // An in-tangent comes first; without tangents there is the value alone.
             _ => 0,
         };
         let stride = Self::stride(self.interpolation, self.width);

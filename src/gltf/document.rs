@@ -108,7 +108,7 @@ pub(super) struct Node {
     pub(super) instancing: Option<Instancing>,
 }
 
-/// Accessors of EXT_mesh_gpu_instancing's attributes.
+/// Accessors of `EXT_mesh_gpu_instancing`'s attributes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Instancing {
     pub(super) translation: Option<usize>,

@@ -10,7 +10,7 @@ pub(super) const POSITION: Format = Format {
     components: &[(F32, None)],
     text: "F32 Vec3",
 };
-/// With KHR_mesh_quantization; targets too.
+/// With `KHR_mesh_quantization`; targets too.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: Type::Vec3,
     components: &[(F32, None), (I8, None), (U8, None), (I16, None), (U16, None)],

@@ -35,7 +35,9 @@ impl Graph {
         if order.len() < count {
             // Every node has at most one parent, so what no root reaches hangs on a cycle.
             let mut reached = vec![false; count];
-            order.iter().for_each(|&node| reached[node] = true);
+            for &node in &order {
+                reached[node] = true;
+            }
             let node = reached.iter().position(|&reached| !reached).unwrap_or(0);
             return Err(GltfError::NodeCycle { node });
         }

@@ -31,6 +31,7 @@ mod graph;
 mod instances;
 mod json;
 mod parse;
+mod parse_mesh;
 mod parse_scene;
 mod pose;
 mod reader;
@@ -58,7 +59,18 @@ use skin::LoadedSkin;
 /// A glTF file, loaded: its model, and what poses it.
 ///
 /// Nothing is allocated for numbers that the file merely states; and what accessors, faces and instances unpack to may
-/// not exceed 16 MiB plus 64 bytes for each byte of the file and its buffers, see [`GltfError::TooMuch`].
+/// not exceed 64 MiB plus 64 bytes for each byte of the file and its buffers, see [`GltfError::TooMuch`].
+///
+/// ```no_run
+/// use rimline::gltf::Asset;
+/// use rimline::mesh::Weld;
+///
+/// let asset = Asset::open("fox.glb", Weld::Data)?;
+/// let pose = asset.pose(asset.animation_index("Run"), 0.5)?;
+/// let mesh = asset.model().mesh(&pose)?;
+/// println!("{} edge records, closed: {}", mesh.edges().len(), mesh.is_closed());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Asset {
     /// Without buffers, views and accessors, which are no longer needed.
@@ -159,6 +171,8 @@ impl Asset {
     /// [`GltfError`] for content that is damaged or not supported, or that names files where there is no `base_dir`.
     pub fn from_slice(bytes: &[u8], base_dir: Option<&Path>, weld: Weld) -> Result<Self, GltfError> {
         let (json, binary) = container::split(bytes)?;
+        // A byte order mark is not allowed, but harmless.
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
         let mut document = parse::document(&value)?;
         drop(value);

@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 
 use gltf::json::Value;
 use gltf::json::accessor::{ComponentType, Type};
-use gltf::json::mesh::Mode;
 
 use super::GltfError;
-use super::document::{Accessor, Buffer, Document, InfluenceSet, Mesh, Primitive, Skin, Sparse, View};
+use super::document::{Accessor, Buffer, Document, Sparse, View};
 use super::json::{Json, whole, wrong};
-use super::{extensions, parse_scene};
+use super::{extensions, parse_mesh, parse_scene};
 
 const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
 
@@ -46,21 +45,21 @@ pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
     let all = |key: &str| root.objects(key);
     Ok(Document {
         buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,
-        views: all("bufferViews")?
-            .iter()
-            .map(|v| view(v, lengths))
-            .collect::<Result<_, _>>()?,
         accessors: all("accessors")?
             .iter()
             .map(|a| accessor(a, lengths))
             .collect::<Result<_, _>>()?,
+        views: all("bufferViews")?
+            .iter()
+            .map(|v| view(v, lengths))
+            .collect::<Result<_, _>>()?,
         meshes: all("meshes")?
             .iter()
-            .map(|m| mesh(m, lengths))
+            .map(|m| parse_mesh::mesh(m, lengths))
             .collect::<Result<_, _>>()?,
         skins: all("skins")?
             .iter()
-            .map(|s| skin(s, lengths))
+            .map(|s| parse_mesh::skin(s, lengths))
             .collect::<Result<_, _>>()?,
         nodes: all("nodes")?
             .iter()
@@ -213,107 +212,5 @@ fn sparse(json: &Json<'_>, lengths: Lengths) -> Result<Sparse, GltfError> {
         count: json.required("count", json.whole("count")?)?,
         indices: (view, offset, component),
         values: place(&values)?,
-    })
-}
-
-fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError> {
-    let primitives = json
-        .objects("primitives")?
-        .iter()
-        .map(|p| primitive(p, lengths))
-        .collect::<Result<Vec<_>, _>>()?;
-    let targets = primitives.first().map_or(0, |p| p.targets.len());
-    if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
-        return Err(GltfError::Count {
-            place: format!("{}.primitives[{other}].targets", json.path()),
-            count: primitives[other].targets.len(),
-            expected: targets,
-        });
-    }
-    let weights = json.numbers("weights")?;
-    check_weights(json, weights.as_ref(), targets)?;
-    Ok(Mesh {
-        name: json.name()?,
-        primitives,
-        weights,
-        targets,
-    })
-}
-
-/// Default morph weights must be as many as there are targets.
-pub(super) fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
-    match weights {
-        Some(weights) if weights.len() != targets => Err(GltfError::Count {
-            place: json.at("weights"),
-            count: weights.len(),
-            expected: targets,
-        }),
-        _ => Ok(()),
-    }
-}
-
-fn primitive(json: &Json<'_>, lengths: Lengths) -> Result<Primitive, GltfError> {
-    let mode = match json.whole("mode")? {
-        Some(0) => Mode::Points,
-        Some(1) => Mode::Lines,
-        Some(2) => Mode::LineLoop,
-        Some(3) => Mode::LineStrip,
-        None | Some(4) => Mode::Triangles,
-        Some(5) => Mode::TriangleStrip,
-        Some(6) => Mode::TriangleFan,
-        Some(_) => return Err(json.wrong("mode", "a primitive mode from 0 to 6")),
-    };
-    let attributes = json.required("attributes", json.object("attributes")?)?;
-    let targets = json
-        .objects("targets")?
-        .iter()
-        .map(|target| target.index("POSITION", "accessors", lengths.accessors))
-        .collect::<Result<_, _>>()?;
-    Ok(Primitive {
-        mode,
-        indices: json.index("indices", "accessors", lengths.accessors)?,
-        position: attributes.index("POSITION", "accessors", lengths.accessors)?,
-        influences: influences(&attributes, lengths)?,
-        targets,
-        draco: json.extension("KHR_draco_mesh_compression")?.is_some(),
-    })
-}
-
-/// Pairs `JOINTS_n` with `WEIGHTS_n`; one without the other is an error.
-fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSet>, GltfError> {
-    let mut sets = Vec::new();
-    for key in attributes.keys() {
-        if let Some(set) = key.strip_prefix("WEIGHTS_") {
-            let joints = format!("JOINTS_{set}");
-            attributes.required(&joints, attributes.value(&joints))?;
-        }
-        let Some(text) = key.strip_prefix("JOINTS_") else {
-            continue;
-        };
-        let Ok(set) = text.parse() else {
-            continue;
-        };
-        let index = |key: &str| attributes.required(key, attributes.index(key, "accessors", lengths.accessors)?);
-        sets.push(InfluenceSet {
-            set,
-            joints: index(key)?,
-            weights: index(&format!("WEIGHTS_{text}"))?,
-        });
-    }
-    sets.sort_by_key(|set| set.set);
-    Ok(sets)
-}
-
-fn skin(json: &Json<'_>, lengths: Lengths) -> Result<Skin, GltfError> {
-    let joints = json.indices("joints", "nodes", lengths.nodes)?;
-    if joints.is_empty() {
-        return Err(GltfError::Missing {
-            place: json.at("joints"),
-        });
-    }
-    Ok(Skin {
-        name: json.name()?,
-        joints,
-        inverse_binds: json.index("inverseBindMatrices", "accessors", lengths.accessors)?,
     })
 }

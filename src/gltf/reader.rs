@@ -1,5 +1,6 @@
 //! Accessors: checked against the bytes that are there, sparse elements put in, components converted.
 
+use std::borrow::Cow;
 use std::cell::Cell;
 
 use gltf::json::accessor::{ComponentType, Type};
@@ -9,7 +10,7 @@ use super::error::{AccessorProblem, GltfError};
 use super::extensions;
 
 /// What a file may unpack to whatever its size, in bytes.
-const UNPACKED_BASE: u64 = 16 << 20;
+const UNPACKED_BASE: u64 = 64 << 20;
 /// What it may unpack to for each byte of it and its buffers.
 const UNPACKED_PER_BYTE: u64 = 64;
 
@@ -27,15 +28,15 @@ pub(super) type Component = (ComponentType, Option<bool>);
 /// Reads a document's accessors.
 pub(super) struct Reader<'a> {
     pub(super) document: &'a Document,
-    buffers: &'a [Option<Vec<u8>>],
+    buffers: &'a [Option<Cow<'a, [u8]>>],
     limit: u64,
     left: Cell<u64>,
 }
 
 impl<'a> Reader<'a> {
     /// `file_bytes`: of the glTF file itself.
-    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Vec<u8>>], file_bytes: usize) -> Self {
-        let bytes = file_bytes + buffers.iter().flatten().map(Vec::len).sum::<usize>();
+    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], file_bytes: usize) -> Self {
+        let bytes = file_bytes + buffers.iter().flatten().map(|buffer| buffer.len()).sum::<usize>();
         let limit = UNPACKED_BASE + UNPACKED_PER_BYTE * bytes as u64;
         Self {
             document,

@@ -3,6 +3,7 @@
 use glam::DAffine3;
 
 use super::GltfError;
+use super::document::Skin;
 use super::formats;
 use super::parse_scene::affine;
 use super::reader::Reader;
@@ -16,40 +17,41 @@ pub(super) struct LoadedSkin {
     pub(super) inverse_binds: Vec<DAffine3>,
 }
 
-/// Reads all skins of the document.
+/// Reads all skins of the document, after the counts of all were found right.
 pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<LoadedSkin>, GltfError> {
-    reader
-        .document
-        .skins
+    let skins = &reader.document.skins;
+    for (index, skin) in skins.iter().enumerate() {
+        let (count, expected) = (skin.inverse_binds.map(|a| reader.count(a)), skin.joints.len());
+        if let Some(count) = count.filter(|&count| count < expected) {
+            return Err(GltfError::Count {
+                place: place(index),
+                count,
+                expected,
+            });
+        }
+    }
+    skins
         .iter()
         .enumerate()
-        .map(|(s, _)| skin(reader, s))
+        .map(|(index, skin)| load_one(reader, index, skin))
         .collect()
 }
 
-fn skin(reader: &Reader<'_>, index: usize) -> Result<LoadedSkin, GltfError> {
-    let skin = &reader.document.skins[index];
-    let count = skin.joints.len();
-    let place = format!("skins[{index}].inverseBindMatrices");
+fn place(skin: usize) -> String {
+    format!("skins[{skin}].inverseBindMatrices")
+}
+
+fn load_one(reader: &Reader<'_>, index: usize, skin: &Skin) -> Result<LoadedSkin, GltfError> {
     let inverse_binds = match skin.inverse_binds {
-        None => vec![DAffine3::IDENTITY; count],
+        None => vec![DAffine3::IDENTITY; skin.joints.len()],
         Some(accessor) => {
+            let place = place(index);
             let matrices = reader.vectors::<16>(accessor, formats::MATRICES, &place)?;
-            if matrices.len() < count {
-                return Err(GltfError::Count {
-                    place,
-                    count: matrices.len(),
-                    expected: count,
-                });
-            }
             let matrix = |(joint, columns): (usize, &[f32; 16])| {
                 affine(columns.map(f64::from), || format!("{place}, matrix {joint}"))
             };
-            matrices[..count]
-                .iter()
-                .enumerate()
-                .map(matrix)
-                .collect::<Result<_, _>>()?
+            let used = matrices.iter().take(skin.joints.len()).enumerate();
+            used.map(matrix).collect::<Result<_, _>>()?
         }
     };
     Ok(LoadedSkin {

@@ -43,15 +43,12 @@ pub(super) fn read(
     let mut targets = Vec::new();
     for (t, &target) in primitive.targets.iter().enumerate() {
         let place = format!("{place}.targets[{t}].POSITION");
-        targets.push(match target {
-            Some(target) => {
-                same_count(reader.count(target), positions.len(), &place)?;
-                offsets(reader, target, place)?
-            }
-            None => {
-                reader.charge(positions.len() as u64, 12, &|| place.clone())?;
-                vec![[0.0; 3]; positions.len()]
-            }
+        targets.push(if let Some(target) = target {
+            same_count(reader.count(target), positions.len(), &place)?;
+            offsets(reader, target, place)?
+        } else {
+            reader.charge(positions.len() as u64, 12, &|| place.clone())?;
+            vec![[0.0; 3]; positions.len()]
         });
     }
     let bindings = bindings(reader, primitive, positions.len(), place)?;

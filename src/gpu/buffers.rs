@@ -3,11 +3,12 @@
 use wgpu::BufferUsages;
 
 use super::extractor::ExtractorOptions;
+use super::frame::UniformTable;
 use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use super::split::Split;
 use crate::cpu::edge_corners;
-use crate::layout::{DrawArguments, Masks, Statistics};
-use crate::method::Method;
+use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
+use crate::method::{Method, Predicate};
 use crate::{Mesh, light};
 
 /// The numbers that sizes follow from.
@@ -21,6 +22,8 @@ pub(super) struct Shape {
     pub(super) capacity: u32,
     /// Blocks of edges that compaction counts by.
     pub(super) blocks: u32,
+    /// Faces that the list of undecided ones has room for; 0 without exact facing.
+    pub(super) undecided: usize,
 }
 
 impl Shape {
@@ -51,6 +54,7 @@ impl Shape {
             max_lights: options.max_lights,
             capacity,
             blocks: edges.div_ceil(super::split::WORKGROUP as usize) as u32,
+            undecided: undecided_capacity(mesh, options, split),
         })
     }
 
@@ -75,6 +79,21 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
     (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
 }
 
+/// Bytes before the entries of the list of undecided faces.
+pub(super) const UNDECIDED_HEAD: u64 = 8;
+
+/// Room for every face that one dispatch takes, unless the options ask for less.
+fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
+    if options.method == Method::PerEdge || options.predicate == Predicate::Fast {
+        return 0;
+    }
+    let fitting = ((split.binding - UNDECIDED_HEAD) / 8) as usize;
+    let asked = options
+        .undecided_capacity
+        .map_or(usize::MAX, |capacity| capacity.max(1) as usize);
+    asked.min(mesh.faces().len()).min(fitting)
+}
+
 /// The buffers of an extraction, one a word of lights where there is a list of them.
 #[derive(Debug)]
 pub(super) struct Buffers {
@@ -91,17 +110,22 @@ pub(super) struct Buffers {
     pub(super) counts: wgpu::Buffer,
     pub(super) draw_arguments: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
+    /// Of exact facing: the list of undecided faces, and the dispatch over it.
+    pub(super) undecided: wgpu::Buffer,
+    pub(super) exact_dispatch: wgpu::Buffer,
     /// Bound where a stage's binding is not used.
     pub(super) unused: wgpu::Buffer,
 }
 
 impl Buffers {
+    /// `chunks` are those that a word of lights is dispatched with.
     pub(super) fn new(
         device: &wgpu::Device,
         mesh: &Mesh,
         shape: &Shape,
         options: &ExtractorOptions,
         split: &Split,
+        chunks: usize,
     ) -> Result<Self, MemoryError> {
         let words = shape.words();
         let per_edge = options.method == Method::PerEdge;
@@ -110,7 +134,19 @@ impl Buffers {
         let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;
         let lists = if options.lists.is_some() { words } else { 0 };
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
+        let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let undecided_bytes = UNDECIDED_HEAD + 8 * shape.undecided as u64;
+        // These are bound whole; everything else is bound by chunks or windows.
+        let bound_whole = [
+            ("places", places_bytes),
+            ("counts", lights * 4),
+            ("draw arguments", lights * size_of::<DrawArguments>() as u64),
+        ];
+        if let Some(&(what, bytes)) = bound_whole.iter().find(|&&(_, bytes)| padded(bytes) > split.binding) {
+            let limit = split.binding;
+            return Err(MemoryError::Binding { what, bytes, limit });
+        }
 
         let mut wanted = vec![
             ("faces", faces * 12),
@@ -121,8 +157,10 @@ impl Buffers {
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
-        wanted.push(("places", places_bytes));
-        wanted.push(("light words", words as u64 * 768));
+        wanted.push(("undecided faces", undecided_bytes));
+        wanted.extend(bound_whole);
+        wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
+        wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
         let allocations: Vec<_> = wanted
             .iter()
             .map(|&(label, bytes)| Allocation {
@@ -134,7 +172,6 @@ impl Buffers {
 
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let result = storage | BufferUsages::COPY_DST;
-        let lights = shape.max_lights as u64;
         guarded(device, bytes, || Self {
             faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
             edge_vertices: filled(
@@ -175,6 +212,8 @@ impl Buffers {
                 result | BufferUsages::INDIRECT,
             ),
             statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
+            undecided: buffer(device, "undecided faces", undecided_bytes, result),
+            exact_dispatch: buffer(device, "exact dispatch", 12, storage | BufferUsages::INDIRECT),
             unused: buffer(device, "unused", 64, result),
         })
     }

@@ -3,7 +3,7 @@
 use wgpu::BufferUsages;
 
 use super::frame::{UniformTable, entry, upload};
-use super::memory::{MemoryError, buffer, guarded};
+use super::memory::{MemoryError, buffer, guarded, scoped};
 use super::model_data::{ModelData, PoseLayout};
 use super::pass::{Dispatch, Pass};
 use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
@@ -39,6 +39,13 @@ pub enum DeformError {
     /// The displacement declares resources, and no layout or bind group for them was given; or the other way round.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
     Resources,
+    /// The device makes no pipeline of the displacement and the layout given: resources that are not as the layout
+    /// says, or more of something than the device has.
+    #[error("the device refuses the displacement with the layout given: {message}")]
+    Pipeline {
+        /// What the device said.
+        message: String,
+    },
 }
 
 const SLOTS: [Slot; 7] = [Uniform, Read, Read, Read, Read, Read, Write];
@@ -75,15 +82,19 @@ impl Deformer {
         let wgsl = options
             .displacement
             .map_or_else(plain_deform_wgsl, Displacement::deform_wgsl);
-        let pipeline = Pipeline::new(
-            device,
-            &DEFORM,
-            &wgsl,
-            "deform",
-            &SLOTS,
-            options.displacement_layout,
-            &[],
-        );
+        // Only a caller's displacement or layout can make this fail.
+        let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
+            Pipeline::new(
+                device,
+                &DEFORM,
+                &wgsl,
+                "deform",
+                &SLOTS,
+                options.displacement_layout,
+                &[],
+            )
+        })
+        .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {
             Self::build(
                 device,
@@ -192,7 +203,7 @@ impl Deformer {
         upload(&self.device, encoder, &self.chunks, table.bytes());
         upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
         self.pass
-            .record_with(encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+            .record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 

@@ -93,14 +93,20 @@ pub(super) fn check(
 
 /// Runs `make`, which makes buffers of `bytes` in all, and reports running out of memory as an error.
 pub(super) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() -> T) -> Result<T, MemoryError> {
-    let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| MemoryError::OutOfMemory { bytes, message })
+}
+
+/// Runs `make` and reports the device's errors of one kind as an error, in the device's words.
+pub(super) fn scoped<T>(
+    device: &wgpu::Device,
+    filter: wgpu::ErrorFilter,
+    make: impl FnOnce() -> T,
+) -> Result<T, String> {
+    let scope = device.push_error_scope(filter);
     let made = make();
     // Ready at once on native backends; elsewhere the error goes to the device's own handler.
     match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(Some(error)) => Err(MemoryError::OutOfMemory {
-            bytes,
-            message: error.to_string(),
-        }),
+        Poll::Ready(Some(error)) => Err(error.to_string()),
         _ => Ok(made),
     }
 }

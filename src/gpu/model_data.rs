@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use wgpu::BufferUsages;
 
+use super::frame::UniformTable;
 use super::memory::{Allocation, MemoryError, check, filled, padded};
 use super::split::Split;
 use crate::layout::DeformChunk;
@@ -51,6 +52,7 @@ pub(super) struct ModelData {
     pub(super) pose_words: u64,
     pub(super) vertices: u64,
     bytes: [u64; 4],
+    dispatches: u64,
 }
 
 const LABELS: [&str; 4] = ["rest positions", "morph targets", "influences", "source vertices"];
@@ -84,7 +86,12 @@ impl ModelData {
                 target_count: target_count as u32,
             });
         }
+        let dispatches = model
+            .instances
+            .iter()
+            .map(|instance| geometries[instance.geometry].len() as u64);
         Ok(Self {
+            dispatches: dispatches.sum(),
             geometries,
             pose_layouts,
             pose_words,
@@ -96,7 +103,12 @@ impl ModelData {
     /// Checks all sizes before anything is made.
     pub(super) fn check(&self, split: &Split, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
         let arrays = LABELS.into_iter().zip(self.bytes);
-        let own = [("positions", self.vertices * 12), ("pose", self.pose_words * 4)];
+        let uniforms = self.dispatches * UniformTable::stride::<DeformChunk>() as u64;
+        let own = [
+            ("positions", self.vertices * 12),
+            ("pose", self.pose_words * 4),
+            ("deform chunks", uniforms),
+        ];
         let allocations: Vec<_> = arrays
             .chain(own)
             .map(|(label, bytes)| Allocation {

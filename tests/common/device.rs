@@ -4,22 +4,18 @@ use std::sync::OnceLock;
 
 /// A device with its queue and its adapter's name.
 pub(crate) struct Gpu {
+    instance: wgpu::Instance,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) name: String,
 }
 
-/// The adapter's name, or why there is none.
-pub(crate) fn adapter() -> Result<wgpu::Adapter, String> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-        .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))
-}
-
 impl Gpu {
     /// A device with no optional feature and these limits.
     pub(crate) fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
-        let adapter = adapter()?;
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))?;
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("test"),
@@ -28,6 +24,7 @@ impl Gpu {
         }))
         .map_err(|error| error.to_string())?;
         Ok(Self {
+            instance,
             device,
             queue,
             name: format!("{} ({:?})", info.name, info.backend),
@@ -41,6 +38,12 @@ impl Gpu {
             .get_or_init(|| Self::with_limits(wgpu::Limits::default()))
             .as_ref()
             .map_err(Clone::clone)
+    }
+
+    /// Buffers that live on this device's instance.
+    pub(crate) fn live_buffers(&self) -> Result<usize, String> {
+        let report = self.instance.generate_report().ok_or("no report of live objects")?;
+        Ok(report.hub_report().buffers.num_allocated)
     }
 
     /// A storage buffer with these contents.

@@ -2,13 +2,16 @@
 
 #![allow(dead_code, reason = "each test binary uses its part")]
 
+pub(crate) mod band;
+pub(crate) mod cases;
 pub(crate) mod device;
+pub(crate) mod models;
 pub(crate) mod oracle;
 pub(crate) mod random;
 
 use std::path::PathBuf;
 
-use rimline::{Light, Mesh};
+use rimline::Light;
 
 /// The folder of model files beside the checkout, if it is there.
 pub(crate) fn assets() -> Option<PathBuf> {
@@ -37,36 +40,6 @@ pub(crate) fn same<T: PartialEq + std::fmt::Debug>(what: &str, got: &[T], expect
     }
 }
 
-/// Vertices at which outgoing and incoming multiplicities of a light do not cancel, summed over lights.
-pub(crate) fn unclosed(mesh: &Mesh, masks: &[rimline::layout::Masks], facing: &[u32], lights: usize) -> usize {
-    let _ = masks;
-    let mut open = 0;
-    for light in 0..lights {
-        let plane = &facing[light / 32 * mesh.faces().len()..];
-        let sign = |face: u32| {
-            if plane[face as usize] >> (light % 32) & 1 != 0 {
-                1_i64
-            } else {
-                -1
-            }
-        };
-        let mut balance = vec![0_i64; mesh.vertex_count() as usize];
-        for edge in mesh.edges().iter() {
-            let second = edge.face_1.map_or(0, |face| sign(face));
-            let o = if edge.kind == rimline::mesh::EdgeKind::Consistent {
-                -1
-            } else {
-                1
-            };
-            let multiplicity = sign(edge.face_0) + o * second;
-            balance[edge.vertices[0] as usize] += multiplicity;
-            balance[edge.vertices[1] as usize] -= multiplicity;
-        }
-        open += balance.iter().filter(|&&sum| sum != 0).count();
-    }
-    open
-}
-
 /// `count` lights around a mesh of about unit size: points near and far, directions, other weights.
 pub(crate) fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
     (0..count)
@@ -79,4 +52,17 @@ pub(crate) fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
             }
         })
         .collect()
+}
+
+/// A negative control: a comparator must not pass what was perturbed.
+pub(crate) fn must_fail(what: &str, outcome: Result<(), String>) -> Result<(), String> {
+    match outcome {
+        Ok(()) => Err(format!("negative control: {what} went unnoticed")),
+        Err(_) => Ok(()),
+    }
+}
+
+/// Whether the heavier counts were asked for, `RIMLINE_LONG=1`.
+pub(crate) fn is_long() -> bool {
+    std::env::var_os("RIMLINE_LONG").is_some_and(|value| value == "1")
 }

@@ -1,7 +1,15 @@
 //! GPU tests. Without an adapter they fail; they are never passed over.
 
+mod assets;
+mod closure;
 #[path = "../common/mod.rs"]
 mod common;
+mod deform;
+mod exact;
+mod facing;
+mod lights;
+mod limits;
+mod positions;
 mod stages;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -10,7 +18,18 @@ use libtest_mimic::{Arguments, Failed, Trial};
 type Test = (&'static str, fn() -> Result<(), String>);
 
 fn main() {
-    let tests: Vec<Test> = [stages::TESTS].concat();
+    let tests: Vec<Test> = [
+        stages::TESTS,
+        exact::TESTS,
+        facing::TESTS,
+        closure::TESTS,
+        lights::TESTS,
+        positions::TESTS,
+        deform::TESTS,
+        limits::TESTS,
+        assets::TESTS,
+    ]
+    .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
     println!("adapter: {name}");
     println!("gpu tests: {}", tests.len());

@@ -3,19 +3,19 @@
 use rimline::cpu::{self, Threads};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::layout::{DrawArguments, DrawShape, Masks, Statistics};
-use rimline::mesh::Weld;
-use rimline::{Light, Mesh, Method, shapes};
+use rimline::{Light, Mesh};
 
+use crate::common::band::check_facing;
+use crate::common::cases::topologies;
 use crate::common::device::Gpu;
 use crate::common::random::Random;
-use crate::common::{lights, same};
+use crate::common::{lights, must_fail, same};
 
 pub(crate) const TESTS: &[crate::Test] = &[
-    ("facing_and_edges_equal_their_twins", facing_and_edges),
+    ("edges_equal_their_twin", edges),
     ("ordered_lists_equal_their_twin", ordered_lists),
     ("unordered_lists_hold_the_same_edges", unordered_lists),
     ("overflowing_lists_are_counted_and_drawn_whole", overflow),
-    ("per_edge_equals_its_twin", per_edge),
 ];
 
 /// What one extraction left in its buffers.
@@ -78,33 +78,11 @@ pub(crate) fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: us
     Ok(found)
 }
 
-/// Shapes of every topology: closed, open, non-orientable, non-manifold, with faces that name a vertex twice.
-pub(crate) fn topologies() -> Vec<(&'static str, Vec<[f32; 3]>, Mesh)> {
-    let mut soup = shapes::torus(12, 9, 1.0, 0.4);
-    let mut random = Random::new(7);
-    for _ in 0..60 {
-        soup.faces.push(std::array::from_fn(|_| random.below(24) as u32));
-    }
-    let shapes = [
-        ("torus", shapes::torus(40, 30, 1.0, 0.4)),
-        ("blob", shapes::blob(4, 0.3, 1)),
-        ("grid", shapes::plane_grid(17, 9)),
-        ("moebius", shapes::moebius(40, 4)),
-        ("three sheets", shapes::three_sheets(5)),
-        ("soup", soup),
-    ];
-    shapes
-        .into_iter()
-        .map(|(name, shape)| {
-            let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position).expect("a shape is a mesh");
-            (name, shape.positions, mesh)
-        })
-        .collect()
-}
-
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 
-fn facing_and_edges() -> Result<(), String> {
+/// Lights of all counts for a case, and the masks that follow from the facing bits the GPU found: those are checked by
+/// themselves (`facing.rs`), and all that comes after is integers.
+fn edges() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let seed = 1;
     println!("seed {seed}");
@@ -119,19 +97,26 @@ fn facing_and_edges() -> Result<(), String> {
                 ..Default::default()
             };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            let twin = cpu::facing(&positions, mesh.faces(), &lights, Threads::all());
-            same(&format!("{name}, {count} lights, facing"), &found.facing, &twin)?;
-            let masks = cpu::edges(mesh.edges(), &twin, mesh.faces().len(), count, Threads::all());
-            same(&format!("{name}, {count} lights, masks"), &found.masks, &masks)?;
+            let what = format!("{name}, {count} lights");
+            check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
+            let masks = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
+            same(&format!("{what}, masks"), &found.masks, &masks)?;
+            let mut wrong = found.masks;
+            wrong[random.below(masks.len())].winding ^= 1;
+            must_fail("a flipped winding bit", same(&what, &wrong, &masks))?;
+            let live = |word: usize| {
+                1_u64
+                    .checked_shl((count - 32 * word) as u32)
+                    .map_or(u64::MAX, |bit| bit - 1)
+            };
+            for (at, masks) in masks.iter().enumerate() {
+                if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
+                    return Err(format!("{what}: record {at} has bits past the lights"));
+                }
+            }
         }
     }
     Ok(())
-}
-
-fn twin_masks(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> Vec<Masks> {
-    cpu::extract(positions, mesh, lights, Method::FaceMask, Threads::all())
-        .expect("good lights")
-        .masks
 }
 
 fn list_options(capacity: Option<u32>, ordered: bool) -> Option<ListOptions> {
@@ -158,20 +143,13 @@ fn ordered_lists() -> Result<(), String> {
                 ..Default::default()
             };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            let twins = twin_masks(&positions, &mesh, &lights);
+            let twins = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
             for light in 0..count {
                 let plane = &twins[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
                 let twin = cpu::compact(plane, light as u32 % 32, usize::MAX);
-                same(
-                    &format!("{name}, light {light} of {count}, list"),
-                    &found.lists[light],
-                    &twin.entries,
-                )?;
-                same(
-                    &format!("{name}, light {light} of {count}, count"),
-                    &[found.counts[light]],
-                    &[twin.count],
-                )?;
+                let what = format!("{name}, light {light} of {count}");
+                same(&format!("{what}, list"), &found.lists[light], &twin.entries)?;
+                same(&format!("{what}, count"), &[found.counts[light]], &[twin.count])?;
             }
         }
     }
@@ -245,27 +223,6 @@ fn overflow() -> Result<(), String> {
                     return Err(format!("{name}: a list holds what is no silhouette"));
                 }
             }
-        }
-    }
-    Ok(())
-}
-
-fn per_edge() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let mut random = Random::new(5);
-    for (name, positions, mesh) in topologies() {
-        for count in LIGHT_COUNTS {
-            let lights = lights(&mut random, count);
-            let options = ExtractorOptions {
-                max_lights: count,
-                method: Method::PerEdge,
-                masks: true,
-                lists: list_options(None, false),
-                ..Default::default()
-            };
-            let found = extract(gpu, &positions, &mesh, &lights, options)?;
-            let twin = cpu::per_edge(&positions, &mesh, &lights, Threads::all());
-            same(&format!("{name}, {count} lights"), &found.masks, &twin)?;
         }
     }
     Ok(())

@@ -11,11 +11,11 @@ const MODELS: [(&str, &str, &[&str]); 2] = [
     ("blob.glb", "shape", &["blob"]),
 ];
 
-/// A picture: its file, the model, and how `rimline draw` shows it.
+/// A picture: its file, the model, and how `rimline draw` shows it, words apart by spaces.
 struct Picture {
     file: &'static str,
     model: &'static str,
-    view: &'static [&'static str],
+    view: &'static str,
 }
 
 /// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps.
@@ -23,55 +23,22 @@ const PICTURES: [Picture; 4] = [
     Picture {
         file: "walk_from_the_front.png",
         model: "walking_figure.glb",
-        view: &[
-            "--animation",
-            "0",
-            "--time",
-            "0.02",
-            "--eye",
-            "1.7,1.5,3.6",
-            "--target",
-            "0,0.88,0",
-            "--fov",
-            "30",
-        ],
+        view: "--animation 0 --time 0.02 --eye 1.7,1.5,3.6 --target 0,0.88,0 --fov 30",
     },
     Picture {
         file: "walk_from_the_side.png",
         model: "walking_figure.glb",
-        view: &[
-            "--animation",
-            "0",
-            "--time",
-            "0.5",
-            "--eye",
-            "3.9,1.1,0.7",
-            "--target",
-            "0,0.88,0",
-            "--fov",
-            "30",
-        ],
+        view: "--animation 0 --time 0.5 --eye 3.9,1.1,0.7 --target 0,0.88,0 --fov 30",
     },
     Picture {
         file: "walk_from_behind.png",
         model: "walking_figure.glb",
-        view: &[
-            "--animation",
-            "0",
-            "--time",
-            "0.75",
-            "--eye",
-            "-2.2,1.9,-3.1",
-            "--target",
-            "0,0.88,0",
-            "--fov",
-            "30",
-        ],
+        view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
     },
     Picture {
         file: "blob.png",
         model: "blob.glb",
-        view: &["--eye", "2.2,1.6,3.4", "--target", "0,0,0", "--fov", "40"],
+        view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36",
     },
 ];
 
@@ -97,7 +64,9 @@ pub(crate) fn run() -> Result<(), String> {
         let out = demo.join(picture.file);
         remove_old(&out)?;
         let mut draw = program("rimline");
-        draw.arg("draw").arg(demo.join(picture.model)).args(picture.view);
+        draw.arg("draw")
+            .arg(demo.join(picture.model))
+            .args(picture.view.split(' '));
         process::run(draw.args(["--size", "960x1200", "--out"]).arg(&out))?;
         if !out.is_file() {
             return Err(format!("`rimline draw` succeeded, but there is no {}", out.display()));

@@ -1,0 +1,328 @@
+//! The WGSL by itself: files and stages, validity for naga and tint, struct layouts.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use naga::{AddressSpace, ArraySize, Module, ScalarKind, TypeInner};
+use rimline::Displacement;
+use rimline::layout::{LAYOUTS, StructLayout};
+use rimline::stages::{DEFORM, INCLUDES, STAGES};
+
+type Outcome = Result<(), String>;
+
+fn main() {
+    let tests: [(&str, fn() -> Outcome); 6] = [
+        ("every_file_is_a_stage_or_an_include", files),
+        ("stages_have_twins_and_entry_points_of_their_name", names),
+        ("wgsl_composes", composes),
+        ("layouts_are_those_of_rust", layouts),
+        ("layouts_cover_every_bound_struct", bound_structs),
+        ("perturbed_layouts_are_noticed", perturbed_layouts),
+    ];
+    let mut trials: Vec<_> = tests
+        .into_iter()
+        .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
+        .collect();
+    let tint = Trial::test("tint_accepts_every_module", || tint().map_err(Failed::from));
+    let has_tint = Command::new("tint").arg("--help").output().is_ok();
+    trials.push(tint.with_ignored_flag(!has_tint));
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+fn check_files(found: &BTreeSet<String>) -> Outcome {
+    let in_stages = STAGES.iter().flat_map(|stage| stage.files).map(|(name, _)| *name);
+    let known: BTreeSet<String> = in_stages
+        .chain(INCLUDES.iter().map(|(name, _)| *name))
+        .map(|name| format!("{name}.wgsl"))
+        .collect();
+    if *found == known {
+        return Ok(());
+    }
+    let stray: Vec<_> = found.symmetric_difference(&known).collect();
+    Err(format!(
+        "in the folder or in the list of stages, not in both: {stray:?}"
+    ))
+}
+
+/// A WGSL file outside the list of stages would be dead, untested code.
+fn files() -> Outcome {
+    let folder = std::fs::read_dir(root().join("wgsl")).map_err(text)?;
+    let mut found = BTreeSet::new();
+    for entry in folder {
+        found.insert(entry.map_err(text)?.file_name().to_string_lossy().into_owned());
+    }
+    check_files(&found)?;
+    found.insert("stray.wgsl".to_owned());
+    match check_files(&found) {
+        Ok(()) => Err("negative control: a stray file went unnoticed".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+fn names() -> Outcome {
+    for stage in STAGES {
+        let (module, _) = validated(&composed_stage(&stage))?;
+        let found: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        if found != stage.entry_points {
+            return Err(format!(
+                "{}: entry points {found:?}, listed {:?}",
+                stage.name, stage.entry_points
+            ));
+        }
+        let carries_name = |entry: &&str| **entry == *stage.name || entry.starts_with(&format!("{}_", stage.name));
+        if !found.iter().all(carries_name) {
+            return Err(format!("{}: entry points {found:?} do not carry the name", stage.name));
+        }
+        if stage.files.last().map(|(name, _)| *name) != Some(stage.name) {
+            return Err(format!("{}: its own file comes last", stage.name));
+        }
+        let twin = root().join("src/cpu").join(format!("{}.rs", stage.name));
+        let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
+        if !twin.contains(&format!("pub fn {}(", stage.name)) {
+            return Err(format!("{}: the twin's function has another name", stage.name));
+        }
+    }
+    Ok(())
+}
+
+fn composed_stage(stage: &rimline::stages::Stage) -> String {
+    if *stage == DEFORM {
+        rimline::displace::plain_deform_wgsl()
+    } else {
+        stage.wgsl()
+    }
+}
+
+const DISPLACE: &str = "
+struct Waves { height: f32, phases: array<f32> }
+@group(1) @binding(0) var<storage, read> waves: Waves;
+fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
+  return position + vec3<f32>(0.0, waves.height * sin(time + waves.phases[vertex]), 0.0);
+}
+";
+
+const USER: &str = "
+@group(1) @binding(0) var<storage, read_write> lengths: array<f32>;
+@compute @workgroup_size(64)
+fn user(@builtin(global_invocation_id) id: vec3<u32>) {
+  if (id.x < rimline_silhouettes(0u)) {
+    let edge = rimline_silhouette(0u, id.x);
+    lengths[id.x] = distance(rimline_position(edge.a), rimline_position(edge.b));
+  }
+}
+";
+
+/// Every module that a pipeline may be made of, by name.
+fn modules() -> Result<Vec<(String, String)>, String> {
+    let mut modules: Vec<_> = STAGES
+        .iter()
+        .map(|stage| (stage.name.to_owned(), composed_stage(stage)))
+        .collect();
+    let displaced = Displacement::new(DISPLACE).map_err(text)?.deform_wgsl();
+    modules.push(("deform_displaced".to_owned(), displaced));
+    let include = rimline::gpu::include_wgsl(0);
+    modules.push(("results_before_user".to_owned(), format!("{include}{USER}")));
+    modules.push(("results_after_user".to_owned(), format!("{USER}{include}")));
+    Ok(modules)
+}
+
+/// Parses and validates with naga's default capabilities, as a browser would.
+fn validated(source: &str) -> Result<(Module, naga::valid::ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let mut validator = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::default(),
+    );
+    let info = validator
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(source))?;
+    Ok((module, info))
+}
+
+/// `target/wgsl`, where every composed module is written for other tools to look at.
+fn folder() -> PathBuf {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    target.parent().unwrap_or(target).join("wgsl")
+}
+
+fn write_modules() -> Result<Vec<PathBuf>, String> {
+    std::fs::create_dir_all(folder()).map_err(text)?;
+    let mut paths = Vec::new();
+    for (name, source) in modules()? {
+        let path = folder().join(format!("{name}.wgsl"));
+        // Tests of one binary run at the same time, and a reader must never see half a file.
+        let partial = folder().join(format!("{name}.{:?}.partial", std::thread::current().id()));
+        std::fs::write(&partial, source).map_err(text)?;
+        std::fs::rename(&partial, &path).map_err(text)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+fn composes() -> Outcome {
+    write_modules()?;
+    for (name, source) in modules()? {
+        validated(&source).map_err(|error| format!("{name}: {error}"))?;
+    }
+    match validated("fn broken() -> u32 { return 1.0; }") {
+        Ok(_) => Err("negative control: naga took a wrong module".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+fn run_tint(path: &Path) -> Outcome {
+    let output = Command::new("tint")
+        .arg("--format")
+        .arg("wgsl")
+        .arg(path)
+        .output()
+        .map_err(text)?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() && !message.contains("error:") && !message.contains("warning:") {
+        Ok(())
+    } else {
+        Err(format!("{}: {message}", path.display()))
+    }
+}
+
+fn tint() -> Outcome {
+    for path in write_modules()? {
+        run_tint(&path)?;
+    }
+    let broken = folder().join("broken_on_purpose.wgsl");
+    std::fs::write(&broken, "fn broken() -> u32 { return 1.0; }").map_err(text)?;
+    let outcome = run_tint(&broken);
+    std::fs::remove_file(&broken).map_err(text)?;
+    match outcome {
+        Ok(()) => Err("negative control: tint took a wrong module".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+/// A WGSL type as Rust writes its twin. An atomic counts as its scalar.
+fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
+    let scalar = |scalar: naga::Scalar| {
+        let kind = match scalar.kind {
+            ScalarKind::Uint => "u",
+            ScalarKind::Sint => "i",
+            ScalarKind::Float => "f",
+            _ => "?",
+        };
+        format!("{kind}{}", 8 * scalar.width)
+    };
+    match &module.types[ty].inner {
+        TypeInner::Scalar(of) | TypeInner::Atomic(of) => scalar(*of),
+        TypeInner::Vector { size, scalar: of } => format!("[{}; {}]", scalar(*of), *size as u8),
+        TypeInner::Array {
+            base,
+            size: ArraySize::Constant(count),
+            ..
+        } => format!("[{}; {count}]", rust_type(module, *base)),
+        other => format!("{other:?}"),
+    }
+}
+
+/// Compares a module's structs of a listed name with the list; returns the names found.
+fn check_layouts(module: &Module, listed: &[StructLayout]) -> Result<Vec<String>, String> {
+    let mut found = Vec::new();
+    for (_, ty) in module.types.iter() {
+        let (Some(name), TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) else {
+            continue;
+        };
+        let Some(layout) = listed.iter().find(|layout| layout.name == name) else {
+            continue;
+        };
+        if *span as usize != layout.size || members.len() != layout.fields.len() {
+            return Err(format!("{name}: {span} bytes and {} members", members.len()));
+        }
+        for (member, field) in members.iter().zip(layout.fields) {
+            let member_name = member.name.as_deref().unwrap_or_default();
+            let size = module.types[member.ty].inner.size(module.to_ctx()) as usize;
+            let ty = rust_type(module, member.ty);
+            let got = (member_name, member.offset as usize, size, ty.as_str());
+            let expected = (field.name, field.offset, field.size, field.rust_type);
+            if got != expected {
+                return Err(format!("{name}: WGSL has {got:?}, Rust {expected:?}"));
+            }
+        }
+        found.push(name.clone());
+    }
+    Ok(found)
+}
+
+fn layouts() -> Outcome {
+    let mut found = BTreeSet::new();
+    for (name, source) in modules()? {
+        let (module, _) = validated(&source)?;
+        found.extend(check_layouts(&module, LAYOUTS).map_err(|error| format!("{name}: {error}"))?);
+    }
+    match LAYOUTS.iter().find(|layout| !found.contains(layout.name)) {
+        Some(layout) => Err(format!("{} is in no WGSL file", layout.name)),
+        None => Ok(()),
+    }
+}
+
+/// A struct that a buffer holds must be one that Rust writes or reads by the list.
+fn bound_structs() -> Outcome {
+    for (name, source) in modules()? {
+        let (module, _) = validated(&source)?;
+        for (_, variable) in module.global_variables.iter() {
+            let own = variable.binding.as_ref().is_some_and(|binding| binding.group == 0);
+            if !own || !matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. }) {
+                continue;
+            }
+            let mut ty = variable.ty;
+            while let TypeInner::Array { base, .. } = module.types[ty].inner {
+                ty = base;
+            }
+            let held = &module.types[ty];
+            if matches!(held.inner, TypeInner::Struct { .. })
+                && !LAYOUTS.iter().any(|layout| Some(layout.name) == held.name.as_deref())
+            {
+                return Err(format!("{name}: {:?} is bound and not in LAYOUTS", held.name));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Moves, resizes, retypes and renames one field of every struct, and drops one: each must be noticed.
+fn perturbed_layouts() -> Outcome {
+    for layout in LAYOUTS {
+        let wgsl = modules()?.into_iter().map(|(_, source)| validated(&source));
+        let holding = wgsl.map(|module| module.map(|(module, _)| module)).find(|module| {
+            let layouts = module.as_ref().map(|module| check_layouts(module, &[*layout]));
+            matches!(layouts, Ok(Ok(found)) if !found.is_empty())
+        });
+        let Some(Ok(module)) = holding else {
+            return Err(format!("{} not found", layout.name));
+        };
+        let perturbations: [fn(&mut StructLayout, &mut Vec<rimline::layout::FieldLayout>); 6] = [
+            |layout, _| layout.size += 4,
+            |_, fields| fields[0].offset += 4,
+            |_, fields| fields[0].size += 4,
+            |_, fields| fields[0].rust_type = "i32",
+            |_, fields| fields[0].name = "other",
+            |_, fields| fields.truncate(fields.len() - 1),
+        ];
+        for (number, perturb) in perturbations.into_iter().enumerate() {
+            let (mut wrong, mut fields) = (*layout, layout.fields.to_vec());
+            perturb(&mut wrong, &mut fields);
+            wrong.fields = Vec::leak(fields);
+            if check_layouts(&module, &[wrong]).is_ok() {
+                return Err(format!("{}: perturbation {number} went unnoticed", layout.name));
+            }
+        }
+    }
+    Ok(())
+}
