@@ -42,8 +42,8 @@ pub fn facing(
     masks
 }
 
-/// The same into a vector that may be used again.
-pub(super) fn facing_into(
+/// The same into a vector that may be used again; and what was counted.
+pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],

@@ -8,6 +8,7 @@ mod report;
 use std::time::Instant;
 
 use rimline::Method;
+use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
 
 use crate::args::{ExtractArgs, MethodArg};
@@ -24,7 +25,7 @@ struct Found<'a> {
     positions: std::borrow::Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
     masks: Vec<Masks>,
-    non_finite_faces: u32,
+    counts: FacingCounts,
 }
 
 /// Milliseconds of each stage, in the order they ran.

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use rimline::cpu::{self, Threads};
+use rimline::method::Predicate;
 use rimline::{Light, Method};
 
 use super::{Found, Times};
@@ -17,19 +18,20 @@ pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, t
         }
     };
     let faces = mesh.faces();
-    let facing = times.measure("facing", || cpu::facing(&positions, faces, lights, threads));
+    let mut facing = Vec::new();
+    let counts = times.measure("facing", || {
+        cpu::facing_into(&mut facing, &positions, faces, lights, Predicate::Exact, threads)
+    });
     let masks = match method {
         Method::FaceMask => times.measure("edges", || {
             cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads)
         }),
         Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, threads)),
     };
-    let is_finite = |&v: &u32| cpu::is_finite(positions[v as usize]);
-    let non_finite_faces = faces.iter().filter(|face| !face.iter().all(is_finite)).count() as u32;
     Found {
         positions,
         facing,
         masks,
-        non_finite_faces,
+        counts,
     }
 }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rimline::cpu::FacingCounts;
 use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
 use rimline::layout::Statistics;
 use rimline::{Displacement, Light, Method, wgpu};
@@ -96,11 +97,16 @@ impl<'s> Job<'_, 's> {
         let mesh = &self.scene.mesh;
         let (first, last) = (&extractors[0], &extractors[extractors.len() - 1]);
         let statistics: Vec<Statistics> = read_back_vec(&gpu.device, &gpu.queue, first.results().statistics)?;
+        let counts = statistics.first().map(|statistics| FacingCounts {
+            non_finite_faces: statistics.non_finite_faces,
+            undecided_pairs: statistics.undecided_pairs,
+            exact_zeros: statistics.exact_zeros,
+        });
         Ok(Found {
             positions,
             facing: read_planes(gpu, first.results().facing, mesh.faces().len())?,
             masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
-            non_finite_faces: statistics.first().map_or(0, |statistics| statistics.non_finite_faces),
+            counts: counts.unwrap_or_default(),
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
 use rimline::mesh::{EdgeCounts, EdgeKind};
 use rimline::{Light, Mesh, Method};
@@ -15,7 +16,7 @@ pub(super) struct Report {
     vertices: usize,
     faces: usize,
     degenerate_faces: usize,
-    non_finite_faces: u32,
+    counts: FacingCounts,
     edges: EdgeCounts,
     /// One a light.
     silhouette_edges: Vec<usize>,
@@ -46,7 +47,7 @@ impl Report {
             vertices: found.positions.len(),
             faces: mesh.faces().len(),
             degenerate_faces: mesh.degenerate_faces(),
-            non_finite_faces: found.non_finite_faces,
+            counts: found.counts,
             edges: mesh.edges().counts(),
             silhouette_edges,
             unclosed_vertices,
@@ -82,7 +83,9 @@ impl Report {
             "vertices": self.vertices,
             "faces": self.faces,
             "degenerate_faces": self.degenerate_faces,
-            "non_finite_faces": self.non_finite_faces,
+            "non_finite_faces": self.counts.non_finite_faces,
+            "undecided_pairs": self.counts.undecided_pairs,
+            "exact_zeros": self.counts.exact_zeros,
             "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
             "lights": self.silhouette_edges.len(),
             "silhouette_edges": self.silhouette_edges,
@@ -105,8 +108,17 @@ impl Report {
         line("adapter", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
-        if self.non_finite_faces > 0 {
-            line("", &format!("{} not finite: they face no light", self.non_finite_faces));
+        let FacingCounts {
+            non_finite_faces,
+            undecided_pairs,
+            exact_zeros,
+        } = self.counts;
+        if non_finite_faces > 0 {
+            line("", &format!("{non_finite_faces} not finite: they face no light"));
+        }
+        if undecided_pairs > 0 {
+            let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
+            line("decided exactly", &decided);
         }
         line(
             "edge records",
@@ -163,13 +175,14 @@ fn count_light(mesh: &Mesh, plane: &[Masks], bit: u32, sums: &mut [i32]) -> (usi
 mod tests {
     use super::*;
     use rimline::cpu::{Threads, edges, facing};
+    use rimline::method::Predicate;
 
     #[test]
     fn closed_loops_sum_to_zero_and_a_flipped_bit_does_not() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mesh = Mesh::from_faces(4, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).expect("it is a tetrahedron");
         let lights = [Light::point([3.0, 3.0, 3.0]), Light::directional([0.0, 0.0, -1.0])];
-        let facing = facing(&positions, mesh.faces(), &lights, Threads::ONE);
+        let facing = facing(&positions, mesh.faces(), &lights, Predicate::Exact, Threads::ONE);
         let mut masks = edges(mesh.edges(), &facing, 4, 2, Threads::ONE);
         let mut sums = [0; 4];
         for (bit, silhouettes) in [(0, 3), (1, 3)] {
@@ -188,6 +201,7 @@ mod tests {
             &positions,
             mesh.faces(),
             &[Light::directional([0.0, 0.0, 1.0])],
+            Predicate::Exact,
             Threads::ONE,
         );
         let masks = edges(mesh.edges(), &facing, 1, 1, Threads::ONE);
