@@ -144,7 +144,11 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
   edge_faces (E,2) uint32   face 1 is 0xFFFFFFFF where there is none
   edge_kind (E) uint8       0 consistent, 1 inconsistent, 2 boundary
   facing (F,W), silhouette (E,W), winding (E,W) uint32
-                            light l is bit l % 32 of word l / 32";
+                            light l is bit l % 32 of word l / 32
+
+Keys of --json: adapter, method, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
+inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
+undecided_pairs and exact_zeros (pairs of face and light settled in integers), milliseconds (by stage).";
 
 #[derive(Args, Debug)]
 #[command(after_help = DRAW_EXAMPLES)]
@@ -193,6 +197,7 @@ Examples:
 Silhouette edges are drawn dark, open boundaries blue. World space is right-handed with +Y up.";
 
 #[derive(Args, Debug)]
+#[command(after_help = INFO_KEYS)]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -202,12 +207,28 @@ pub(crate) struct InfoArgs {
     pub(crate) json: bool,
 }
 
+const INFO_KEYS: &str = "\
+Example:
+  rimline info fox.glb
+
+Keys of --json: file, instances, meshes (a list), total (each mesh once), placed (all instances at rest \
+in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
+duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
+why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
+max); and of a glTF file skins (name, joints), animations (name, duration_seconds, channels), lights \
+(name, kind, xyzw), skipped_primitives (points, lines, without_position).";
+
 #[derive(Args, Debug)]
+#[command(after_help = DEVICES_KEYS)]
 pub(crate) struct DevicesArgs {
     /// Print JSON instead of text
     #[arg(long)]
     pub(crate) json: bool,
 }
+
+const DEVICES_KEYS: &str = "\
+Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, limits (named \
+as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
 
 #[cfg(test)]
 mod tests {

@@ -36,6 +36,12 @@ impl Output {
             Err(error) if error.kind() == io::ErrorKind::NotFound => target.to_owned(),
             Err(error) => return Err(error),
         };
+        if let Some(folder) = target.parent()
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
+            return Err(io::Error::other("its folder does not exist; make it first"));
+        }
         let name = target
             .file_name()
             .ok_or_else(|| io::Error::other("it is not the name of a file"))?;
