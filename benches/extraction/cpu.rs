@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use rimline::cpu::{CpuExtraction, Threads};
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh, Method, Predicate};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
 
@@ -13,21 +13,17 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
     let mut counts = vec![1, Threads::all().count()];
     counts.dedup();
     for threads in counts {
-        let mut extraction = CpuExtraction::default();
-        let twin = move || {
-            wall_ms(|| {
-                let done = extraction.update(
-                    positions,
-                    mesh,
-                    lights,
-                    Method::FaceMask,
-                    predicate,
-                    Threads::new(threads),
-                );
-                black_box(done.expect("good lights"));
-            })
-        };
-        list.push((format!("twin, {threads} threads"), Box::new(twin)));
+        for (name, predicate) in [("exact", Predicate::Exact), ("fast", Predicate::Fast)] {
+            let mut extraction = CpuExtraction::default();
+            let twin = move || {
+                let (method, threads) = (Method::FaceMask, Threads::new(threads));
+                wall_ms(|| {
+                    let done = extraction.update(positions, mesh, lights, method, predicate, threads);
+                    black_box(done.expect("good lights"));
+                })
+            };
+            list.push((format!("twin, {name}, {threads} threads"), Box::new(twin)));
+        }
         if let [light] = lights {
             let (edges, light) = (mesh.edges().packed_faces(), light.to_array());
             let (mut facing, mut silhouette) = (vec![0_u8; mesh.faces().len()], vec![0_u8; edges.len()]);

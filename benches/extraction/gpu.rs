@@ -1,7 +1,7 @@
 //! GPU contenders.
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer, StageTimer};
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh, Method, Predicate};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
 
@@ -90,59 +90,29 @@ impl Gpu {
                 ..ListOptions::default()
             })
         };
-        let base = ExtractorOptions {
+        let exact = ExtractorOptions {
             max_lights: lights.len(),
             ..Default::default()
         };
         let per_edge = ExtractorOptions {
             method: Method::PerEdge,
-            ..base
+            ..exact
+        };
+        let fast = ExtractorOptions {
+            predicate: Predicate::Fast,
+            ..exact
         };
         // What each must move an edge, if every vertex and mask is fetched once: half a vertex and two thirds of a face.
         let face = (12.0 + 4.0) * 2.0 / 3.0 + 4.0;
+        let with = |base: ExtractorOptions, lists, masks| ExtractorOptions { lists, masks, ..base };
+        let read = face + 8.0 + 4.0 * 2.0 / 3.0;
         let setups = [
-            (
-                "per-edge, list",
-                ExtractorOptions {
-                    lists: lists(false),
-                    ..per_edge
-                },
-                16.0 + 4.0,
-            ),
-            (
-                "face-mask, list",
-                ExtractorOptions {
-                    lists: lists(false),
-                    ..base
-                },
-                face + 8.0 + 4.0 * 2.0 / 3.0,
-            ),
-            (
-                "face-mask, ordered list",
-                ExtractorOptions {
-                    lists: lists(true),
-                    ..base
-                },
-                face + 8.0 + 2.7 + 24.0,
-            ),
-            (
-                "per-edge, masks",
-                ExtractorOptions {
-                    lists: None,
-                    masks: true,
-                    ..per_edge
-                },
-                16.0 + 4.0 + 8.0,
-            ),
-            (
-                "face-mask, masks",
-                ExtractorOptions {
-                    lists: None,
-                    masks: true,
-                    ..base
-                },
-                face + 8.0 + 2.7 + 8.0,
-            ),
+            ("per-edge, list", with(per_edge, lists(false), false), 16.0 + 4.0),
+            ("face-mask fast, list", with(fast, lists(false), false), read),
+            ("face-mask exact, list", with(exact, lists(false), false), read),
+            ("face-mask exact, ordered", with(exact, lists(true), false), read + 24.0),
+            ("per-edge, masks", with(per_edge, None, true), 16.0 + 4.0 + 8.0),
+            ("face-mask exact, masks", with(exact, None, true), read + 8.0),
         ];
         let mut extractors: Vec<_> = setups
             .iter()

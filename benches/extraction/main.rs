@@ -92,11 +92,12 @@ fn measure_mesh(gpu: Option<&gpu::Gpu>, name: &str, positions: &[[f32; 3]], face
         }
         println!("  {count} lights, CPU");
         let rows = cpu::contenders(positions, &mesh, &lights, rounds);
-        for (index, (name, times)) in rows.iter().enumerate() {
-            let against = rows
-                .get(index + 1)
-                .filter(|(name, _)| name.starts_with("plain") && index % 2 == 0);
-            let ratio = against.map_or(String::new(), |(_, plain)| {
+        for (name, times) in &rows {
+            let threads = name.rsplit(", ").next().unwrap_or_default();
+            let plain = rows
+                .iter()
+                .find(|(name, _)| name.starts_with("plain") && name.ends_with(threads));
+            let ratio = plain.map_or(String::new(), |(_, plain)| {
                 format!("   {:.2} of the plain loop", times.ratio_to(plain))
             });
             println!("    {name:<26} {:>8.2} ms{ratio}", times.median());
@@ -107,16 +108,17 @@ fn measure_mesh(gpu: Option<&gpu::Gpu>, name: &str, positions: &[[f32; 3]], face
 /// A table whose ratios are to the per-edge method with a list, round by round.
 fn print_gpu(rows: &[gpu::Row], lights: usize, edges: usize) {
     println!(
-        "  {lights} lights, GPU               median ms  (low … high)   vs per-edge   Medges/s   bytes/edge   stages, ms"
+        "  {lights} lights, GPU               median ms  (low … high)   vs per-edge   vs fast   Medges/s   bytes/edge   stages, ms"
     );
     for row in rows {
         let (low, high) = row.wall.spread();
         let speed = rows[0].wall.ratio_to(&row.wall);
         let stages: Vec<_> = row.stages.iter().map(|(name, ms)| format!("{name} {ms:.2}")).collect();
         println!(
-            "    {:<26} {:>8.2}  ({low:>7.2} … {high:>7.2})   {speed:>8.2}×   {:>8.1}   {:>10.1}   {}",
+            "    {:<26} {:>8.2}  ({low:>7.2} … {high:>7.2})   {speed:>8.2}×   {:>6.2}×   {:>8.1}   {:>10.1}   {}",
             row.name,
             row.wall.median(),
+            row.wall.ratio_to(&rows[1].wall),
             edges as f64 / row.wall.median() / 1e3,
             row.bytes_per_edge,
             stages.join(", ")
