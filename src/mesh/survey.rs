@@ -53,22 +53,19 @@ pub struct Bounds {
 impl Bounds {
     /// The box around the finite ones of `positions`; `None` when there is none.
     pub fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
-        positions
-            .into_iter()
-            .filter(|position| position.iter().all(|c| c.is_finite()))
-            .fold(None, |bounds: Option<Self>, &position| {
+        positions.into_iter().filter(|position| position.iter().all(|c| c.is_finite())).fold(
+            None,
+            |bounds: Option<Self>, &position| {
                 let Some(mut bounds) = bounds else {
-                    return Some(Self {
-                        min: position,
-                        max: position,
-                    });
+                    return Some(Self { min: position, max: position });
                 };
                 for (axis, c) in position.into_iter().enumerate() {
                     bounds.min[axis] = bounds.min[axis].min(c);
                     bounds.max[axis] = bounds.max[axis].max(c);
                 }
                 Some(bounds)
-            })
+            },
+        )
     }
 }
 
@@ -97,9 +94,7 @@ fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
             used[vertex as usize] = true;
         }
     }
-    (0..vertex_count)
-        .filter(|&v| used[v] && parents[v] as usize == v)
-        .count()
+    (0..vertex_count).filter(|&v| used[v] && parents[v] as usize == v).count()
 }
 
 /// k faces at an edge make ⌈k/2⌉ records, so more than one record means more than two faces.
@@ -128,9 +123,7 @@ mod tests {
     use super::*;
 
     fn survey(vertices: usize, faces: &[[u32; 3]]) -> Survey {
-        Mesh::from_faces(vertices, faces.to_vec())
-            .expect("indices are in range")
-            .survey(2)
+        Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").survey(2)
     }
 
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];

@@ -37,10 +37,7 @@ pub(crate) fn read_zip(zip: &[u8]) -> Result<Vec<Entry>, String> {
         let (size, name) = (u32_at(zip, at + 22)? as usize, u16_at(zip, at + 26)? as usize);
         let begin = at + 30 + name + u16_at(zip, at + 28)? as usize;
         let bytes = zip.get(begin..begin + size).ok_or("an entry is cut short")?.to_vec();
-        ensure!(
-            u32_at(zip, at + 14)? == checksum(&bytes),
-            "the checksum of an entry is wrong"
-        );
+        ensure!(u32_at(zip, at + 14)? == checksum(&bytes), "the checksum of an entry is wrong");
         ensure!(u32_at(zip, at + 18)? as usize == size, "an entry is compressed");
         entries.push(Entry {
             name: String::from_utf8_lossy(&zip[at + 30..at + 30 + name]).into_owned(),
@@ -54,21 +51,14 @@ pub(crate) fn read_zip(zip: &[u8]) -> Result<Vec<Entry>, String> {
     for (entry, offset) in entries.iter().zip(offsets) {
         ensure!(u32_at(zip, at)? == 0x0201_4b50, "the central directory is short");
         ensure!(u32_at(zip, at + 42)? == offset, "{} lies elsewhere", entry.name);
-        ensure!(
-            u32_at(zip, at + 16)? == checksum(&entry.bytes),
-            "{}: checksum",
-            entry.name
-        );
+        ensure!(u32_at(zip, at + 16)? == checksum(&entry.bytes), "{}: checksum", entry.name);
         let lengths = [28, 30, 32].map(|field| u16_at(zip, at + field));
         for length in lengths {
             at += usize::from(length?);
         }
         at += 46;
     }
-    ensure!(
-        u32_at(zip, at)? == 0x0605_4b50,
-        "the archive's end is not where it should be"
-    );
+    ensure!(u32_at(zip, at)? == 0x0605_4b50, "the archive's end is not where it should be");
     ensure!(zip.len() == at + 22, "something follows the archive");
     Ok(entries)
 }
@@ -78,11 +68,7 @@ pub(crate) fn write_zip(entries: &[Entry]) -> Vec<u8> {
     let mut zip = Vec::new();
     let mut directory = Vec::new();
     for entry in entries {
-        let packed = if entry.method == 8 {
-            deflate(&entry.bytes)
-        } else {
-            entry.bytes.clone()
-        };
+        let packed = if entry.method == 8 { deflate(&entry.bytes) } else { entry.bytes.clone() };
         let mut common = Vec::new();
         for field in [20, entry.flags, entry.method, entry.time[0], entry.time[1]] {
             common.extend(field.to_le_bytes());
@@ -124,17 +110,13 @@ fn deflate(bytes: &[u8]) -> Vec<u8> {
         }
     }
     code(0, 7);
-    bits.chunks(8)
-        .map(|chunk| (0..).zip(chunk).map(|(bit, &set)| u8::from(set) << bit).sum())
-        .collect()
+    bits.chunks(8).map(|chunk| (0..).zip(chunk).map(|(bit, &set)| u8::from(set) << bit).sum()).collect()
 }
 
 fn checksum(bytes: &[u8]) -> u32 {
     let step = |crc: u32| crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 };
     let table: Vec<u32> = (0..256).map(|byte| (0..8).fold(byte, |crc, _| step(crc))).collect();
-    !bytes
-        .iter()
-        .fold(!0, |crc, &byte| crc >> 8 ^ table[(crc as u8 ^ byte) as usize])
+    !bytes.iter().fold(!0, |crc, &byte| crc >> 8 ^ table[(crc as u8 ^ byte) as usize])
 }
 
 /// A .npy array as an entry.
@@ -148,13 +130,7 @@ pub(crate) fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, d
     bytes.extend((text.len() as u16).to_le_bytes());
     bytes.extend(text.bytes());
     bytes.extend(data);
-    Entry {
-        name: format!("{name}.npy"),
-        flags: 0,
-        method: 0,
-        time: FIRST_DAY,
-        bytes,
-    }
+    Entry { name: format!("{name}.npy"), flags: 0, method: 0, time: FIRST_DAY, bytes }
 }
 
 /// The data of an array that must have this type and shape.
@@ -169,9 +145,7 @@ pub(crate) fn data<'a>(entry: &'a Entry, descr: &str, shape: &str) -> Result<&'a
 /// 32-bit words in little-endian order.
 pub(crate) fn words(bytes: &[u8]) -> Vec<u32> {
     let words = bytes.chunks_exact(4);
-    words
-        .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-        .collect()
+    words.map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }
 
 /// Nothing, or the first entry in which two archives differ.
@@ -193,10 +167,7 @@ fn written_is_read() -> Outcome {
     let zip = write_zip(&entries);
     ensure!(read_zip(&zip)? == entries, "the entries changed");
     ensure!(words(data(&entries[0], "<u4", "(2,)")?) == [1, 2], "the words changed");
-    ensure!(
-        data(&entries[0], "<u4", "(3,)").is_err(),
-        "a wrong shape went unnoticed"
-    );
+    ensure!(data(&entries[0], "<u4", "(3,)").is_err(), "a wrong shape went unnoticed");
     compare(&zip, &zip)?;
     // Negative control: one byte of one array.
     let mut changed = entries.clone();

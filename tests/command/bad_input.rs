@@ -40,11 +40,7 @@ fn refused(file: &Path) -> Outcome {
     let folder = folder();
     let model = file.as_os_str();
     let out = folder.path().join("out");
-    let options: [&[&str]; 3] = [
-        &["extract", "--light", "dir:0,1,0", "--device", "cpu"],
-        &["draw"],
-        &["info"],
-    ];
+    let options: [&[&str]; 3] = [&["extract", "--light", "dir:0,1,0", "--device", "cpu"], &["draw"], &["info"]];
     for options in options {
         let mut line: Vec<_> = options.iter().map(AsRef::as_ref).collect();
         line.push(model);
@@ -52,16 +48,10 @@ fn refused(file: &Path) -> Outcome {
             line.extend(["--out".as_ref(), out.as_os_str()]);
         }
         let run = rimline(line);
-        let name = file
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-            .unwrap_or_default();
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         run.expect(1, &["rimline: error: ", &name])?;
         // The place: something after the file's name.
-        let detail = run
-            .stderr
-            .rsplit_once(&format!("{name}: "))
-            .map_or("", |(_, detail)| detail.trim());
+        let detail = run.stderr.rsplit_once(&format!("{name}: ")).map_or("", |(_, detail)| detail.trim());
         ensure!(detail.len() > 20, "the message says too little: {}", run.stderr);
     }
     is_empty(folder.path())

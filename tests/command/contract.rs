@@ -16,18 +16,8 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 /// An open box without a lid, of two halves that meet in doubled vertices, and a triangle that names a vertex twice.
-const POSITIONS: [[i8; 3]; 10] = [
-    [0, 0, 0],
-    [4, 0, 0],
-    [4, 4, 0],
-    [0, 4, 0],
-    [0, 0, 4],
-    [4, 0, 4],
-    [4, 4, 4],
-    [0, 4, 4],
-    [4, 0, 0],
-    [4, 4, 0],
-];
+const POSITIONS: [[i8; 3]; 10] =
+    [[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [0, 0, 4], [4, 0, 4], [4, 4, 4], [0, 4, 4], [4, 0, 0], [4, 4, 0]];
 const FACES: [[u8; 3]; 11] = [
     [0, 2, 1],
     [0, 3, 2],
@@ -48,11 +38,7 @@ fn lights() -> Vec<[i8; 4]> {
 }
 
 fn model(scale: f32) -> Vec<u8> {
-    let positions: Vec<u8> = POSITIONS
-        .iter()
-        .flatten()
-        .flat_map(|&c| (f32::from(c) * scale).to_le_bytes())
-        .collect();
+    let positions: Vec<u8> = POSITIONS.iter().flatten().flat_map(|&c| (f32::from(c) * scale).to_le_bytes()).collect();
     write_zip(&[
         array("positions", "<f4", "False", "(10, 3)", &positions),
         array("faces", "|u1", "False", "(11, 3)", FACES.as_flattened()),
@@ -64,10 +50,7 @@ fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; 
     let folder = folder();
     let file = folder.path().join("model.npz");
     std::fs::write(&file, model).map_err(|error| error.to_string())?;
-    let specs: Vec<String> = lights
-        .iter()
-        .map(|[x, y, z, w]| format!("hom:{x},{y},{z},{w}"))
-        .collect();
+    let specs: Vec<String> = lights.iter().map(|[x, y, z, w]| format!("hom:{x},{y},{z},{w}")).collect();
     let mut results = [const { Vec::new() }; N];
     for (options, result) in options.into_iter().zip(&mut results) {
         let out = folder.path().join("out.npz");
@@ -82,65 +65,32 @@ fn extract<const N: usize>(model: &[u8], lights: &[[i8; 4]], options: [&[&str]; 
     Ok(results)
 }
 
-const NAMES: [&str; 9] = [
-    "positions",
-    "faces",
-    "lights",
-    "edges",
-    "edge_faces",
-    "edge_kind",
-    "facing",
-    "silhouette",
-    "winding",
-];
+const NAMES: [&str; 9] =
+    ["positions", "faces", "lights", "edges", "edge_faces", "edge_kind", "facing", "silhouette", "winding"];
 
 fn named<'a>(entries: &'a [Entry], name: &str) -> Result<&'a Entry, String> {
     let wanted = format!("{name}.npy");
-    entries
-        .iter()
-        .find(|entry| entry.name == wanted)
-        .ok_or_else(|| format!("there is no {wanted}"))
+    entries.iter().find(|entry| entry.name == wanted).ok_or_else(|| format!("there is no {wanted}"))
 }
 
 fn entries() -> Outcome {
     let [archive] = extract(&model(1.0), &lights(), [&["--device", "cpu"]])?;
     let entries = read_zip(&archive)?;
-    let names: Vec<&str> = entries
-        .iter()
-        .map(|entry| entry.name.trim_end_matches(".npy"))
-        .collect();
+    let names: Vec<&str> = entries.iter().map(|entry| entry.name.trim_end_matches(".npy")).collect();
     ensure!(names == NAMES, "the entries are {names:?}");
     for entry in &entries {
-        ensure!(
-            entry.method == 0 && entry.time == FIRST_DAY,
-            "{}: not stored, or dated",
-            entry.name
-        );
-        ensure!(
-            entry.flags & 0x0009 == 0,
-            "{}: encrypted or sized afterwards",
-            entry.name
-        );
+        ensure!(entry.method == 0 && entry.time == FIRST_DAY, "{}: not stored, or dated", entry.name);
+        ensure!(entry.flags & 0x0009 == 0, "{}: encrypted or sized afterwards", entry.name);
     }
     let edges = named(&entries, "edge_kind")?.bytes.len() - 128;
     // Vertices 8 and 9 lie on 1 and 2: eight are left, in order of their lowest index.
     let positions = words(data(named(&entries, "positions")?, "<f4", "(8, 3)")?);
-    let expected: Vec<u32> = POSITIONS[..8]
-        .iter()
-        .flatten()
-        .map(|&c| f32::from(c).to_bits())
-        .collect();
+    let expected: Vec<u32> = POSITIONS[..8].iter().flatten().map(|&c| f32::from(c).to_bits()).collect();
     ensure!(positions == expected, "the positions changed");
     let faces = words(data(named(&entries, "faces")?, "<u4", "(11, 3)")?);
-    ensure!(
-        faces[12..18] == [1, 2, 6, 1, 6, 5] && faces[30..] == [1, 1, 2],
-        "the faces are {faces:?}"
-    );
+    ensure!(faces[12..18] == [1, 2, 6, 1, 6, 5] && faces[30..] == [1, 1, 2], "the faces are {faces:?}");
     let given: Vec<u32> = lights().iter().flatten().map(|&c| f32::from(c).to_bits()).collect();
-    ensure!(
-        words(data(named(&entries, "lights")?, "<f4", "(33, 4)")?) == given,
-        "the lights changed"
-    );
+    ensure!(words(data(named(&entries, "lights")?, "<f4", "(33, 4)")?) == given, "the lights changed");
     let pairs = format!("({edges}, 2)");
     let edge_faces = words(data(named(&entries, "edge_faces")?, "<u4", &pairs)?);
     let edge_vertices = words(data(named(&entries, "edges")?, "<u4", &pairs)?);
@@ -157,19 +107,13 @@ fn entries() -> Outcome {
         ensure!(has(of[0], edge[0], edge[1]), "face 0 of {edge:?} does not run along it");
         match kind {
             2 => ensure!(of[1] == u32::MAX, "an open edge has a face 1"),
-            _ => ensure!(
-                of[0] < of[1] && has(of[1], edge[1], edge[0]),
-                "face 1 of {edge:?} runs along it"
-            ),
+            _ => ensure!(of[0] < of[1] && has(of[1], edge[1], edge[0]), "face 1 of {edge:?} runs along it"),
         }
     }
     for name in ["facing", "silhouette", "winding"] {
         let rows = if name == "facing" { 11 } else { edges };
         let masks = words(data(named(&entries, name)?, "<u4", &format!("({rows}, 2)"))?);
-        ensure!(
-            masks.iter().skip(1).step_by(2).all(|word| *word < 2),
-            "{name}: bits beyond the lights are set"
-        );
+        ensure!(masks.iter().skip(1).step_by(2).all(|word| *word < 2), "{name}: bits beyond the lights are set");
     }
     Ok(())
 }
@@ -180,11 +124,7 @@ fn exact_bits() -> Outcome {
     let entries = read_zip(&archive)?;
     let edges = named(&entries, "edge_kind")?.bytes.len() - 128;
     let table = |name: &str, descr: &str, rows: usize, columns: usize| -> Result<Vec<u32>, String> {
-        Ok(words(data(
-            named(&entries, name)?,
-            descr,
-            &format!("({rows}, {columns})"),
-        )?))
+        Ok(words(data(named(&entries, name)?, descr, &format!("({rows}, {columns})"))?))
     };
     let faces = table("faces", "<u4", 11, 3)?;
     let facing = table("facing", "<u4", 11, 2)?;
@@ -200,11 +140,7 @@ fn exact_bits() -> Outcome {
             let (u, v) = (minus(b, a), minus(c, a));
             let [x, y, z, w] = light.map(i64::from);
             let d = minus([x, y, z], a.map(|c| w * c));
-            let cross = [
-                u[1] * v[2] - u[2] * v[1],
-                u[2] * v[0] - u[0] * v[2],
-                u[0] * v[1] - u[1] * v[0],
-            ];
+            let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
             cross.iter().zip(d).map(|(n, d)| n * d).sum::<i64>() > 0
         };
         for face in 0..11 {
@@ -214,10 +150,7 @@ fn exact_bits() -> Outcome {
             let (f0, f1) = (edge_faces[2 * edge], edge_faces[2 * edge + 1]);
             let expected = kinds[edge] == 2 || oracle(f0 as usize) != oracle(f1 as usize);
             ensure!(bit(&silhouette, edge) == expected, "edge {edge}, light {l}: silhouette");
-            ensure!(
-                bit(&winding, edge) == oracle(f0 as usize),
-                "edge {edge}, light {l}: winding"
-            );
+            ensure!(bit(&winding, edge) == oracle(f0 as usize), "edge {edge}, light {l}: winding");
         }
     }
     Ok(())
@@ -225,11 +158,8 @@ fn exact_bits() -> Outcome {
 
 fn agree() -> Outcome {
     let lights = &lights()[..5];
-    let [cpu, gpu, again] = extract(
-        &model(0.3),
-        lights,
-        [&["--device", "cpu"], &["--device", "gpu"], &["--device", "gpu"]],
-    )?;
+    let [cpu, gpu, again] =
+        extract(&model(0.3), lights, [&["--device", "cpu"], &["--device", "gpu"], &["--device", "gpu"]])?;
     compare(&cpu, &gpu)?;
     compare(&gpu, &again)?;
     let [kept] = extract(&cpu, lights, [&["--device", "gpu", "--no-weld"]])?;
@@ -242,11 +172,7 @@ fn agree() -> Outcome {
 fn non_finite() -> Outcome {
     let folder = folder();
     let (file, out) = (folder.path().join("m.npz"), folder.path().join("o.npz"));
-    let mut positions: Vec<u8> = POSITIONS
-        .iter()
-        .flatten()
-        .flat_map(|&c| f32::from(c).to_le_bytes())
-        .collect();
+    let mut positions: Vec<u8> = POSITIONS.iter().flatten().flat_map(|&c| f32::from(c).to_le_bytes()).collect();
     positions[4 * 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
     let bytes = write_zip(&[
         array("positions", "<f4", "False", "(10, 3)", &positions),
@@ -254,29 +180,13 @@ fn non_finite() -> Outcome {
     ]);
     std::fs::write(&file, bytes).map_err(|error| error.to_string())?;
     for device in ["cpu", "gpu"] {
-        let line = [
-            "extract",
-            "--light",
-            "dir:0,0,1",
-            "--light",
-            "point:9,9,9",
-            "--json",
-            "--device",
-            device,
-            "--out",
-        ];
+        let line = ["extract", "--light", "dir:0,0,1", "--light", "point:9,9,9", "--json", "--device", device, "--out"];
         let mut line: Vec<&OsStr> = line.iter().map(AsRef::as_ref).collect();
         line.extend([out.as_os_str(), file.as_os_str()]);
         let json = rimline(line).json()?;
         // Vertex 4 has three faces.
-        ensure!(
-            json["non_finite_faces"] == 2 || json["non_finite_faces"] == 3,
-            "{device}: {json}"
-        );
-        ensure!(
-            json["unclosed_vertices"] == serde_json::json!([0, 0]),
-            "{device}: {json}"
-        );
+        ensure!(json["non_finite_faces"] == 2 || json["non_finite_faces"] == 3, "{device}: {json}");
+        ensure!(json["unclosed_vertices"] == serde_json::json!([0, 0]), "{device}: {json}");
         let entries = read_zip(&std::fs::read(&out).map_err(|error| error.to_string())?)?;
         let facing = words(data(named(&entries, "facing")?, "<u4", "(11, 1)")?);
         let touching = FACES.iter().enumerate().filter(|(_, face)| face.contains(&4));
@@ -306,16 +216,7 @@ fn displaced() -> Outcome {
     let model_file = folder.path().join("m.npz");
     std::fs::write(&model_file, model(1.0)).map_err(|error| error.to_string())?;
     let (file, out) = (model_file.to_string_lossy(), folder.path().join("o.npz"));
-    let line = [
-        "extract",
-        &file,
-        "--light",
-        "dir:0,1,0",
-        "--displace",
-        &path,
-        "--out",
-        &out.to_string_lossy(),
-    ];
+    let line = ["extract", &file, "--light", "dir:0,1,0", "--displace", &path, "--out", &out.to_string_lossy()];
     rimline(line).expect(1, &["shift.wgsl", "line 2", "tyme"])?;
     ensure!(!out.exists(), "a result in spite of the error");
     Ok(())
@@ -326,10 +227,7 @@ fn per_edge() -> Outcome {
         let options: [&[&str]; 2] = [&["--device", device], &["--device", device, "--method", "per-edge"]];
         let [faces, edges] = extract(&model(1.0), &lights(), options)?;
         let (faces, edges) = (read_zip(&faces)?, read_zip(&edges)?);
-        ensure!(
-            named(&faces, "facing")? == named(&edges, "facing")?,
-            "{device}: the face bits differ"
-        );
+        ensure!(named(&faces, "facing")? == named(&edges, "facing")?, "{device}: the face bits differ");
         ensure!(edges.len() == NAMES.len(), "{device}: entries are missing");
     }
     Ok(())

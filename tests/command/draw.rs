@@ -23,26 +23,15 @@ fn draw(model: &[u8], options: &str) -> Result<Picture, String> {
     let (file, out) = (folder.path().join("m.npz"), folder.path().join("p.png"));
     std::fs::write(&file, model).map_err(|error| error.to_string())?;
     let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
-    let line = ["draw", &file, "--out", &out]
-        .into_iter()
-        .chain(options.split_whitespace());
+    let line = ["draw", &file, "--out", &out].into_iter().chain(options.split_whitespace());
     rimline(line).expect(0, &[])?;
     let bytes = std::fs::read(&*out).map_err(|error| error.to_string())?;
-    let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-        .read_info()
-        .map_err(|error| error.to_string())?;
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().map_err(|error| error.to_string())?;
     let mut data = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
     let info = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
     ensure!(info.color_type == png::ColorType::Rgb, "{:?}", info.color_type);
-    let pixels = data
-        .chunks_exact(3)
-        .map(|pixel| [pixel[0], pixel[1], pixel[2]])
-        .collect();
-    Ok(Picture {
-        bytes,
-        size: [info.width, info.height],
-        pixels,
-    })
+    let pixels = data.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    Ok(Picture { bytes, size: [info.width, info.height], pixels })
 }
 
 impl Picture {
@@ -82,10 +71,7 @@ fn triangle(coordinates: [f32; 9]) -> Vec<u8> {
 }
 
 fn open() -> Outcome {
-    let picture = draw(
-        &triangle([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-        "--size 200x200",
-    )?;
+    let picture = draw(&triangle([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]), "--size 200x200")?;
     ensure!(picture.count(is_blue) > 150, "{} blue pixels", picture.count(is_blue));
     ensure!(picture.count(is_ink) == 0, "a silhouette on a flat model");
     Ok(())
@@ -96,17 +82,7 @@ fn eyes() -> Outcome {
         draw(&tetrahedron(), &format!("--size 64x64 --eye {eye}")).map_err(|error| format!("{eye}: {error}"))?;
     }
     // So far from the origin that neighbouring floats are 2 apart.
-    let far = [
-        2.5e7,
-        2.5e7,
-        2.5e7,
-        2.5e7 + 64.0,
-        2.5e7,
-        2.5e7,
-        2.5e7,
-        2.5e7 + 64.0,
-        2.5e7,
-    ];
+    let far = [2.5e7, 2.5e7, 2.5e7, 2.5e7 + 64.0, 2.5e7, 2.5e7, 2.5e7, 2.5e7 + 64.0, 2.5e7];
     let picture = draw(&triangle(far), "--size 128x128")?;
     ensure!(picture.count(is_blue) > 60, "{} blue pixels", picture.count(is_blue));
     // One point three times.

@@ -38,11 +38,7 @@ fn info(file: &Path, options: &[&str]) -> Result<Value, String> {
 }
 
 fn counts(file: &Path) -> Outcome {
-    let expected = COUNTS
-        .iter()
-        .find(|(name, _)| file.ends_with(name))
-        .ok_or("no counts")?
-        .1;
+    let expected = COUNTS.iter().find(|(name, _)| file.ends_with(name)).ok_or("no counts")?.1;
     let total = &info(file, &["--weld", "position"])?["total"];
     let found = json!([
         total["faces"],
@@ -53,29 +49,16 @@ fn counts(file: &Path) -> Outcome {
     ]);
     ensure!(found == json!(expected), "{found} instead of {expected:?}");
     let is_closed = expected[3] == 0;
-    ensure!(
-        total["closed"] == is_closed && total["why_open"].is_null() == is_closed,
-        "{total}"
-    );
+    ensure!(total["closed"] == is_closed && total["why_open"].is_null() == is_closed, "{total}");
     Ok(())
 }
 
 fn fox(file: &Path) -> Outcome {
     let info = info(file, &[])?;
-    let names: Vec<&Value> = info["animations"]
-        .as_array()
-        .ok_or("no animations")?
-        .iter()
-        .map(|a| &a["name"])
-        .collect();
+    let names: Vec<&Value> = info["animations"].as_array().ok_or("no animations")?.iter().map(|a| &a["name"]).collect();
     ensure!(names == ["Survey", "Walk", "Run"], "{names:?}");
     ensure!(info["skins"][0]["joints"] == 24, "{}", info["skins"]);
-    ensure!(
-        info["placed"]["bounds"]["min"]
-            .as_array()
-            .is_some_and(|min| min.len() == 3),
-        "{info}"
-    );
+    ensure!(info["placed"]["bounds"]["min"].as_array().is_some_and(|min| min.len() == 3), "{info}");
     Ok(())
 }
 
@@ -93,22 +76,14 @@ fn why_open(file: &Path) -> Outcome {
 
 fn skipped(file: &Path) -> Outcome {
     let skipped = &info(file, &[])?["skipped_primitives"];
-    ensure!(
-        *skipped == json!({ "points": 4, "lines": 3, "without_position": 0 }),
-        "{skipped}"
-    );
+    ensure!(*skipped == json!({ "points": 4, "lines": 3, "without_position": 0 }), "{skipped}");
     Ok(())
 }
 
 fn text(file: &Path) -> Outcome {
     let run = rimline(["info".as_ref(), file.as_os_str()]);
     run.expect(0, &[])?;
-    for part in [
-        "welded from",
-        "closed        no: ",
-        "inconsistent edge 161-162",
-        "all instances",
-    ] {
+    for part in ["welded from", "closed        no: ", "inconsistent edge 161-162", "all instances"] {
         ensure!(run.stdout.contains(part), "the text lacks `{part}`: {}", run.stdout);
     }
     Ok(())

@@ -31,13 +31,7 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [
-        archive::TESTS,
-        usage::TESTS,
-        npz_input::TESTS,
-        contract::TESTS,
-        draw::TESTS,
-    ];
+    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()

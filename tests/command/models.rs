@@ -37,10 +37,7 @@ const FILES: &[&str] = &[
 ];
 
 pub(crate) fn trials() -> Vec<Trial> {
-    FILES
-        .iter()
-        .map(|file| on_asset("models", file, agrees_and_closes))
-        .collect()
+    FILES.iter().map(|file| on_asset("models", file, agrees_and_closes)).collect()
 }
 
 const LIGHTS: [&str; 4] = ["--light", "point:3,-5,2e0", "--light", "dir:-.3,1,.2"];
@@ -59,11 +56,7 @@ fn agrees_and_closes(file: &Path) -> Outcome {
     let animated = rimline(["info".as_ref(), file.as_os_str(), "--json".as_ref()]).json()?["animations"]
         .as_array()
         .is_some_and(|animations| !animations.is_empty());
-    let moment: &[&str] = if animated {
-        &["--animation", "0", "--time", "0.37"]
-    } else {
-        &[]
-    };
+    let moment: &[&str] = if animated { &["--animation", "0", "--time", "0.37"] } else { &[] };
     let (json, on_gpu) = extract(file, "gpu.npz", &[moment, &["--device", "gpu"]].concat())?;
     ensure!(json["unclosed_vertices"] == serde_json::json!([0, 0]), "{json}");
     extract(file, "cpu.npz", &[moment, &["--device", "cpu"]].concat())?;
@@ -71,19 +64,8 @@ fn agrees_and_closes(file: &Path) -> Outcome {
     for device in ["gpu", "cpu"] {
         let (again, kept) = extract(&out("gpu.npz"), "kept.npz", &["--no-weld", "--device", device])?;
         compare(&on_gpu, &kept).map_err(|error| format!("{device}: {error}"))?;
-        for key in [
-            "faces",
-            "edges",
-            "silhouette_edges",
-            "unclosed_vertices",
-            "non_finite_faces",
-        ] {
-            ensure!(
-                json[key] == again[key],
-                "{device}, {key}: {} and {}",
-                json[key],
-                again[key]
-            );
+        for key in ["faces", "edges", "silhouette_edges", "unclosed_vertices", "non_finite_faces"] {
+            ensure!(json[key] == again[key], "{device}, {key}: {} and {}", json[key], again[key]);
         }
     }
     Ok(())

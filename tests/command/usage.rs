@@ -52,11 +52,7 @@ fn wrong_options() -> Outcome {
         ("extract", "--light dir:0,1,0 --time nan", "nan"),
         ("extract", "--light dir:0,1,0 --method best", "best"),
         ("extract", "--light dir:0,1,0 --weld data --no-weld", "--no-weld"),
-        (
-            "extract",
-            "--light dir:0,1,0 --device cpu --displace a.wgsl",
-            "--displace",
-        ),
+        ("extract", "--light dir:0,1,0 --device cpu --displace a.wgsl", "--displace"),
         ("draw", "--device cpu", "GPU"),
         ("draw", "--size 0x10", "pixel"),
         ("draw", "--size 10", "1280x960"),
@@ -66,18 +62,12 @@ fn wrong_options() -> Outcome {
         ("draw", "--eye 1,2,3 --target 1,2,3", "--target"),
     ];
     for (command, options, part) in cases {
-        let line = [command, &model, "--out", &out]
-            .into_iter()
-            .chain(options.split_whitespace());
-        rimline(line)
-            .expect(2, &[part])
-            .map_err(|error| format!("{command} {options}: {error}"))?;
+        let line = [command, &model, "--out", &out].into_iter().chain(options.split_whitespace());
+        rimline(line).expect(2, &[part]).map_err(|error| format!("{command} {options}: {error}"))?;
         is_empty(&results).map_err(|error| format!("{command} {options}: {error}"))?;
     }
     let many = "--light dir:0,1,0 ".repeat(1025);
-    let line = ["extract", &model, "--out", &out]
-        .into_iter()
-        .chain(many.split_whitespace());
+    let line = ["extract", &model, "--out", &out].into_iter().chain(many.split_whitespace());
     rimline(line).expect(2, &["1025", "1024"])
 }
 
@@ -85,10 +75,7 @@ fn wrong_options() -> Outcome {
 fn extract(folder: &std::path::Path, out: &str, options: &[&str], variables: &[(&str, &str)]) -> super::run::Run {
     let model = folder.join("model.npz");
     std::fs::write(&model, tetrahedron()).expect("there is room");
-    let (model, out) = (
-        model.to_string_lossy().into_owned(),
-        folder.join(out).to_string_lossy().into_owned(),
-    );
+    let (model, out) = (model.to_string_lossy().into_owned(), folder.join(out).to_string_lossy().into_owned());
     let line = ["extract", &model, "--light", "dir:0,1,0", "--out", &out];
     rimline_with(line.iter().chain(options), variables)
 }
@@ -108,10 +95,7 @@ fn no_adapter() -> Outcome {
     run.expect(3, &["--device cpu"])?;
     extract(folder.path(), "a.npz", &["--device", "gpu"], HIDDEN).expect(3, &["--device cpu"])?;
     extract(folder.path(), "b.npz", &["--device", "auto"], HIDDEN).expect(0, &["on the CPU"])?;
-    ensure!(
-        !folder.path().join("a.npz").exists(),
-        "there is a result without a device"
-    );
+    ensure!(!folder.path().join("a.npz").exists(), "there is a result without a device");
     ensure!(folder.path().join("b.npz").exists(), "there is no result");
     Ok(())
 }
@@ -134,9 +118,7 @@ fn old_result() -> Outcome {
     let left = std::fs::read(&out).map_err(|error| error.to_string())?;
     ensure!(left == b"an older result", "the older result is gone");
     extract(folder.path(), "out.npz", &["--device", "cpu"], &[]).expect(0, &[])?;
-    let names = std::fs::read_dir(folder.path())
-        .map_err(|error| error.to_string())?
-        .count();
+    let names = std::fs::read_dir(folder.path()).map_err(|error| error.to_string())?.count();
     ensure!(names == 2, "{names} files instead of the model and the result");
     Ok(())
 }

@@ -23,21 +23,13 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| error.to_string())?;
-        Ok(Self {
-            instance,
-            device,
-            queue,
-            name: format!("{} ({:?})", info.name, info.backend),
-        })
+        Ok(Self { instance, device, queue, name: format!("{} ({:?})", info.name, info.backend) })
     }
 
     /// One device of `Limits::default()` that tests share.
     pub(crate) fn shared() -> Result<&'static Self, String> {
         static SHARED: OnceLock<Result<Gpu, String>> = OnceLock::new();
-        SHARED
-            .get_or_init(|| Self::with_limits(wgpu::Limits::default()))
-            .as_ref()
-            .map_err(Clone::clone)
+        SHARED.get_or_init(|| Self::with_limits(wgpu::Limits::default())).as_ref().map_err(Clone::clone)
     }
 
     /// Buffers that live on this device's instance.
@@ -72,9 +64,7 @@ impl Gpu {
         &self,
         record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>,
     ) -> Result<(), String> {
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         record(&mut encoder)?;
         self.queue.submit([encoder.finish()]);
         Ok(())

@@ -58,11 +58,7 @@ impl Run<'_> {
     fn on(&self, gpu: &Gpu, mesh: &Mesh) -> Result<Found, String> {
         let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
         let mut extractor = Extractor::new(&gpu.device, mesh, self.options).map_err(text)?;
-        let bound = PositionBuffer {
-            buffer: &buffer,
-            offset: self.offset,
-            stride: self.stride,
-        };
+        let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
         gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
         read(gpu, &extractor, mesh, self.options.max_lights)
     }
@@ -73,11 +69,7 @@ fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: 
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
     same(&format!("{what}, draws"), &found.draws, &expected.draws)?;
-    same(
-        &format!("{what}, statistics"),
-        &[found.statistics],
-        &[expected.statistics],
-    )?;
+    same(&format!("{what}, statistics"), &[found.statistics], &[expected.statistics])?;
     for (light, (list, whole)) in found.lists.iter().zip(&expected.lists).enumerate() {
         let sorted = |list: &[u32]| {
             let mut list = list.to_vec();
@@ -123,17 +115,9 @@ fn unchanged() -> Result<(), String> {
         spans[1].insert(windows(mesh.faces().len() as u64 * 4, binding));
         for (count, capacity) in [(1, 2000), (33, 100), (3, 1000)] {
             let lights = lights(&mut random, count);
-            for (method, ordered) in [
-                (Method::FaceMask, false),
-                (Method::FaceMask, true),
-                (Method::PerEdge, true),
-            ] {
+            for (method, ordered) in [(Method::FaceMask, false), (Method::FaceMask, true), (Method::PerEdge, true)] {
                 let per_edge = method == Method::PerEdge;
-                let lists = ListOptions {
-                    capacity: Some(capacity),
-                    ordered,
-                    vertices_per_edge: 6,
-                };
+                let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 6 };
                 let run = Run {
                     shape: &shape,
                     lights: &lights,
@@ -159,9 +143,7 @@ fn unchanged() -> Result<(), String> {
     if spans == [all, [1, 2, 3, 4].into()] {
         Ok(())
     } else {
-        Err(format!(
-            "bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"
-        ))
+        Err(format!("bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"))
     }
 }
 
@@ -181,11 +163,7 @@ fn deform_unchanged() -> Result<(), String> {
         let deformer = Deformer::new(&small.device, &model, DeformerOptions::default()).map_err(text)?;
         let found = crate::deform::deformed(&small, &deformer, &model, &pose)?;
         check_deform(&found, &model, &pose)?;
-        same(
-            &format!("{binding} bytes a binding, {workgroups} workgroups"),
-            &found,
-            &expected,
-        )?;
+        same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
     }
     Ok(())
 }
@@ -203,60 +181,31 @@ fn too_large() -> Result<(), String> {
         true => Ok(()),
         false => Err(format!("{what}: {error:?}")),
     };
-    let options = ExtractorOptions {
-        lists: None,
-        ..Default::default()
-    };
+    let options = ExtractorOptions { lists: None, ..Default::default() };
     let mesh = |shape: Shape| shape.mesh().map_err(text);
 
     let small = limited(16 << 10, 128 << 10, 64)?;
     let error = refusal(&small, &mesh(shape(100, 60, 0))?, options)?;
     expect("12,000 faces of 12 bytes", error, |error| {
-        matches!(
-            error,
-            MemoryError::Buffer {
-                label: "faces",
-                bytes: 144_000,
-                limit: 131_072
-            }
-        )
+        matches!(error, MemoryError::Buffer { label: "faces", bytes: 144_000, limit: 131_072 })
     })?;
 
     let small = limited(4 << 10, 1 << 20, 64)?;
     let error = refusal(&small, &mesh(shape(60, 40, 0))?, options)?;
     expect("4,800 facing masks", error, |error| {
-        matches!(
-            error,
-            MemoryError::Gathered {
-                what: "facing masks",
-                bytes: 19_200,
-                limit: 16_384
-            }
-        )
+        matches!(error, MemoryError::Gathered { what: "facing masks", bytes: 19_200, limit: 16_384 })
     })?;
     let lists = ExtractorOptions {
         max_lights: 32,
-        lists: Some(ListOptions {
-            capacity: Some(1000),
-            ..Default::default()
-        }),
+        lists: Some(ListOptions { capacity: Some(1000), ..Default::default() }),
         ..Default::default()
     };
     let error = refusal(&small, &mesh(shape(20, 20, 0))?, lists)?;
     expect("lists", error, |error| {
-        matches!(
-            error,
-            MemoryError::Binding {
-                what: "edge lists",
-                bytes: 128_000,
-                limit: 4096
-            }
-        )
+        matches!(error, MemoryError::Binding { what: "edge lists", bytes: 128_000, limit: 4096 })
     })?;
     let error = refusal(&limited(1 << 10, 1 << 20, 64)?, &mesh(shapes::cube())?, options)?;
-    expect("less than a workgroup", error, |error| {
-        matches!(error, MemoryError::Binding { .. })
-    })?;
+    expect("less than a workgroup", error, |error| matches!(error, MemoryError::Binding { .. }))?;
     // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
     let mut loose = Shape::default();
     for face in 0..14_000 {
@@ -264,36 +213,21 @@ fn too_large() -> Result<(), String> {
         loose.faces.push([3 * face, 3 * face + 1, 3 * face + 2]);
     }
     let ordered = ExtractorOptions {
-        lists: Some(ListOptions {
-            capacity: Some(1),
-            ordered: true,
-            ..Default::default()
-        }),
+        lists: Some(ListOptions { capacity: Some(1), ordered: true, ..Default::default() }),
         ..Default::default()
     };
     let error = refusal(&limited(16 << 10, 1 << 20, 64)?, &mesh(loose)?, ordered)?;
-    expect("places", error, |error| {
-        matches!(error, MemoryError::Binding { what: "places", .. })
-    })?;
-    let many = ExtractorOptions {
-        max_lights: 1024,
-        ..options
-    };
+    expect("places", error, |error| matches!(error, MemoryError::Binding { what: "places", .. }))?;
+    let many = ExtractorOptions { max_lights: 1024, ..options };
     let error = refusal(&limited(16 << 10, 128 << 10, 1)?, &mesh(shape(60, 40, 0))?, many)?;
-    expect("chunks", error, |error| {
-        matches!(error, MemoryError::Buffer { label: "chunks", .. })
-    })?;
+    expect("chunks", error, |error| matches!(error, MemoryError::Buffer { label: "chunks", .. }))?;
 
     let small = limited(4 << 10, 1 << 20, 64)?;
     let shape = shape(40, 20, 0);
     let cube = mesh(shape.clone())?;
     let mut extractor = Extractor::new(&small.device, &cube, options).map_err(text)?;
     let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
-    let bound = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 48,
-    };
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 48 };
     small.submit(|encoder| {
         let error = extractor.encode(encoder, bound, &[Light::directional([1.0, 0.0, 0.0])], None);
         match error {
@@ -304,11 +238,7 @@ fn too_large() -> Result<(), String> {
         }
     })?;
     let model = random_model(&mut Random::new(73), 500);
-    match Deformer::new(
-        &limited(1 << 10, 1 << 20, 64)?.device,
-        &model,
-        DeformerOptions::default(),
-    ) {
+    match Deformer::new(&limited(1 << 10, 1 << 20, 64)?.device, &model, DeformerOptions::default()) {
         Err(DeformError::Memory(MemoryError::Binding { .. })) => Ok(()),
         other => Err(format!("deform: {:?}", other.err())),
     }
@@ -320,31 +250,16 @@ fn memory_limit() -> Result<(), String> {
     let mesh = shape(60, 40, 0).mesh().map_err(text)?;
     let model = random_model(&mut Random::new(74), 500);
     let before = gpu.live_buffers()?;
-    let with = |memory_limit| ExtractorOptions {
-        max_lights: 40,
-        masks: true,
-        memory_limit,
-        ..Default::default()
-    };
+    let with = |memory_limit| ExtractorOptions { max_lights: 40, masks: true, memory_limit, ..Default::default() };
     let MemoryError::Total { bytes, limit, largest } = refusal(&gpu, &mesh, with(Some(1000)))? else {
         return Err("not refused for the total".to_owned());
     };
     println!("{bytes} bytes wanted, most by {largest:?}");
     let one_less = refusal(&gpu, &mesh, with(Some(bytes - 1)))?;
-    let expected = MemoryError::Total {
-        bytes,
-        limit: bytes - 1,
-        largest,
-    };
+    let expected = MemoryError::Total { bytes, limit: bytes - 1, largest };
     same("one byte less", &[one_less], &[expected])?;
-    let limited = DeformerOptions {
-        memory_limit: Some(1000),
-        ..Default::default()
-    };
-    if !matches!(
-        Deformer::new(&gpu.device, &model, limited),
-        Err(DeformError::Memory(MemoryError::Total { .. }))
-    ) {
+    let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
+    if !matches!(Deformer::new(&gpu.device, &model, limited), Err(DeformError::Memory(MemoryError::Total { .. }))) {
         return Err("deform not refused".to_owned());
     }
     same("limit", &[limit], &[1000])?;
@@ -365,19 +280,12 @@ fn include_refuses() -> Result<(), String> {
     let mesh = shape.mesh().map_err(text)?;
     let extractor = Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
-    let bound = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     match extractor.results_bind_group(&layout, 0, bound) {
         Err(IncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }?;
     // The extraction itself goes on, in windows.
-    let options = ExtractorOptions {
-        masks: true,
-        ..Default::default()
-    };
+    let options = ExtractorOptions { masks: true, ..Default::default() };
     extract(&gpu, &shape.positions, &mesh, &[Light::point([3.0, 2.0, 1.0])], options).map(drop)
 }

@@ -19,19 +19,10 @@ pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
 
 /// Features that Rimline profits from where a device has them; it needs none of them.
 pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 5] = [
-    (
-        Features::TIMESTAMP_QUERY,
-        "times of the stages as the device measures them",
-    ),
+    (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),
     (Features::SUBGROUP, "faster compaction of edge lists"),
-    (
-        Features::INDIRECT_FIRST_INSTANCE,
-        "indirect draws that begin at any instance",
-    ),
-    (
-        Features::DEPTH_CLIP_CONTROL,
-        "shadow volumes without clipping at the far plane",
-    ),
+    (Features::INDIRECT_FIRST_INSTANCE, "indirect draws that begin at any instance"),
+    (Features::DEPTH_CLIP_CONTROL, "shadow volumes without clipping at the far plane"),
     (Features::DEPTH32FLOAT_STENCIL8, "stencil shadows with the finest depth"),
 ];
 
@@ -83,11 +74,7 @@ pub(crate) fn adapters() -> Vec<wgpu::Adapter> {
 
 fn adapters_of(backends: Backends) -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(
-        wgpu::InstanceDescriptor {
-            backends,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        }
-        .with_env(),
+        wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() }.with_env(),
     );
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.retain(|adapter| adapter.get_info().backend != Backend::Noop);
@@ -135,10 +122,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     match open_gpu(wanted) {
         Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
         Err(reason) if *wanted == Wanted::Auto => {
-            note(&format!(
-                "working on the CPU, since {}",
-                lower_first(&reason.to_string())
-            ));
+            note(&format!("working on the CPU, since {}", lower_first(&reason.to_string())));
             Ok(Device::Cpu)
         }
         Err(reason) => Err(reason.into()),
@@ -147,9 +131,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
 
 fn lower_first(text: &str) -> String {
     let mut chars = text.chars();
-    chars
-        .next()
-        .map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
+    chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
 }
 
 /// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
@@ -172,10 +154,9 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
     }
     match (refused, wanted) {
         (Some(reason), _) => Err(reason),
-        (None, Wanted::Named(name)) if !names.is_empty() => Err(NoDevice::NotNamed {
-            name: name.clone(),
-            adapters: names,
-        }),
+        (None, Wanted::Named(name)) if !names.is_empty() => {
+            Err(NoDevice::NotNamed { name: name.clone(), adapters: names })
+        }
         _ => Err(NoDevice::None),
     }
 }
@@ -210,28 +191,20 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         max_texture_dimension_2d: offered.max_texture_dimension_2d,
         ..Limits::default().or_worse_values_from(&offered)
     };
-    let features = OPTIONAL_FEATURES
-        .iter()
-        .fold(Features::empty(), |all, &(feature, _)| all | feature);
+    let features = OPTIONAL_FEATURES.iter().fold(Features::empty(), |all, &(feature, _)| all | feature);
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         label: Some("rimline"),
         required_features: adapter.features() & features,
         required_limits: limits,
         ..Default::default()
     }))
-    .map_err(|source| NoDevice::Refused {
-        adapter: name(),
-        source,
-    })?;
+    .map_err(|source| NoDevice::Refused { adapter: name(), source })?;
     let failure = Arc::new(Mutex::new(None));
     let record = {
         let failure = Arc::clone(&failure);
         move |message: String| {
             // The first failure is the cause; what follows are its consequences.
-            failure
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .get_or_insert(message);
+            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
         }
     };
     let record_error = record.clone();
@@ -246,12 +219,7 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
             record(format!("it was lost: {message}"));
         }
     });
-    Ok(Gpu {
-        info: adapter.get_info(),
-        device,
-        queue,
-        failure,
-    })
+    Ok(Gpu { info: adapter.get_info(), device, queue, failure })
 }
 
 impl Gpu {
@@ -264,10 +232,7 @@ impl Gpu {
     }
 
     pub(crate) fn failed(&self, message: &str) -> Failure {
-        Failure::DeviceLost {
-            adapter: describe(&self.info),
-            message: message.to_owned(),
-        }
+        Failure::DeviceLost { adapter: describe(&self.info), message: message.to_owned() }
     }
 
     /// Waits until everything submitted is done.

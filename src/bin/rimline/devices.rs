@@ -29,11 +29,7 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
 fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
     [
         ("max_buffer_size", "buffer", limits.max_buffer_size),
-        (
-            "max_storage_buffer_binding_size",
-            "storage binding",
-            limits.max_storage_buffer_binding_size,
-        ),
+        ("max_storage_buffer_binding_size", "storage binding", limits.max_storage_buffer_binding_size),
         (
             "max_storage_buffers_per_shader_stage",
             "storage buffers a stage",
@@ -49,11 +45,7 @@ fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
             "invocations a workgroup",
             limits.max_compute_invocations_per_workgroup.into(),
         ),
-        (
-            "max_texture_dimension_2d",
-            "picture width and height",
-            limits.max_texture_dimension_2d.into(),
-        ),
+        ("max_texture_dimension_2d", "picture width and height", limits.max_texture_dimension_2d.into()),
     ]
 }
 
@@ -86,11 +78,7 @@ fn to_text(adapter: &wgpu::Adapter) -> String {
         Some(lacking) => line("usable", &format!("no, it lacks {lacking}")),
     }
     for (key, name, value) in limits(&adapter.limits()) {
-        let shown = if key.ends_with("size") {
-            mebibytes(value)
-        } else {
-            value.to_string()
-        };
+        let shown = if key.ends_with("size") { mebibytes(value) } else { value.to_string() };
         line(name, &shown);
     }
     let features = adapter.features();
@@ -108,10 +96,8 @@ fn mebibytes(bytes: u64) -> String {
 fn to_json(adapter: &wgpu::Adapter) -> Value {
     let info = adapter.get_info();
     let features = adapter.features();
-    let limits: serde_json::Map<String, Value> = limits(&adapter.limits())
-        .into_iter()
-        .map(|(key, _, value)| (key.to_owned(), value.into()))
-        .collect();
+    let limits: serde_json::Map<String, Value> =
+        limits(&adapter.limits()).into_iter().map(|(key, _, value)| (key.to_owned(), value.into())).collect();
     let named = |present: bool| -> Vec<String> {
         OPTIONAL_FEATURES
             .iter()

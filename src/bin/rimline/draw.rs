@@ -46,12 +46,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     check_size(&gpu, args.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
-    let mut encoder = gpu
-        .device
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    positions
-        .encode(&mut encoder, &scene.shape, args.pose.time, None)
-        .map_err(fail)?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    positions.encode(&mut encoder, &scene.shape, args.pose.time, None).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     // The camera and the normals need positions here; the silhouette stays on the GPU.
     let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
@@ -74,13 +70,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     let mut extractor =
         Extractor::new(&gpu.device, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
-    let mut encoder = gpu
-        .device
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
     let eye = Light::point(camera.eye.into());
-    extractor
-        .encode(&mut encoder, positions.buffer(), &[eye], None)
-        .map_err(|error| fail(error.into()))?;
+    extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
     let subject = Subject {
         positions: positions.buffer(),
         faces: &faces,
@@ -100,12 +92,7 @@ fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), UsageError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     if width.max(height) > limit {
         let adapter = device::describe(&gpu.info);
-        return Err(UsageError::Size {
-            width,
-            height,
-            limit,
-            adapter,
-        });
+        return Err(UsageError::Size { width, height, limit, adapter });
     }
     Ok(())
 }

@@ -64,9 +64,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
     let lights = input.lights(&args.lights, animation, args.pose.time)?;
     progress.step("building edge records");
-    let scene = times.measure("topology", || {
-        input.scene(animation, args.pose.time, displacement.is_some())
-    })?;
+    let scene = times.measure("topology", || input.scene(animation, args.pose.time, displacement.is_some()))?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -94,14 +92,8 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     };
     progress.step("writing");
     let mesh = &scene.mesh;
-    times.measure("write", || {
-        output.finish(|file| arrays::write(file, mesh, &lights, &found))
-    })?;
+    times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
     let report = Report::new(mesh, &lights, &found, method, adapter, times);
     drop(progress);
-    print(&if args.json {
-        report.json()
-    } else {
-        report.text(&args.out)
-    })
+    print(&if args.json { report.json() } else { report.text(&args.out) })
 }

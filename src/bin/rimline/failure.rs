@@ -78,12 +78,7 @@ pub(crate) enum UsageError {
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
-    Size {
-        width: u32,
-        height: u32,
-        limit: u32,
-        adapter: String,
-    },
+    Size { width: u32, height: u32, limit: u32, adapter: String },
 }
 
 /// Why no device serves.
@@ -98,10 +93,7 @@ pub(crate) enum NoDevice {
     #[error("the model does not fit the adapter {adapter}: {reason}; try `--device cpu` or another adapter")]
     TooSmall { adapter: String, reason: String },
     #[error("the adapter {adapter} gave no device: {source}")]
-    Refused {
-        adapter: String,
-        source: rimline::wgpu::RequestDeviceError,
-    },
+    Refused { adapter: String, source: rimline::wgpu::RequestDeviceError },
 }
 
 fn listed(names: &[String]) -> String {
@@ -114,10 +106,7 @@ fn listed(names: &[String]) -> String {
 impl Failure {
     /// Pins what is wrong with an input to its file.
     pub(crate) fn input(file: &Path) -> impl Fn(InputError) -> Self + '_ {
-        move |source| Self::Input {
-            file: file.to_owned(),
-            source,
-        }
+        move |source| Self::Input { file: file.to_owned(), source }
     }
 
     /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.

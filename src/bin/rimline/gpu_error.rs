@@ -32,11 +32,7 @@ impl GpuError {
         }
         match (self.memory(), self.lights()) {
             (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
-            (Some(memory), _) => NoDevice::TooSmall {
-                adapter: describe(&gpu.info),
-                reason: memory.to_string(),
-            }
-            .into(),
+            (Some(memory), _) => NoDevice::TooSmall { adapter: describe(&gpu.info), reason: memory.to_string() }.into(),
             (_, Some(lights)) => UsageError::Lights(*lights).into(),
             _ => gpu.failed(&self.to_string()),
         }

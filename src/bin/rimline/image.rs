@@ -27,29 +27,19 @@ impl Picture {
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let mut encoder = gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(pitch),
-                    rows_per_image: None,
-                },
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None },
             },
             texture.size(),
         );
         gpu.queue.submit([encoder.finish()]);
         let mut bytes = Vec::with_capacity(pitch as usize * height as usize);
         read_back(&gpu.device, &gpu.queue, &buffer, |piece| bytes.extend_from_slice(piece))?;
-        Ok(Self {
-            size: [width, height],
-            pitch: pitch as usize,
-            bytes,
-        })
+        Ok(Self { size: [width, height], pitch: pitch as usize, bytes })
     }
 
     /// Writes an opaque PNG.

@@ -18,11 +18,7 @@ use text::Text;
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let input = Input::open(&args.model)?;
     let report = Report::new(&input)?;
-    print(&if args.json {
-        format!("{:#}\n", report.json(&input)?)
-    } else {
-        report.text(&input)?
-    })
+    print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }
 
 struct Report {
@@ -48,11 +44,7 @@ impl Report {
                 MeshReport::of_mesh(&scene.mesh, &positions)
             }
         };
-        Ok(Self {
-            total: MeshReport::total(&meshes),
-            meshes,
-            placed,
-        })
+        Ok(Self { total: MeshReport::total(&meshes), meshes, placed })
     }
 
     /// Keys are stable: they are only ever added to.
@@ -78,10 +70,7 @@ impl Report {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }
         for (index, mesh) in self.meshes.iter().enumerate() {
-            let name = mesh
-                .name
-                .as_ref()
-                .map_or_else(String::new, |name| format!(" \"{name}\""));
+            let name = mesh.name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\""));
             text.heading(format!("mesh {index}{name}, in its own space"));
             text.mesh(mesh);
         }

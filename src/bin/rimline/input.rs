@@ -85,18 +85,14 @@ impl Input {
 
     /// The mesh and its shape at one moment. `displaced` shapes always come as a model, so that `displace` can run.
     pub(crate) fn scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
-        self.build_scene(animation, time_s, displaced)
-            .map_err(Failure::input(&self.file))
+        self.build_scene(animation, time_s, displaced).map_err(Failure::input(&self.file))
     }
 
     fn build_scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, InputError> {
         let model = self.model();
         if let (Source::Npz { .. }, false) = (&self.source, displaced) {
             let positions = &model.geometries[0].positions;
-            return Ok(Scene {
-                mesh: model.mesh(&resting())?,
-                shape: Shape::World(positions),
-            });
+            return Ok(Scene { mesh: model.mesh(&resting())?, shape: Shape::World(positions) });
         }
         let pose = match &self.source {
             Source::Gltf(asset) => asset.pose(animation, time_s)?,
@@ -115,9 +111,9 @@ impl Input {
         time_s: f32,
     ) -> Result<Vec<Light>, Failure> {
         let own = match &self.source {
-            Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => asset
-                .lights(animation, time_s)
-                .map_err(|error| Failure::input(&self.file)(error.into()))?,
+            Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
+                asset.lights(animation, time_s).map_err(|error| Failure::input(&self.file)(error.into()))?
+            }
             _ => Vec::new(),
         };
         let mut lights = Vec::with_capacity(specs.len());
@@ -190,24 +186,12 @@ fn open_npz(reader: impl Read + Seek, weld: Weld) -> Result<Source, InputError> 
         ..Geometry::default()
     };
     let (geometry, weld) = geometry.welded(weld);
-    let model = Model {
-        geometries: vec![geometry],
-        instances: vec![Instance {
-            geometry: 0,
-            name: None,
-        }],
-    };
+    let model = Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] };
     Ok(Source::Npz { model, weld })
 }
 
 /// Everything where it is.
 fn resting() -> Pose {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    Pose {
-        instances: vec![InstancePose {
-            palette: vec![identity],
-            ..InstancePose::default()
-        }],
-        ..Pose::default()
-    }
+    Pose { instances: vec![InstancePose { palette: vec![identity], ..InstancePose::default() }], ..Pose::default() }
 }

@@ -22,10 +22,7 @@ pub(crate) struct Output {
 impl Output {
     /// Starts a file; done before any long work, so that an unwritable place is known at once.
     pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
-        Self::start(target).map_err(|source| Failure::Output {
-            file: target.to_owned(),
-            source,
-        })
+        Self::start(target).map_err(|source| Failure::Output { file: target.to_owned(), source })
     }
 
     fn start(target: &Path) -> io::Result<Self> {
@@ -42,9 +39,7 @@ impl Output {
         {
             return Err(io::Error::other("its folder does not exist; make it first"));
         }
-        let name = target
-            .file_name()
-            .ok_or_else(|| io::Error::other("it is not the name of a file"))?;
+        let name = target.file_name().ok_or_else(|| io::Error::other("it is not the name of a file"))?;
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         hidden.push(format!(".{}.part", std::process::id()));
@@ -53,11 +48,7 @@ impl Output {
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
         *unfinished = Some(temporary.clone());
-        Ok(Self {
-            target,
-            temporary,
-            file: Some(BufWriter::with_capacity(1 << 18, file)),
-        })
+        Ok(Self { target, temporary, file: Some(BufWriter::with_capacity(1 << 18, file)) })
     }
 
     /// Lets `write` fill the file and puts it in its place.
@@ -76,10 +67,7 @@ impl Output {
             *unfinished = None;
             Ok(())
         };
-        complete(&mut self).map_err(|source| Failure::Output {
-            file: self.target.clone(),
-            source,
-        })
+        complete(&mut self).map_err(|source| Failure::Output { file: self.target.clone(), source })
     }
 }
 
@@ -116,10 +104,9 @@ fn remove_at_interrupt() {
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output {
-            file: "standard output".into(),
-            source,
-        }),
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Output { file: "standard output".into(), source })
+        }
         _ => Ok(()),
     }
 }

@@ -21,12 +21,7 @@ impl Positions {
                 let (size, limit) = (bytes.len() as u64, gpu.device.limits().max_buffer_size);
                 if size > limit {
                     let label = "positions";
-                    return Err(MemoryError::Buffer {
-                        label,
-                        bytes: size,
-                        limit,
-                    }
-                    .into());
+                    return Err(MemoryError::Buffer { label, bytes: size, limit }.into());
                 }
                 let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("positions"),
@@ -38,10 +33,7 @@ impl Positions {
                 Ok(Self::Uploaded(buffer))
             }
             Shape::Posed { model, .. } => {
-                let options = DeformerOptions {
-                    displacement,
-                    ..DeformerOptions::default()
-                };
+                let options = DeformerOptions { displacement, ..DeformerOptions::default() };
                 Ok(Self::Deformed(Box::new(Deformer::new(&gpu.device, model, options)?)))
             }
         }
@@ -62,11 +54,7 @@ impl Positions {
 
     pub(crate) fn buffer(&self) -> PositionBuffer<'_> {
         match self {
-            Self::Uploaded(buffer) => PositionBuffer {
-                buffer,
-                offset: 0,
-                stride: 12,
-            },
+            Self::Uploaded(buffer) => PositionBuffer { buffer, offset: 0, stride: 12 },
             Self::Deformed(deformer) => deformer.positions(),
         }
     }

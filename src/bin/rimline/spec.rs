@@ -76,11 +76,7 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], SpecError> {
 /// A vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f32, SpecError> {
     let [degrees] = numbers(text)?;
-    if degrees > 0.0 && degrees < 180.0 {
-        Ok(degrees)
-    } else {
-        Err(SpecError::Angle)
-    }
+    if degrees > 0.0 && degrees < 180.0 { Ok(degrees) } else { Err(SpecError::Angle) }
 }
 
 /// A time in seconds.
@@ -90,10 +86,7 @@ pub(crate) fn seconds(text: &str) -> Result<f32, SpecError> {
 
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], SpecError> {
     let values = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-    values.try_into().map_err(|values: Vec<_>| SpecError::Count {
-        wanted: N,
-        given: values.len(),
-    })
+    values.try_into().map_err(|values: Vec<_>| SpecError::Count { wanted: N, given: values.len() })
 }
 
 fn number(text: &str) -> Result<f32, SpecError> {

@@ -38,11 +38,7 @@ impl Camera {
         let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
         let backward = match args.eye {
             Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
-            None => DVec3::new(
-                azimuth.sin() * elevation.cos(),
-                elevation.sin(),
-                azimuth.cos() * elevation.cos(),
-            ),
+            None => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
         };
         let view = View::new(-backward, [scale_y * height / width, scale_y]);
         let nearest = f64::from(extent) * 1e-3;
@@ -82,12 +78,7 @@ impl View {
         let right = forward.cross(DVec3::Y).try_normalize();
         let right = right.filter(|_| forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
         let up = right.cross(forward);
-        Self {
-            right,
-            up,
-            forward,
-            scale,
-        }
+        Self { right, up, forward, scale }
     }
 
     /// Right, up and forward from the target.

@@ -21,34 +21,21 @@ pub(super) fn record(
             .create_view(&wgpu::TextureViewDescriptor::default())
     });
     // Whatever is nearest to the ground counts, in any order.
-    let nearest = BlendComponent {
-        src_factor: BlendFactor::One,
-        dst_factor: BlendFactor::One,
-        operation: BlendOperation::Max,
-    };
+    let nearest =
+        BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Max };
     let below = kit.pipeline(&Pass {
         name: "below",
         source: include_str!("ground.wgsl"),
         groups: &[geometry.0],
         topology: wgpu::PrimitiveTopology::TriangleList,
         format: FORMAT,
-        blend: Some(BlendState {
-            color: nearest,
-            alpha: nearest,
-        }),
+        blend: Some(BlendState { color: nearest, alpha: nearest }),
         samples: 1,
         depth: None,
         constants: &[],
     });
     {
-        let mut pass = color_pass(
-            encoder,
-            "below",
-            &first,
-            None,
-            wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-            None,
-        );
+        let mut pass = color_pass(encoder, "below", &first, None, wgpu::LoadOp::Clear(wgpu::Color::BLACK), None);
         pass.set_pipeline(&below);
         pass.set_bind_group(0, &kit.frame_group, &[]);
         pass.set_bind_group(1, geometry.1, &[]);
@@ -69,10 +56,7 @@ pub(super) fn record(
         ..Default::default()
     });
     let group = |view| {
-        let resources = [
-            wgpu::BindingResource::TextureView(view),
-            wgpu::BindingResource::Sampler(&sampler),
-        ];
+        let resources = [wgpu::BindingResource::TextureView(view), wgpu::BindingResource::Sampler(&sampler)];
         kit.group(&layout, &resources)
     };
     let groups = [group(&first), group(&second)];
@@ -90,14 +74,7 @@ pub(super) fn record(
             depth: None,
             constants: &[("step_x", step[0]), ("step_y", step[1])],
         });
-        let mut pass = color_pass(
-            encoder,
-            "blur",
-            target,
-            None,
-            wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-            None,
-        );
+        let mut pass = color_pass(encoder, "blur", target, None, wgpu::LoadOp::Clear(wgpu::Color::BLACK), None);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &kit.frame_group, &[]);
         pass.set_bind_group(1, &groups[source], &[]);

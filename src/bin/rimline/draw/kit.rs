@@ -100,11 +100,7 @@ impl<'a> Kit<'a> {
         };
         let frame_layout = layout(device, &[uniform]);
         let frame_group = group(device, &frame_layout, &[buffer.as_entire_binding()]);
-        Self {
-            device,
-            frame_layout,
-            frame_group,
-        }
+        Self { device, frame_layout, frame_group }
     }
 
     pub(super) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
@@ -141,11 +137,7 @@ impl<'a> Kit<'a> {
     ) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: samples,
             dimension: wgpu::TextureDimension::D2,
@@ -167,10 +159,7 @@ impl<'a> Kit<'a> {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let compilation_options = wgpu::PipelineCompilationOptions {
-            constants: pass.constants,
-            ..Default::default()
-        };
+        let compilation_options = wgpu::PipelineCompilationOptions { constants: pass.constants, ..Default::default() };
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(pass.name),
             layout: Some(&layout),
@@ -180,25 +169,15 @@ impl<'a> Kit<'a> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &[],
             },
-            primitive: wgpu::PrimitiveState {
-                topology: pass.topology,
-                ..Default::default()
-            },
+            primitive: wgpu::PrimitiveState { topology: pass.topology, ..Default::default() },
             depth_stencil: pass.depth.map(|write| wgpu::DepthStencilState {
                 format: wgpu::TextureFormat::Depth32Float,
                 depth_write_enabled: Some(write),
-                depth_compare: Some(if write {
-                    wgpu::CompareFunction::Greater
-                } else {
-                    wgpu::CompareFunction::Always
-                }),
+                depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState {
-                count: pass.samples,
-                ..Default::default()
-            },
+            multisample: wgpu::MultisampleState { count: pass.samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some(&format!("{}_fragment", pass.name)),
@@ -225,10 +204,7 @@ fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu::BindGroup
             count: None,
         })
         .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries: &entries,
-    })
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
 }
 
 fn group(
@@ -238,14 +214,7 @@ fn group(
 ) -> wgpu::BindGroup {
     let entries: Vec<_> = (0..)
         .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &entries,
-    })
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -9,11 +9,7 @@ const CREASE: f32 = 60.0;
 pub(super) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
     let position = |v: u32| Vec3::from(positions[v as usize]);
     // Twice the area long; neither tiny nor huge models leave the range of floats.
-    let extent = positions
-        .iter()
-        .flatten()
-        .filter(|c| c.is_finite())
-        .fold(0.0_f32, |a, c| a.max(c.abs()));
+    let extent = positions.iter().flatten().filter(|c| c.is_finite()).fold(0.0_f32, |a, c| a.max(c.abs()));
     let scale = if extent > 0.0 { extent.recip() } else { 1.0 };
     let areas: Vec<Vec3> = faces
         .iter()
@@ -25,15 +21,9 @@ pub(super) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<
     let normal = |(face, vertex): (usize, u32)| {
         let own = units[face];
         let near = around.faces(vertex).filter(|&other| units[other].dot(own) > cosine);
-        near.map(|other| areas[other])
-            .sum::<Vec3>()
-            .try_normalize()
-            .unwrap_or(own)
+        near.map(|other| areas[other]).sum::<Vec3>().try_normalize().unwrap_or(own)
     };
-    let corners = faces
-        .iter()
-        .enumerate()
-        .flat_map(|(face, corners)| corners.map(|v| (face, v)));
+    let corners = faces.iter().enumerate().flat_map(|(face, corners)| corners.map(|v| (face, v)));
     corners.map(|corner| fold(normal(corner))).collect()
 }
 
@@ -76,9 +66,7 @@ fn fold(normal: Vec3) -> u32 {
     if flat.z < 0.0 {
         at = (Vec2::ONE - Vec2::new(at.y, at.x).abs()) * Vec2::ONE.copysign(at);
     }
-    let [x, y] = at
-        .to_array()
-        .map(|c| u32::from((c.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16));
+    let [x, y] = at.to_array().map(|c| u32::from((c.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16));
     x | y << 16
 }
 

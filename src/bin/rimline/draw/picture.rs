@@ -89,29 +89,12 @@ impl<'a> Canvas<'a> {
         let resources = [subject.positions.buffer, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
         let geometry = kit.group(&layout, &resources);
         let corners = 3 * subject.faces.len() as u32;
-        let shadow = frame
-            .sees_ground()
-            .then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
+        let shadow = frame.sees_ground().then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
 
         let triangles = PrimitiveTopology::TriangleList;
-        let backdrop = onto_picture(
-            kit,
-            "backdrop",
-            include_str!("backdrop.wgsl"),
-            &[],
-            triangles,
-            None,
-            Some(false),
-        );
-        let surface = onto_picture(
-            kit,
-            "surface",
-            include_str!("surface.wgsl"),
-            &[&layout],
-            triangles,
-            None,
-            Some(true),
-        );
+        let backdrop = onto_picture(kit, "backdrop", include_str!("backdrop.wgsl"), &[], triangles, None, Some(false));
+        let surface =
+            onto_picture(kit, "surface", include_str!("surface.wgsl"), &[&layout], triangles, None, Some(true));
         let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
         let mut pass = color_pass(encoder, "model", &self.colour, None, clear, Some(&self.depth));
         pass.set_bind_group(0, &kit.frame_group, &[]);
@@ -160,10 +143,7 @@ impl<'a> Canvas<'a> {
             multisampled: false,
         };
         let layout = kit.layout(&[DEPTH_TYPE, occlusion_type]);
-        let group = kit.group(
-            &layout,
-            &[&self.depth, &self.occlusion].map(wgpu::BindingResource::TextureView),
-        );
+        let group = kit.group(&layout, &[&self.depth, &self.occlusion].map(wgpu::BindingResource::TextureView));
         let source = include_str!("darken.wgsl");
         let triangles = PrimitiveTopology::TriangleList;
         let darken = onto_picture(kit, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
@@ -224,15 +204,9 @@ fn onto_picture(
 
 /// What is there times what is drawn.
 const MULTIPLY: BlendState = {
-    let multiply = BlendComponent {
-        src_factor: BlendFactor::Dst,
-        dst_factor: BlendFactor::Zero,
-        operation: BlendOperation::Add,
-    };
-    BlendState {
-        color: multiply,
-        alpha: BlendComponent::OVER,
-    }
+    let multiply =
+        BlendComponent { src_factor: BlendFactor::Dst, dst_factor: BlendFactor::Zero, operation: BlendOperation::Add };
+    BlendState { color: multiply, alpha: BlendComponent::OVER }
 };
 
 /// A pass onto one colour target, and a depth buffer that is cleared to the infinitely far.
@@ -250,17 +224,11 @@ pub(super) fn color_pass<'e>(
             view: target,
             depth_slice: None,
             resolve_target,
-            ops: wgpu::Operations {
-                load,
-                store: wgpu::StoreOp::Store,
-            },
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         })],
         depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
             view,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0.0),
-                store: wgpu::StoreOp::Store,
-            }),
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
             stencil_ops: None,
         }),
         timestamp_writes: None,

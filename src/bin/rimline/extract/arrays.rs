@@ -14,20 +14,13 @@ use crate::npz::{ElementType, NpzWriter};
 pub(super) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
     let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), words(lights.len()));
     let mut npz = NpzWriter::new(file);
-    npz.array(
-        "positions",
-        ElementType::F32,
-        &[found.positions.len(), 3],
-        slice(&found.positions),
-    )?;
+    npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
     npz.array("faces", ElementType::U32, &[faces, 3], slice(mesh.faces()))?;
     npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(lights))?;
     npz.array("edges", ElementType::U32, &[edges, 2], slice(mesh.edges().vertices()))?;
     npz.array("edge_faces", ElementType::U32, &[edges, 2], |to| {
         // No face 1 is `0xFFFFFFFF` here as in memory; `face_0` has its flag taken off.
-        pieces(to, mesh.edges().iter(), |edge| {
-            [edge.face_0, edge.face_1.unwrap_or(u32::MAX)]
-        })
+        pieces(to, mesh.edges().iter(), |edge| [edge.face_0, edge.face_1.unwrap_or(u32::MAX)])
     })?;
     npz.array("edge_kind", ElementType::U8, &[edges], |to| {
         pieces(to, mesh.edges().iter(), |edge| match edge.kind {
@@ -36,26 +29,11 @@ pub(super) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], foun
             EdgeKind::Boundary => 2,
         })
     })?;
-    npz.array(
-        "facing",
-        ElementType::U32,
-        &[faces, words],
-        planes(&found.facing, faces, words, |&mask| mask),
-    )?;
+    npz.array("facing", ElementType::U32, &[faces, words], planes(&found.facing, faces, words, |&mask| mask))?;
     let silhouette = |masks: &Masks| masks.silhouette;
-    npz.array(
-        "silhouette",
-        ElementType::U32,
-        &[edges, words],
-        planes(&found.masks, edges, words, silhouette),
-    )?;
+    npz.array("silhouette", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, silhouette))?;
     let winding = |masks: &Masks| masks.winding;
-    npz.array(
-        "winding",
-        ElementType::U32,
-        &[edges, words],
-        planes(&found.masks, edges, words, winding),
-    )?;
+    npz.array("winding", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, winding))?;
     npz.finish()
 }
 

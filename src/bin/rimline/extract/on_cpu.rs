@@ -19,19 +19,13 @@ pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, t
     };
     let faces = mesh.faces();
     let mut facing = Vec::new();
-    let counts = times.measure("facing", || {
-        cpu::facing_into(&mut facing, &positions, faces, lights, Predicate::Exact, threads)
-    });
+    let counts =
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, Predicate::Exact, threads));
     let masks = match method {
-        Method::FaceMask => times.measure("edges", || {
-            cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads)
-        }),
+        Method::FaceMask => {
+            times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+        }
         Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, threads)),
     };
-    Found {
-        positions,
-        facing,
-        masks,
-        counts,
-    }
+    Found { positions, facing, masks, counts }
 }

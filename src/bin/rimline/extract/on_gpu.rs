@@ -56,9 +56,7 @@ impl<'s> Job<'_, 's> {
 
         let mut timer = StageTimer::new(device, queue);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("extract") });
-        placed
-            .encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut())
-            .map_err(fail)?;
+        placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).map_err(fail)?;
         for extractor in &mut extractors {
             extractor
                 .encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut())
@@ -82,9 +80,7 @@ impl<'s> Job<'_, 's> {
                 }
             }
         }
-        let found = times
-            .measure("read", || self.read(gpu, &placed, &extractors))
-            .map_err(fail)?;
+        let found = times.measure("read", || self.read(gpu, &placed, &extractors)).map_err(fail)?;
         gpu.check()?;
         Ok(found)
     }

@@ -66,17 +66,9 @@ impl Report {
 
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
-        let EdgeCounts {
-            consistent,
-            inconsistent,
-            boundary,
-        } = self.edges;
-        let times: Map<String, Value> = self
-            .times
-            .0
-            .iter()
-            .map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into()))
-            .collect();
+        let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
+        let times: Map<String, Value> =
+            self.times.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect();
         let report = json!({
             "adapter": self.adapter,
             "method": self.method(),
@@ -96,11 +88,7 @@ impl Report {
     }
 
     pub(super) fn text(&self, out: &Path) -> String {
-        let EdgeCounts {
-            consistent,
-            inconsistent,
-            boundary,
-        } = self.edges;
+        let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
         let mut text = String::new();
         let mut line = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<18} {value}");
@@ -108,11 +96,7 @@ impl Report {
         line("adapter", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
-        let FacingCounts {
-            non_finite_faces,
-            undecided_pairs,
-            exact_zeros,
-        } = self.counts;
+        let FacingCounts { non_finite_faces, undecided_pairs, exact_zeros } = self.counts;
         if non_finite_faces > 0 {
             line("", &format!("{non_finite_faces} not finite: they face no light"));
         }
@@ -120,18 +104,11 @@ impl Report {
             let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
             line("decided exactly", &decided);
         }
-        line(
-            "edge records",
-            &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"),
-        );
+        line("edge records", &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"));
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
-        let times: Vec<String> = self
-            .times
-            .0
-            .iter()
-            .map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}"))
-            .collect();
+        let times: Vec<String> =
+            self.times.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
         line("milliseconds", &times.join(", "));
         line("written", &out.display().to_string());
         text
@@ -197,13 +174,8 @@ mod tests {
     fn an_open_mesh_closes_too() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("it is a triangle");
-        let facing = facing(
-            &positions,
-            mesh.faces(),
-            &[Light::directional([0.0, 0.0, 1.0])],
-            Predicate::Exact,
-            Threads::ONE,
-        );
+        let facing =
+            facing(&positions, mesh.faces(), &[Light::directional([0.0, 0.0, 1.0])], Predicate::Exact, Threads::ONE);
         let masks = edges(mesh.edges(), &facing, 1, 1, Threads::ONE);
         assert_eq!(count_light(&mesh, &masks, 0, &mut [0; 3]), (3, 0));
     }

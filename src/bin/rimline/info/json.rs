@@ -8,11 +8,7 @@ use super::report::{MeshReport, kind_name};
 pub(super) fn mesh(report: &MeshReport) -> Value {
     let WeldCounts { before, after, apart } = report.vertices;
     let survey = &report.survey;
-    let EdgeCounts {
-        consistent,
-        inconsistent,
-        boundary,
-    } = survey.edges;
+    let EdgeCounts { consistent, inconsistent, boundary } = survey.edges;
     let offending: Vec<Value> = survey
         .offending_edges
         .iter()

@@ -26,11 +26,7 @@ impl MeshReport {
         if geometry.faces.is_empty() {
             // A mesh of lines or points alone; no instance shows it.
             let name = geometry.name.clone();
-            return Ok(Self {
-                name,
-                vertices,
-                ..Self::default()
-            });
+            return Ok(Self { name, vertices, ..Self::default() });
         }
         let mesh = Mesh::from_faces(geometry.positions.len(), geometry.faces.clone())?;
         let joints = geometry
@@ -64,11 +60,7 @@ impl MeshReport {
     pub(super) fn total(meshes: &[Self]) -> Self {
         let mut total = Self::default();
         for mesh in meshes {
-            let EdgeCounts {
-                consistent,
-                inconsistent,
-                boundary,
-            } = mesh.survey.edges;
+            let EdgeCounts { consistent, inconsistent, boundary } = mesh.survey.edges;
             total.vertices.before += mesh.vertices.before;
             total.vertices.after += mesh.vertices.after;
             total.vertices.apart += mesh.vertices.apart;
@@ -88,19 +80,13 @@ impl MeshReport {
 
     /// Why the mesh does not count as closed; `None` where it does.
     pub(super) fn why_open(&self) -> Option<String> {
-        let EdgeCounts {
-            inconsistent, boundary, ..
-        } = self.survey.edges;
+        let EdgeCounts { inconsistent, boundary, .. } = self.survey.edges;
         let reason = |count: usize, one: &str, many: &str| match count {
             0 => None,
             1 => Some(format!("1 {one}")),
             _ => Some(format!("{count} {many}")),
         };
-        let boundary = reason(
-            boundary,
-            "edge has a face on one side only",
-            "edges have a face on one side only",
-        );
+        let boundary = reason(boundary, "edge has a face on one side only", "edges have a face on one side only");
         let inconsistent = reason(
             inconsistent,
             "edge joins faces that are turned against each other",
@@ -132,10 +118,7 @@ mod tests {
         };
         let report = MeshReport::of_geometry(&geometry, WeldCounts::default()).expect("it is a mesh");
         let why = report.why_open().expect("it is open");
-        assert_eq!(
-            why,
-            "4 edges have a face on one side only, 1 edge joins faces that are turned against each other"
-        );
+        assert_eq!(why, "4 edges have a face on one side only, 1 edge joins faces that are turned against each other");
         assert_eq!(report.offending_positions.len(), LISTED_EDGES);
         let total = MeshReport::total(&[report]);
         assert_eq!((total.faces, total.survey.edges.boundary), (2, 4));

@@ -44,26 +44,12 @@ impl Text {
         let survey = &report.survey;
         self.line(
             "faces",
-            counted(
-                report.faces,
-                &[
-                    (survey.degenerate_faces, "degenerate"),
-                    (survey.duplicate_faces, "duplicate"),
-                ],
-            ),
+            counted(report.faces, &[(survey.degenerate_faces, "degenerate"), (survey.duplicate_faces, "duplicate")]),
         );
-        let EdgeCounts {
-            consistent,
-            inconsistent,
-            boundary,
-        } = survey.edges;
+        let EdgeCounts { consistent, inconsistent, boundary } = survey.edges;
         let mut edges = counted(
             consistent + inconsistent + boundary,
-            &[
-                (consistent, "consistent"),
-                (inconsistent, "inconsistent"),
-                (boundary, "boundary"),
-            ],
+            &[(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")],
         );
         if survey.non_manifold_edges > 0 {
             let _ = write!(edges, "; {} places with more than two faces", survey.non_manifold_edges);
@@ -98,16 +84,9 @@ impl Text {
 
 /// `12: 10 of this, 2 of that`, what is zero left out.
 fn counted(all: usize, parts: &[(usize, &str)]) -> String {
-    let parts: Vec<String> = parts
-        .iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, name)| format!("{count} {name}"))
-        .collect();
-    if parts.is_empty() {
-        all.to_string()
-    } else {
-        format!("{all}: {}", parts.join(", "))
-    }
+    let parts: Vec<String> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect();
+    if parts.is_empty() { all.to_string() } else { format!("{all}: {}", parts.join(", ")) }
 }
 
 pub(super) fn point([x, y, z]: &[f32; 3]) -> String {

@@ -18,11 +18,7 @@ pub(crate) struct ElementType {
 
 impl ElementType {
     const fn native(kind: char, size: usize) -> Self {
-        Self {
-            kind,
-            size,
-            big_endian: cfg!(target_endian = "big"),
-        }
+        Self { kind, size, big_endian: cfg!(target_endian = "big") }
     }
     /// `u8`.
     pub(crate) const U8: Self = Self::native('u', 1);
@@ -145,10 +141,7 @@ impl Header {
     pub(super) fn bytes(element: ElementType, shape: &[usize]) -> Vec<u8> {
         let shape: String = match shape {
             [single] => format!("({single},)"),
-            _ => format!(
-                "({})",
-                shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
-            ),
+            _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
         };
         let mut text = format!("{{'descr': '{element}', 'fortran_order': False, 'shape': {shape}, }}");
         let unpadded = MAGIC.len() + 4 + text.len() + 1;
@@ -259,14 +252,7 @@ mod tests {
     fn other_writers_are_understood() {
         let header = read("{\"shape\":(2L,3),'fortran_order':True , 'descr':'>i8'}").expect("it is sound");
         assert!(header.fortran_order);
-        assert_eq!(
-            header.element,
-            Some(ElementType {
-                kind: 'i',
-                size: 8,
-                big_endian: true
-            })
-        );
+        assert_eq!(header.element, Some(ElementType { kind: 'i', size: 8, big_endian: true }));
     }
 
     #[test]
@@ -285,10 +271,7 @@ mod tests {
         ] {
             assert!(read(text).is_err(), "{text:.60}");
         }
-        assert!(matches!(
-            Header::read(&mut &b"\x93NUMPX\x01\x00"[..]),
-            Err(HeaderError::Magic)
-        ));
+        assert!(matches!(Header::read(&mut &b"\x93NUMPX\x01\x00"[..]), Err(HeaderError::Magic)));
         let endless = b"\x93NUMPY\x02\x00\xff\xff\xff\xff";
         assert!(matches!(Header::read(&mut &endless[..]), Err(HeaderError::Length(_))));
     }

@@ -26,37 +26,21 @@ pub(crate) enum NpzError {
     #[error("array `{array}`: {source}")]
     Header { array: &'static str, source: HeaderError },
     #[error("array `{array}` has elements of type {found}; {wanted}")]
-    Element {
-        array: &'static str,
-        found: String,
-        wanted: &'static str,
-    },
+    Element { array: &'static str, found: String, wanted: &'static str },
     #[error("array `{array}` has shape ({}), but ({array_rows}, 3) is needed", shown(.shape), array_rows = if *.array == "faces" { "F" } else { "V" })]
     Shape { array: &'static str, shape: Vec<u64> },
     #[error("array `{array}` has {rows} rows, more than the {limit} that indices can count")]
     Rows { array: &'static str, rows: u64, limit: u64 },
     #[error("array `{array}` takes {wanted} bytes by its header, but its ZIP entry holds {held}")]
-    Length {
-        array: &'static str,
-        wanted: u64,
-        held: u64,
-    },
+    Length { array: &'static str, wanted: u64, held: u64 },
     #[error("array `{array}` with {rows} rows does not fit into memory")]
     Memory { array: &'static str, rows: u64 },
     #[error("array `{array}`, row {row}, names vertex {index}, which no mesh can have")]
-    Index {
-        array: &'static str,
-        row: usize,
-        index: i128,
-    },
+    Index { array: &'static str, row: usize, index: i128 },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
     OutOfRange { row: usize, index: u32, vertices: usize },
     #[error("array `{array}`, row {row}: {source}")]
-    Data {
-        array: &'static str,
-        row: usize,
-        source: io::Error,
-    },
+    Data { array: &'static str, row: usize, source: io::Error },
 }
 
 fn listed(names: &[String]) -> String {
@@ -113,20 +97,13 @@ impl Entry {
         let array = self.array;
         let name = format!("{array}.npy");
         if archive.index_for_name(&name).is_none() {
-            let found = archive
-                .file_names_raw()
-                .map(|name| String::from_utf8_lossy(name).into());
+            let found = archive.file_names_raw().map(|name| String::from_utf8_lossy(name).into());
             let found = found.collect();
             return Err(NpzError::Missing { array, found });
         }
-        let mut entry = archive
-            .by_name(&name)
-            .map_err(|source| NpzError::Entry { array, source })?;
+        let mut entry = archive.by_name(&name).map_err(|source| NpzError::Entry { array, source })?;
         let held = entry.size();
-        let mut counted = CountedReader {
-            inner: &mut entry,
-            count: 0,
-        };
+        let mut counted = CountedReader { inner: &mut entry, count: 0 };
         let header = Header::read(&mut counted).map_err(|source| NpzError::Header { array, source })?;
         let element = header.element.filter(|&element| (self.accepts)(element));
         let element = element.ok_or_else(|| NpzError::Element {
@@ -147,18 +124,8 @@ impl Entry {
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
-        let order = if header.fortran_order {
-            Order::Columns
-        } else {
-            Order::Rows
-        };
-        Elements {
-            array,
-            rows: rows as usize,
-            element,
-            decode,
-        }
-        .read(entry, order)
+        let order = if header.fortran_order { Order::Columns } else { Order::Rows };
+        Elements { array, rows: rows as usize, element, decode }.read(entry, order)
     }
 }
 
@@ -207,10 +174,7 @@ impl<T: Copy + Default> Elements<T> {
 
     fn set(&self, all: &mut Vec<[T; 3]>, row: usize, set: impl FnOnce(&mut [T; 3])) -> Result<(), NpzError> {
         if row >= all.len() {
-            all.try_reserve(1).map_err(|_| NpzError::Memory {
-                array: self.array,
-                rows: self.rows as u64,
-            })?;
+            all.try_reserve(1).map_err(|_| NpzError::Memory { array: self.array, rows: self.rows as u64 })?;
             all.resize(row + 1, [T::default(); 3]);
         }
         set(&mut all[row]);
@@ -301,15 +265,8 @@ mod tests {
     #[test]
     fn columns_become_rows() {
         let bytes: Vec<u8> = vec![1, 4, 2, 5, 3, 6];
-        let elements = Elements {
-            array: "faces",
-            rows: 2,
-            element: ElementType::U8,
-            decode: index,
-        };
-        let rows = elements
-            .read(bytes.as_slice(), Order::Columns)
-            .expect("six bytes are there");
+        let elements = Elements { array: "faces", rows: 2, element: ElementType::U8, decode: index };
+        let rows = elements.read(bytes.as_slice(), Order::Columns).expect("six bytes are there");
         assert_eq!(rows, [[1, 2, 3], [4, 5, 6]]);
     }
 }

@@ -14,9 +14,7 @@ pub(crate) struct NpzWriter<W: Write + Seek> {
 
 impl<W: Write + Seek> NpzWriter<W> {
     pub(crate) fn new(writer: W) -> Self {
-        Self {
-            zip: ZipWriter::new(writer),
-        }
+        Self { zip: ZipWriter::new(writer) }
     }
 
     /// Adds an array in C order; `write` streams exactly as many bytes as the shape has.
@@ -37,18 +35,12 @@ impl<W: Write + Seek> NpzWriter<W> {
             .large_file(u32::try_from(length).is_err());
         self.zip.start_file(format!("{name}.npy"), options)?;
         self.zip.write_all(&header)?;
-        let mut counted = Counted {
-            inner: &mut self.zip,
-            written: header.len(),
-        };
+        let mut counted = Counted { inner: &mut self.zip, written: header.len() };
         write(&mut counted)?;
         if counted.written == length {
             Ok(())
         } else {
-            Err(io::Error::other(format!(
-                "array `{name}` came to {} bytes instead of {length}",
-                counted.written
-            )))
+            Err(io::Error::other(format!("array `{name}` came to {} bytes instead of {length}", counted.written)))
         }
     }
 
