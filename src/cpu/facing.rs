@@ -44,7 +44,7 @@ pub fn facing(
 }
 
 /// The same into a vector that may be used again.
-pub(super) fn facing_into(
+pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],

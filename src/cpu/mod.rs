@@ -22,7 +22,7 @@ pub use edges::edges;
 pub use exact_arguments::exact_arguments;
 pub use exact_facing::determinant_sign;
 pub use extraction::{CpuExtraction, extract};
-pub use facing::{FacingCounts, facing, is_finite};
+pub use facing::{FacingCounts, facing, facing_into, is_finite};
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;

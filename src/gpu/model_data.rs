@@ -115,6 +115,7 @@ impl ModelData {
                 contents.resize(place(chunk).start as usize / 4, 0);
                 contents.append(&mut words(geometry, &chunk.vertices));
             }
+            contents.resize(self.bytes[array] as usize / 4, 0);
             filled(device, LABELS[array], bytemuck::cast_slice(&contents), BufferUsages::STORAGE)
         };
         [
@@ -176,7 +177,8 @@ fn chunk_geometry(geometry: &Geometry, split: &Split, ends: &mut [u64; 4]) -> Re
     let runs = split.chunks("vertices of a deforming mesh", geometry.positions.len(), bytes_per_vertex)?;
     let mut place = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
-        ends[array] = begin + bytes;
+        // Never empty: a geometry without morph targets, say, is still bound, and past those that have some.
+        ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
     let chunks = runs.into_iter().map(|vertices| GeometryChunk {

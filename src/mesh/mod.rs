@@ -1,8 +1,10 @@
 //! Triangle meshes as the extraction sees them: faces, welded vertices, edge records.
 
+mod survey;
 mod topology;
 pub(crate) mod weld;
 
+pub use survey::{Bounds, Survey};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 
