@@ -11,9 +11,11 @@ use rimline::layout::{LAYOUTS, StructLayout};
 use rimline::stages::{DEFORM, INCLUDES, STAGES};
 
 type Outcome = Result<(), String>;
+/// A test's name and body.
+type Test = (&'static str, fn() -> Outcome);
 
 fn main() {
-    let tests: [(&str, fn() -> Outcome); 6] = [
+    let tests: [Test; 6] = [
         ("every_file_is_a_stage_or_an_include", files),
         ("stages_have_twins_and_entry_points_of_their_name", names),
         ("wgsl_composes", composes),

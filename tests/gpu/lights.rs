@@ -44,9 +44,9 @@ fn options(max_lights: usize, masks: bool, ordered: bool) -> ExtractorOptions {
 fn same_lists(what: &str, found: &Found, alone: &Found, count: usize) -> Result<(), String> {
     let sorted = |lists: &[Vec<u32>]| {
         let mut lists = lists[..count].to_vec();
-        lists
-            .iter_mut()
-            .for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
+        for list in &mut lists {
+            list.sort_by_key(|entry| entry & !cpu::WINDING);
+        }
         lists
     };
     same(
@@ -160,7 +160,7 @@ fn thousand() -> Result<(), String> {
             same(&format!("light {light}, draw"), &draws, &[twin.count; 2])?;
         }
         found.lists[77].pop();
-        must_fail("a lost entry", same("lists", &found.lists[77], &found.lists[78]))?;
+        must_fail("a lost entry", &same("lists", &found.lists[77], &found.lists[78]))?;
     }
     Ok(())
 }

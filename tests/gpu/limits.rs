@@ -19,6 +19,10 @@ pub(crate) const TESTS: &[crate::Test] = &[
     ("small_limits_change_nothing", unchanged),
     ("small_limits_change_no_deformation", deform_unchanged),
     ("what_does_not_fit_is_a_typed_error", too_large),
+    (
+        "positions_and_models_that_do_not_fit_are_typed_errors",
+        positions_and_models_too_large,
+    ),
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
 ];
@@ -96,7 +100,9 @@ fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: 
 
 /// Bytes a binding and a buffer, workgroups, rings, segments, repeated faces, offset and stride: by the arithmetic in
 /// `windows`, positions and facing masks span one to four bindings.
-const CASES: [(u64, u64, u32, [u32; 2], usize, [u64; 2]); 6] = [
+type Limited = (u64, u64, u32, [u32; 2], usize, [u64; 2]);
+
+const CASES: [Limited; 6] = [
     (16 << 10, 1 << 20, 64, [20, 16], 0, [0, 12]),
     (16 << 10, 1 << 20, 2, [60, 40], 0, [4, 12]),
     (16 << 10, 1 << 20, 7, [70, 50], 3000, [260, 12]),
@@ -198,20 +204,26 @@ fn refusal(gpu: &Gpu, mesh: &Mesh, options: ExtractorOptions) -> Result<MemoryEr
     }
 }
 
+fn expect(what: &str, error: &MemoryError, fits: fn(&MemoryError) -> bool) -> Result<(), String> {
+    if fits(error) {
+        Ok(())
+    } else {
+        Err(format!("{what}: {error:?}"))
+    }
+}
+
+fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
+    shape.mesh().map_err(text)
+}
+
 fn too_large() -> Result<(), String> {
-    let expect = |what: &str, error: MemoryError, fits: fn(&MemoryError) -> bool| match fits(&error) {
-        true => Ok(()),
-        false => Err(format!("{what}: {error:?}")),
-    };
     let options = ExtractorOptions {
         lists: None,
         ..Default::default()
     };
-    let mesh = |shape: Shape| shape.mesh().map_err(text);
-
     let small = limited(16 << 10, 128 << 10, 64)?;
-    let error = refusal(&small, &mesh(shape(100, 60, 0))?, options)?;
-    expect("12,000 faces of 12 bytes", error, |error| {
+    let error = refusal(&small, &mesh_of(&shape(100, 60, 0))?, options)?;
+    expect("12,000 faces of 12 bytes", &error, |error| {
         matches!(
             error,
             MemoryError::Buffer {
@@ -223,8 +235,8 @@ fn too_large() -> Result<(), String> {
     })?;
 
     let small = limited(4 << 10, 1 << 20, 64)?;
-    let error = refusal(&small, &mesh(shape(60, 40, 0))?, options)?;
-    expect("4,800 facing masks", error, |error| {
+    let error = refusal(&small, &mesh_of(&shape(60, 40, 0))?, options)?;
+    expect("4,800 facing masks", &error, |error| {
         matches!(
             error,
             MemoryError::Gathered {
@@ -242,8 +254,8 @@ fn too_large() -> Result<(), String> {
         }),
         ..Default::default()
     };
-    let error = refusal(&small, &mesh(shape(20, 20, 0))?, lists)?;
-    expect("lists", error, |error| {
+    let error = refusal(&small, &mesh_of(&shape(20, 20, 0))?, lists)?;
+    expect("lists", &error, |error| {
         matches!(
             error,
             MemoryError::Binding {
@@ -253,8 +265,8 @@ fn too_large() -> Result<(), String> {
             }
         )
     })?;
-    let error = refusal(&limited(1 << 10, 1 << 20, 64)?, &mesh(shapes::cube())?, options)?;
-    expect("less than a workgroup", error, |error| {
+    let error = refusal(&limited(1 << 10, 1 << 20, 64)?, &mesh_of(&shapes::cube())?, options)?;
+    expect("less than a workgroup", &error, |error| {
         matches!(error, MemoryError::Binding { .. })
     })?;
     // Every face by itself: three records a face, and blocks of them past what compaction's places can be bound with.
@@ -271,23 +283,30 @@ fn too_large() -> Result<(), String> {
         }),
         ..Default::default()
     };
-    let error = refusal(&limited(16 << 10, 1 << 20, 64)?, &mesh(loose)?, ordered)?;
-    expect("places", error, |error| {
+    let error = refusal(&limited(16 << 10, 1 << 20, 64)?, &mesh_of(&loose)?, ordered)?;
+    expect("places", &error, |error| {
         matches!(error, MemoryError::Binding { what: "places", .. })
     })?;
     let many = ExtractorOptions {
         max_lights: 1024,
         ..options
     };
-    let error = refusal(&limited(16 << 10, 128 << 10, 1)?, &mesh(shape(60, 40, 0))?, many)?;
-    expect("chunks", error, |error| {
+    let error = refusal(&limited(16 << 10, 128 << 10, 1)?, &mesh_of(&shape(60, 40, 0))?, many)?;
+    expect("chunks", &error, |error| {
         matches!(error, MemoryError::Buffer { label: "chunks", .. })
     })?;
+    Ok(())
+}
 
+fn positions_and_models_too_large() -> Result<(), String> {
+    let options = ExtractorOptions {
+        lists: None,
+        ..Default::default()
+    };
     let small = limited(4 << 10, 1 << 20, 64)?;
     let shape = shape(40, 20, 0);
-    let cube = mesh(shape.clone())?;
-    let mut extractor = Extractor::new(&small.device, &cube, options).map_err(text)?;
+    let mesh = mesh_of(&shape)?;
+    let mut extractor = Extractor::new(&small.device, &mesh, options).map_err(text)?;
     let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
     let bound = PositionBuffer {
         buffer: &buffer,

@@ -5,7 +5,9 @@ mod closure;
 #[path = "../common/mod.rs"]
 mod common;
 mod deform;
+mod draw;
 mod facing;
+mod include;
 mod lights;
 mod limits;
 mod positions;
@@ -24,6 +26,8 @@ fn main() {
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,
+        include::TESTS,
+        draw::TESTS,
         limits::TESTS,
         assets::TESTS,
     ]

@@ -103,7 +103,7 @@ fn edges() -> Result<(), String> {
             same(&format!("{what}, masks"), &found.masks, &masks)?;
             let mut wrong = found.masks;
             wrong[random.below(masks.len())].winding ^= 1;
-            must_fail("a flipped winding bit", same(&what, &wrong, &masks))?;
+            must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
             let live = |word: usize| {
                 1_u64
                     .checked_shl((count - 32 * word) as u32)
@@ -119,12 +119,12 @@ fn edges() -> Result<(), String> {
     Ok(())
 }
 
-fn list_options(capacity: Option<u32>, ordered: bool) -> Option<ListOptions> {
-    Some(ListOptions {
+fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
+    ListOptions {
         capacity,
         ordered,
         vertices_per_edge: 6,
-    })
+    }
 }
 
 fn ordered_lists() -> Result<(), String> {
@@ -139,7 +139,7 @@ fn ordered_lists() -> Result<(), String> {
             let options = ExtractorOptions {
                 max_lights: count,
                 masks,
-                lists: list_options(None, true),
+                lists: Some(list_options(None, true)),
                 ..Default::default()
             };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
@@ -164,11 +164,11 @@ fn unordered_lists() -> Result<(), String> {
             let lights = lights(&mut random, count);
             let unordered = ExtractorOptions {
                 max_lights: count,
-                lists: list_options(Some(u32::MAX), false),
+                lists: Some(list_options(Some(u32::MAX), false)),
                 ..Default::default()
             };
             let ordered = ExtractorOptions {
-                lists: list_options(Some(u32::MAX), true),
+                lists: Some(list_options(Some(u32::MAX), true)),
                 ..unordered
             };
             let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
@@ -191,14 +191,14 @@ fn overflow() -> Result<(), String> {
     for (name, positions, mesh) in topologies() {
         let whole = ExtractorOptions {
             max_lights: 40,
-            lists: list_options(Some(u32::MAX), true),
+            lists: Some(list_options(Some(u32::MAX), true)),
             ..Default::default()
         };
         let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
         for ordered in [false, true] {
             let options = ExtractorOptions {
                 max_lights: 40,
-                lists: list_options(Some(20), ordered),
+                lists: Some(list_options(Some(20), ordered)),
                 ..Default::default()
             };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
