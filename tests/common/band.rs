@@ -59,10 +59,19 @@ impl Terms {
 
 /// B of NUMERICS.md, "Facing": outside ±B the f32 local form has the right sign. `None`: nothing is promised.
 pub(crate) fn facing_bound(corners: [[f32; 3]; 3], light: Light) -> Option<f64> {
-    let Terms { p, q, largest: m, .. } = Terms::new(corners, light);
-    let q = if light.w == 0.0 || light.w == 1.0 { 0.0 } else { q };
+    let q = if light.w == 0.0 || light.w == 1.0 {
+        0.0
+    } else {
+        Terms::new(corners, light).q
+    };
+    facing_bound_without_q(corners, light).map(|bound| bound + U * (1.0 + gamma(8)) * q * EVALUATED)
+}
+
+/// A bound that forgets what the rounding of w·a does: for negative controls.
+pub(crate) fn facing_bound_without_q(corners: [[f32; 3]; 3], light: Light) -> Option<f64> {
+    let Terms { p, largest: m, .. } = Terms::new(corners, light);
     let underflow = 256.0 * TAU * m * (1.0 + m).powi(2) + 16.0 * TAU;
-    (m <= MOST).then_some((gamma(8) * p + U * (1.0 + gamma(8)) * q + underflow) * EVALUATED)
+    (m <= MOST).then_some((gamma(8) * p + underflow) * EVALUATED)
 }
 
 /// B of NUMERICS.md, "Per edge", for a face's plane whatever its first corner.
