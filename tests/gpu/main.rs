@@ -11,6 +11,7 @@ mod include;
 mod lights;
 mod limits;
 mod positions;
+mod refusals;
 mod stages;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -29,6 +30,7 @@ fn main() {
         include::TESTS,
         draw::TESTS,
         limits::TESTS,
+        refusals::TESTS,
         assets::TESTS,
     ]
     .concat();
