@@ -53,16 +53,28 @@ macro_rules! shared_structs {
 shared_structs! {
     /// Up to 32 lights and where the positions lie.
     struct LightWord {
-        /// Homogeneous lights; zeros past `count`.
+        /// Homogeneous lights, scaled by a power of two; zeros past `count`.
         lights: [[f32; 4]; 32],
+        /// What the filter needs of each scaled light.
+        bounds: [[f32; 4]; 32],
+        /// The lights as given, bit for bit.
+        light_bits: [[u32; 4]; 32],
         /// Lights in use.
         count: u32,
         /// The lowest `count` bits.
         live: u32,
+        /// Lights that scaling would change: always undecided.
+        doubtful: u32,
         /// First word of vertex 0 in the bound positions.
         position_offset: u32,
         /// Words from a vertex to the next.
         position_stride: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// 0.
+        reserved_2: u32,
     }
 
     /// The part of the faces or edges that one dispatch works on.
@@ -105,6 +117,10 @@ shared_structs! {
         non_finite_faces: u32,
         /// Lists that overflowed; their lights are drawn over all edges.
         overflowed_lists: u32,
+        /// Pairs of face and light that the filter left to exact arithmetic.
+        undecided_pairs: u32,
+        /// Those of them whose determinant is exactly zero.
+        exact_zeros: u32,
     }
 
     /// What wgpu's `draw_indirect` reads.
@@ -164,13 +180,54 @@ impl LightWord {
             live: live_bits(lights.len()),
             ..Self::zeroed()
         };
-        for (slot, light) in word.lights.iter_mut().zip(lights) {
-            *slot = light.to_array();
+        for (slot, light) in lights.iter().take(32).enumerate() {
+            let given = light.to_array();
+            let scaled = ScaledLight::new(given);
+            word.lights[slot] = scaled.light;
+            word.bounds[slot] = scaled.bounds;
+            word.light_bits[slot] = given.map(f32::to_bits);
+            word.doubtful |= u32::from(scaled.doubtful) << slot;
         }
         Self {
             position_offset,
             position_stride,
             ..word
+        }
+    }
+}
+
+/// A light as the filter sees it; NUMERICS.md, "Filter".
+struct ScaledLight {
+    light: [f32; 4],
+    bounds: [f32; 4],
+    doubtful: bool,
+}
+
+impl ScaledLight {
+    fn new(given: [f32; 4]) -> Self {
+        let largest = given
+            .iter()
+            .fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
+        // In f64 neither the power of two nor the product can round, whatever finite f32 the light has.
+        let scale = if largest == 0.0 {
+            1.0
+        } else {
+            f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52)
+        };
+        let light = given.map(|c| (f64::from(c) * scale) as f32);
+        let [x, y, z, w] = light.map(f32::abs);
+        // A w that is a power of two makes every product w·a exact.
+        let inexact = if w == 0.0 || w.to_bits() & 0x007f_ffff == 0 {
+            0.0
+        } else {
+            w
+        };
+        // A w so small beside x, y, z that scaling or its products could lose bits.
+        let doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
+        Self {
+            light,
+            bounds: [x.max(y).max(z), w, inexact, 0.0],
+            doubtful,
         }
     }
 }

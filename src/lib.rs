@@ -1,8 +1,46 @@
-//! Rimline.
+//! Rimline finds the silhouettes of triangle meshes on the GPU, for up to 1,024 lights at a time, and leaves them in
+//! GPU buffers: facing masks a face, silhouette and winding masks an edge, lists of silhouette edges a light, and
+//! arguments for indirect draws. Nothing is read back. It follows Brabec and Seidel, "Shadow Volumes on Programmable
+//! Graphics Hardware" (2003), with a face's side decided once, so that silhouettes close whatever the rounding.
+//!
+//! * [`Mesh`]: any triangles at all, welded, with edge records for closed, open, non-manifold and inconsistently
+//!   oriented surfaces;
+//! * [`gpu::Extractor`]: the extraction on your device, in your encoder, from your position buffer;
+//! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
+//! * [`gpu::include_wgsl`]: reads the results in your own shaders;
+//! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
+//! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
+//!
+//! ```no_run
+//! use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
+//! use rimline::{Light, Mesh, mesh::Weld, wgpu};
+//!
+//! fn silhouettes(
+//!     device: &wgpu::Device,
+//!     encoder: &mut wgpu::CommandEncoder,
+//!     positions: &[[f32; 3]],
+//!     faces: &[[u32; 3]],
+//!     position_buffer: &wgpu::Buffer,
+//! ) -> Result<Extractor, Box<dyn std::error::Error>> {
+//!     // Once a mesh:
+//!     let mesh = Mesh::new(positions, faces, Weld::Position)?;
+//!     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
+//!     // Every frame, after whatever moves the vertices:
+//!     let vertices = PositionBuffer { buffer: position_buffer, offset: 0, stride: 12 };
+//!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
+//!     extractor.encode(encoder, vertices, &lights, None)?;
+//!     // Then draw: extractor.results().draw_arguments holds an indirect draw for each light.
+//!     Ok(extractor)
+//! }
+//! ```
+
 #![forbid(unsafe_code)]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod cpu;
 pub mod displace;
+#[cfg(feature = "gltf")]
+pub mod gltf;
 pub mod gpu;
 pub mod layout;
 pub mod light;
@@ -15,7 +53,7 @@ pub mod stages;
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
-pub use method::Method;
-pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseError};
+pub use method::{Method, Predicate};
+pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
 
 pub use {glam, wgpu};

@@ -1,7 +1,7 @@
 //! Deformable models: geometries, their instances, and a pose, whatever file they came from.
 
 use crate::mesh::weld::{self, bits, groups, hash, same_bits};
-use crate::mesh::{Mesh, MeshError, Weld, WeldCounts};
+use crate::mesh::{MAX_FACES, Mesh, MeshError, Weld, WeldCounts};
 
 /// The joints that move each vertex, any number a vertex; weights of a vertex sum to 1.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,9 +88,11 @@ impl Geometry {
         );
         let groups = match weld {
             Weld::Position => by_position.clone(),
+            // The hash covers all that is compared: vertices that share a position alone would else be searched one by
+            // one, in quadratic time.
             _ => groups(
                 count,
-                |v| hash(self.positions[v].map(bits)),
+                |v| hash(self.words(v)),
                 |a, b| self.same_position(a, b) && self.same_morph(a, b) && self.same_influences(a, b),
             ),
         };
@@ -130,6 +132,17 @@ impl Geometry {
             .as_ref()
             .map(|influences| influences.joints.iter().max());
         highest.map_or(1, |joint| joint.map_or(0, |&joint| joint as usize + 1))
+    }
+
+    /// A vertex's position, morph and skin data as words.
+    fn words(&self, v: usize) -> impl Iterator<Item = u32> + '_ {
+        let morph = self.morph_targets.iter().flat_map(move |target| target[v].map(bits));
+        let skin = self.influences.iter().flat_map(move |influences| {
+            let range = influences.range(v);
+            let weights = influences.weights[range.clone()].iter().map(|w| w.to_bits());
+            influences.joints[range].iter().copied().chain(weights)
+        });
+        self.positions[v].map(bits).into_iter().chain(morph).chain(skin)
     }
 
     fn same_position(&self, a: usize, b: usize) -> bool {
@@ -188,7 +201,16 @@ impl Model {
     /// # Errors
     /// [`MeshError`] as for [`Mesh::from_faces`].
     pub fn mesh(&self, pose: &Pose) -> Result<Mesh, MeshError> {
-        let mut faces = Vec::new();
+        // Counted first, so that instances of a large geometry are refused before they fill the memory.
+        let geometries = self
+            .instances
+            .iter()
+            .map(|instance| &self.geometries[instance.geometry]);
+        let count = geometries.map(|geometry| geometry.faces.len()).sum();
+        if count > MAX_FACES {
+            return Err(MeshError::TooManyFaces { faces: count });
+        }
+        let mut faces = Vec::with_capacity(count);
         let mut first_vertex = 0;
         for (instance, pose) in self.instances.iter().zip(&pose.instances) {
             let geometry = &self.geometries[instance.geometry];
@@ -205,7 +227,7 @@ impl Model {
 /// Why a pose is not one of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PoseError {
+pub enum PoseMismatch {
     /// Another number of instances.
     #[error("the pose has {given} instances, and the model has {needed}")]
     Instances {

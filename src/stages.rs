@@ -27,6 +27,18 @@ pub const FACING: Stage = Stage {
     files: files!["common", "positions", "facing"],
     entry_points: &["facing"],
 };
+/// The indirect dispatch of the exact facing stage.
+pub const EXACT_ARGUMENTS: Stage = Stage {
+    name: "exact_arguments",
+    files: files!["common", "exact_arguments"],
+    entry_points: &["exact_arguments"],
+};
+/// Exact facing of what the facing stage left undecided.
+pub const EXACT_FACING: Stage = Stage {
+    name: "exact_facing",
+    files: files!["common", "positions", "exact_facing"],
+    entry_points: &["exact_facing"],
+};
 /// Silhouette and winding masks from facing masks, and unordered lists.
 pub const EDGES: Stage = Stage {
     name: "edges",
@@ -53,7 +65,16 @@ pub const ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 6] = [DEFORM, FACING, EDGES, PER_EDGE, COMPACT, ARGUMENTS];
+pub const STAGES: [Stage; 8] = [
+    DEFORM,
+    FACING,
+    EXACT_ARGUMENTS,
+    EXACT_FACING,
+    EDGES,
+    PER_EDGE,
+    COMPACT,
+    ARGUMENTS,
+];
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] = [

@@ -8,12 +8,20 @@ use common::{band, is_long, lights, must_fail, oracle, same};
 use rimline::cpu::{self, Threads};
 use rimline::layout::Masks;
 use rimline::mesh::{EdgeKind, Weld};
-use rimline::{Light, Mesh, Method, shapes};
+use rimline::{Light, Mesh, Method, Predicate, shapes};
 
 type Outcome = Result<(), String>;
 
 fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::CpuExtraction {
-    cpu::extract(positions, mesh, lights, Method::FaceMask, Threads::ONE).expect("good lights")
+    cpu::extract(
+        positions,
+        mesh,
+        lights,
+        Method::FaceMask,
+        Predicate::Exact,
+        Threads::ONE,
+    )
+    .expect("good lights")
 }
 
 #[test]
@@ -42,7 +50,7 @@ fn facing_is_exact_outside_the_band() -> Outcome {
     let seed = 11;
     println!("seed {seed}");
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(seed)) {
-        let mut facing = cpu::facing(&positions, mesh.faces(), &lights, Threads::ONE);
+        let mut facing = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Fast, Threads::ONE);
         let checked = band::check_facing(&name, &facing, &positions, mesh.faces(), &lights)?;
         println!("{name}: {checked:?}");
         if name == "unit" {
@@ -87,7 +95,7 @@ fn facing_is_exact_outside_the_band_for_random_triangles() -> Outcome {
                 }
             })
             .collect();
-        let facing = cpu::facing(&positions, &faces, &lights, Threads::ONE);
+        let facing = cpu::facing(&positions, &faces, &lights, Predicate::Fast, Threads::ONE);
         let checked = band::check_facing(&format!("round {round}"), &facing, &positions, &faces, &lights)?;
         sum.outside += checked.outside;
         sum.inside += checked.inside;
@@ -234,7 +242,8 @@ fn threads_change_nothing() -> Outcome {
     let (_, positions, mesh) = cases::case("torus", shapes::torus(120, 70, 1.0, 0.4));
     let lights = lights(&mut Random::new(17), 33);
     for method in [Method::FaceMask, Method::PerEdge] {
-        let of = |threads| cpu::extract(&positions, &mesh, &lights, method, threads).expect("good lights");
+        let of =
+            |threads| cpu::extract(&positions, &mesh, &lights, method, Predicate::Exact, threads).expect("good lights");
         let one = of(Threads::ONE);
         for threads in [Threads::all(), Threads::new(0), Threads::new(3), Threads::new(1000)] {
             let other = of(threads);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::band::{facing_bound, facing_bound_without_q, is_outside};
+use common::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
 use common::oracle::ExactFace;
 use common::random::Random;
 use common::{is_long, must_fail};
@@ -66,7 +66,9 @@ impl Liberties {
     }
 
     fn determinant(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light) -> f32 {
-        let Light { xyz: l, w } = light;
+        // Scaled as the stage has it; components that are tiny beside the largest are rounded once.
+        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let l = [x, y, z];
         let u: [f32; 3] = std::array::from_fn(|i| self.sum(b[i], -a[i]));
         let v: [f32; 3] = std::array::from_fn(|i| self.sum(c[i], -a[i]));
         let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i]));
@@ -111,8 +113,6 @@ fn hard_pair(random: &mut Random) -> ([[f32; 3]; 3], Light) {
     }
     (corners, Light::homogeneous([l[0], l[1], l[2], w]))
 }
-
-type Bound = fn([[f32; 3]; 3], Light) -> Option<f64>;
 
 fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, String> {
     let mut random = Random::new(seed);

@@ -10,14 +10,32 @@ const BLOCK: u32 = 256u;
 
 // Up to 32 lights, one bit each, and where the positions lie.
 struct LightWord {
-  // Homogeneous (x, y, z, w); zeros past `count`, which face nothing.
+  // Homogeneous (x, y, z, w), scaled by a power of two so that the largest is between 1 and 2: that changes no side.
+  // Zeros past `count`, which face nothing.
   lights: array<vec4<f32>, 32>,
+  // Of the scaled lights: the largest of |x|, |y|, |z|; |w|; |w| once more, or 0 where w times a number is exact; unused.
+  bounds: array<vec4<f32>, 32>,
+  // The lights as given, bit for bit.
+  light_bits: array<vec4<u32>, 32>,
   count: u32,
   // The lowest `count` bits.
   live: u32,
+  // Lights that scaling would change: always undecided.
+  doubtful: u32,
   // First word of vertex 0 in the bound positions, and words from a vertex to the next.
   position_offset: u32,
   position_stride: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+  reserved_2: u32,
+}
+
+// Faces with lights that the filter of the facing stage leaves undecided.
+struct Undecided {
+  count: atomic<u32>,
+  reserved: u32,
+  // The face, counted from the chunk's first, and the lights' bits.
+  entries: array<vec2<u32>>,
 }
 
 // The part of the faces or edges that one dispatch works on; its arrays are bound from its first item on.
@@ -52,6 +70,9 @@ struct Statistics {
   non_finite_faces: atomic<u32>,
   // Lists that overflowed: these lights are drawn over all edges.
   overflowed_lists: atomic<u32>,
+  // Pairs of face and light that the filter left to exact arithmetic, and those of them that it found to be zero.
+  undecided_pairs: atomic<u32>,
+  exact_zeros: atomic<u32>,
 }
 
 // What wgpu's draw_indirect reads.

@@ -11,22 +11,30 @@ fn position(vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(position_bits(vertex, word.position_offset, word.position_stride));
 }
 
+// (b - a) x (c - a), counter-clockwise outside.
+fn normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+  let u = b - a;
+  let v = c - a;
+  return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
+}
+
 fn plane(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec4<f32> {
   let n = normal(a, b, c);
   return vec4<f32>(n, -(n.x * a.x + n.y * a.y + n.z * a.z));
 }
 
-fn is_in_front(plane: vec4<f32>, light: vec4<f32>) -> bool {
+fn is_in_front(plane: vec4<f32>, index: u32) -> bool {
+  let light = bitcast<vec4<f32>>(word.light_bits[index]);
   return plane.x * light.x + plane.y * light.y + plane.z * light.z + plane.w * light.w > 0.0;
 }
 
 fn mask_of(plane: vec4<f32>) -> u32 {
   var mask = 0u;
   for (var light = 0u; light < word.count; light += 4u) {
-    mask |= select(0u, 1u, is_in_front(plane, word.lights[light])) << light;
-    mask |= select(0u, 2u, is_in_front(plane, word.lights[light + 1u])) << light;
-    mask |= select(0u, 4u, is_in_front(plane, word.lights[light + 2u])) << light;
-    mask |= select(0u, 8u, is_in_front(plane, word.lights[light + 3u])) << light;
+    mask |= select(0u, 1u, is_in_front(plane, light)) << light;
+    mask |= select(0u, 2u, is_in_front(plane, light + 1u)) << light;
+    mask |= select(0u, 4u, is_in_front(plane, light + 2u)) << light;
+    mask |= select(0u, 8u, is_in_front(plane, light + 3u)) << light;
   }
   return mask;
 }

@@ -32,10 +32,3 @@ fn is_finite(bits: vec3<u32>) -> bool {
   let exponent = bits & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));
 }
-
-// (b - a) x (c - a), counter-clockwise outside.
-fn normal(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
-  let u = b - a;
-  let v = c - a;
-  return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
-}

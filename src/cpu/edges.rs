@@ -14,13 +14,27 @@ pub fn edges(
     light_count: usize,
     threads: Threads,
 ) -> Vec<Masks> {
-    let mut masks = vec![
+    let mut masks = Vec::new();
+    edges_into(&mut masks, records, facing, face_count, light_count, threads);
+    masks
+}
+
+/// The same into a vector that may be used again.
+pub(super) fn edges_into(
+    masks: &mut Vec<Masks>,
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+) {
+    masks.resize(
+        records.len() * light::words(light_count),
         Masks {
             silhouette: 0,
-            winding: 0
-        };
-        records.len() * light::words(light_count)
-    ];
+            winding: 0,
+        },
+    );
     let planes = masks
         .chunks_mut(records.len().max(1))
         .zip(facing.chunks(face_count.max(1)));
@@ -32,7 +46,6 @@ pub fn edges(
             }
         });
     }
-    masks
 }
 
 /// The bits of one edge record.

@@ -1,9 +1,11 @@
 //! All stages on the CPU.
 
-use super::{Threads, edges, facing, is_finite, per_edge};
+use super::edges::edges_into;
+use super::facing::facing_into;
+use super::{FacingCounts, Threads, per_edge};
 use crate::layout::Masks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
-use crate::method::Method;
+use crate::method::{Method, Predicate};
 use crate::{Light, Mesh};
 
 /// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
@@ -13,32 +15,57 @@ pub struct CpuExtraction {
     pub facing: Vec<u32>,
     /// Silhouette and winding masks an edge record.
     pub masks: Vec<Masks>,
-    /// Faces with an infinite or NaN vertex: they face no light.
-    pub non_finite_faces: u32,
+    /// What facing counted.
+    pub counts: FacingCounts,
 }
 
-/// Facing, silhouette and winding bits of `mesh` at `positions`.
+impl CpuExtraction {
+    /// Facing, silhouette and winding bits of `mesh` at `positions`. Memory of an earlier call is used again.
+    ///
+    /// # Errors
+    /// [`LightError`] for no lights, more than [`MAX_LIGHTS`], or one that is non-finite or all zeros.
+    pub fn update(
+        &mut self,
+        positions: &[[f32; 3]],
+        mesh: &Mesh,
+        lights: &[Light],
+        method: Method,
+        predicate: Predicate,
+        threads: Threads,
+    ) -> Result<(), LightError> {
+        check_lights(lights, MAX_LIGHTS)?;
+        self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
+        match method {
+            Method::FaceMask => {
+                let faces = mesh.faces().len();
+                edges_into(
+                    &mut self.masks,
+                    mesh.edges(),
+                    &self.facing,
+                    faces,
+                    lights.len(),
+                    threads,
+                );
+            }
+            Method::PerEdge => self.masks = per_edge(positions, mesh, lights, threads),
+        }
+        Ok(())
+    }
+}
+
+/// [`CpuExtraction::update`] from nothing.
 ///
 /// # Errors
-/// [`LightError`] for no lights, more than [`MAX_LIGHTS`], or one that is non-finite or all zeros.
+/// The same.
 pub fn extract(
     positions: &[[f32; 3]],
     mesh: &Mesh,
     lights: &[Light],
     method: Method,
+    predicate: Predicate,
     threads: Threads,
 ) -> Result<CpuExtraction, LightError> {
-    check_lights(lights, MAX_LIGHTS)?;
-    let facing = facing(positions, mesh.faces(), lights, threads);
-    let masks = match method {
-        Method::FaceMask => edges(mesh.edges(), &facing, mesh.faces().len(), lights.len(), threads),
-        Method::PerEdge => per_edge(positions, mesh, lights, threads),
-    };
-    let is_usable = |v: &u32| positions.get(*v as usize).is_some_and(|&p| is_finite(p));
-    let non_finite_faces = mesh.faces().iter().filter(|face| !face.iter().all(is_usable)).count() as u32;
-    Ok(CpuExtraction {
-        facing,
-        masks,
-        non_finite_faces,
-    })
+    let mut extraction = CpuExtraction::default();
+    extraction.update(positions, mesh, lights, method, predicate, threads)?;
+    Ok(extraction)
 }

@@ -2,7 +2,7 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::{Buffers, Shape};
+use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::extractor::ExtractorOptions;
 use super::frame::{UniformTable, entry};
 use super::pass::{Dispatch, Pass};
@@ -10,8 +10,8 @@ use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use super::positions::BoundPositions;
 use super::split::{Windows, binding};
 use crate::layout::{Chunk, DrawShape, LightWord, Masks};
-use crate::method::Method;
-use crate::stages::{ARGUMENTS, COMPACT, EDGES, FACING, PER_EDGE};
+use crate::method::{Method, Predicate};
+use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_ARGUMENTS, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over an extraction's buffers.
 pub(super) struct Binder<'a> {
@@ -22,7 +22,9 @@ pub(super) struct Binder<'a> {
     pub(super) light_words: &'a wgpu::Buffer,
 }
 
-const FACING_SLOTS: [Slot; 9] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write];
+const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
+const EXACT_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Read];
+const EXACT_ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Write, Write];
 const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
 const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
@@ -32,15 +34,19 @@ impl Binder<'_> {
     pub(super) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         match options.method {
-            Method::FaceMask => Pipeline::new(
-                self.device,
-                &FACING,
-                &FACING.wgsl(),
-                "facing",
-                &FACING_SLOTS,
-                None,
-                &[windows],
-            ),
+            Method::FaceMask => {
+                let exact = ("EXACT", f64::from(u8::from(options.predicate == Predicate::Exact)));
+                let constants = [windows, exact];
+                Pipeline::new(
+                    self.device,
+                    &FACING,
+                    &FACING.wgsl(),
+                    "facing",
+                    &FACING_SLOTS,
+                    None,
+                    &constants,
+                )
+            }
             Method::PerEdge => {
                 let [masks, append] = emit_constants(options);
                 let constants = [windows, masks, append];
@@ -57,7 +63,55 @@ impl Binder<'_> {
         }
     }
 
-    /// Binds the dispatches of that pipeline to positions.
+    /// Exact facing, which reads positions too.
+    pub(super) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
+        let windows = [("WINDOW_WORDS", f64::from(window_words))];
+        Pipeline::new(
+            self.device,
+            &EXACT_FACING,
+            &EXACT_FACING.wgsl(),
+            "exact_facing",
+            &EXACT_SLOTS,
+            None,
+            &windows,
+        )
+    }
+
+    /// The indirect dispatches of exact facing.
+    pub(super) fn exact_arguments(&self, mut dispatches: Vec<Dispatch>, most_workgroups: u32) -> Pass {
+        let constants = [("MOST_WORKGROUPS", f64::from(most_workgroups))];
+        let (stage, slots) = (&EXACT_ARGUMENTS, &EXACT_ARGUMENTS_SLOTS);
+        let pipeline = Pipeline::new(
+            self.device,
+            stage,
+            &stage.wgsl(),
+            "exact_arguments",
+            slots,
+            None,
+            &constants,
+        );
+        for dispatch in &mut dispatches {
+            let resources = [
+                entry::<Chunk>(self.chunks),
+                self.undecided(),
+                binding(&self.buffers.exact_dispatch, 0..12),
+            ];
+            dispatch.group = Some(pipeline.bind(self.device, &resources));
+            dispatch.offsets = vec![dispatch.chunk_offset];
+            dispatch.workgroups = 1;
+        }
+        Pass { pipeline, dispatches }
+    }
+
+    /// The list of undecided faces; its length tells the shaders its capacity.
+    fn undecided(&self) -> BindingResource<'_> {
+        binding(
+            &self.buffers.undecided,
+            0..UNDECIDED_HEAD + 8 * self.shape.undecided.max(1) as u64,
+        )
+    }
+
+    /// Binds the dispatches of a pipeline to positions.
     pub(super) fn bind_positions(
         &self,
         options: &ExtractorOptions,
@@ -82,6 +136,7 @@ impl Binder<'_> {
                     resources.push(binding(&self.buffers.faces, dispatch.bytes(12)));
                     resources.push(binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4)));
                     resources.push(self.buffers.statistics.as_entire_binding());
+                    resources.push(self.undecided());
                 }
             }
             dispatch.offsets = self.word_and_chunk(dispatch);

@@ -8,7 +8,7 @@ use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, pad
 use super::split::Split;
 use crate::cpu::edge_corners;
 use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
-use crate::method::Method;
+use crate::method::{Method, Predicate};
 use crate::{Mesh, light};
 
 /// The numbers that sizes follow from.
@@ -22,6 +22,8 @@ pub(super) struct Shape {
     pub(super) capacity: u32,
     /// Blocks of edges that compaction counts by.
     pub(super) blocks: u32,
+    /// Faces that the list of undecided ones has room for; 0 without exact facing.
+    pub(super) undecided: usize,
 }
 
 impl Shape {
@@ -31,8 +33,6 @@ impl Shape {
         let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
         let capacity = match options.lists {
             None => 0,
-            // Nothing of this method can stand in for a list that overflowed, so there is room for every edge.
-            Some(_) if options.method == Method::PerEdge => edges as u32,
             Some(lists) => match lists.capacity {
                 Some(capacity) => capacity,
                 None => default_capacity(mesh, options.max_lights).min(fitting),
@@ -54,6 +54,7 @@ impl Shape {
             max_lights: options.max_lights,
             capacity,
             blocks: edges.div_ceil(super::split::WORKGROUP as usize) as u32,
+            undecided: undecided_capacity(mesh, options, split),
         })
     }
 
@@ -78,6 +79,21 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
     (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
 }
 
+/// Bytes before the entries of the list of undecided faces.
+pub(super) const UNDECIDED_HEAD: u64 = 8;
+
+/// Room for every face that one dispatch takes, unless the options ask for less.
+fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
+    if options.method == Method::PerEdge || options.predicate == Predicate::Fast {
+        return 0;
+    }
+    let fitting = ((split.binding - UNDECIDED_HEAD) / 8) as usize;
+    let asked = options
+        .undecided_capacity
+        .map_or(usize::MAX, |capacity| capacity.max(1) as usize);
+    asked.min(mesh.faces().len()).min(fitting)
+}
+
 /// The buffers of an extraction, one a word of lights where there is a list of them.
 #[derive(Debug)]
 pub(super) struct Buffers {
@@ -94,6 +110,9 @@ pub(super) struct Buffers {
     pub(super) counts: wgpu::Buffer,
     pub(super) draw_arguments: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
+    /// Of exact facing: the list of undecided faces, and the dispatch over it.
+    pub(super) undecided: wgpu::Buffer,
+    pub(super) exact_dispatch: wgpu::Buffer,
     /// Bound where a stage's binding is not used.
     pub(super) unused: wgpu::Buffer,
 }
@@ -117,6 +136,7 @@ impl Buffers {
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let undecided_bytes = UNDECIDED_HEAD + 8 * shape.undecided as u64;
         // These are bound whole; everything else is bound by chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -137,6 +157,7 @@ impl Buffers {
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
+        wanted.push(("undecided faces", undecided_bytes));
         wanted.extend(bound_whole);
         wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
         wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
@@ -191,6 +212,8 @@ impl Buffers {
                 result | BufferUsages::INDIRECT,
             ),
             statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
+            undecided: buffer(device, "undecided faces", undecided_bytes, result),
+            exact_dispatch: buffer(device, "exact dispatch", 12, storage | BufferUsages::INDIRECT),
             unused: buffer(device, "unused", 64, result),
         })
     }

@@ -12,7 +12,7 @@ use super::split::{Split, binding};
 use super::timer::StageTimer;
 use crate::displace::{DISPLACE_GROUP, Displacement, plain_deform_wgsl};
 use crate::layout::DeformChunk;
-use crate::model::{Model, Pose, PoseError};
+use crate::model::{Model, Pose, PoseMismatch};
 use crate::stages::DEFORM;
 
 /// What a [`Deformer`] does besides morph and skin.
@@ -35,7 +35,7 @@ pub enum DeformError {
     Memory(#[from] MemoryError),
     /// The pose is not one of this model.
     #[error(transparent)]
-    Pose(#[from] PoseError),
+    Pose(#[from] PoseMismatch),
     /// The displacement declares resources, and no layout or bind group for them was given; or the other way round.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
     Resources,
@@ -203,16 +203,16 @@ impl Deformer {
         upload(&self.device, encoder, &self.chunks, table.bytes());
         upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
         self.pass
-            .record_with(encoder, 0..1, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+            .record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 
     /// The pose as the shader reads it, and each instance's active morph targets.
-    fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), PoseError> {
+    fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), PoseMismatch> {
         let mut words = Vec::new();
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances.len() != self.layouts.len() {
-            return Err(PoseError::Instances {
+            return Err(PoseMismatch::Instances {
                 given: pose.instances.len(),
                 needed: self.layouts.len(),
             });

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::binder::Binder;
-use super::buffers::{Buffers, Shape};
+use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::frame::{UniformTable, upload};
 use super::memory::MemoryError;
 use super::pass::{Dispatch, Pass};
@@ -13,7 +13,7 @@ use super::split::Split;
 use super::timer::StageTimer;
 use crate::layout::{Chunk, LightWord};
 use crate::light::{self, LightError, MAX_LIGHTS, check_lights};
-use crate::method::Method;
+use crate::method::{Method, Predicate};
 use crate::stages::ARGUMENTS;
 use crate::{Light, Mesh};
 
@@ -24,6 +24,11 @@ pub struct ExtractorOptions {
     pub max_lights: usize,
     /// How silhouettes are found.
     pub method: Method,
+    /// How a face's side is decided; the per-edge method is always fast.
+    pub predicate: Predicate,
+    /// Faces that the list of those the filter leaves undecided has room for. `None`: all that one dispatch takes, 8
+    /// bytes a face. A list that overflows loses nothing: every face is then settled in integers, which is slow.
+    pub undecided_capacity: Option<u32>,
     /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and word of 32 lights.
     pub masks: bool,
     /// Make lists of silhouette edges; `None` for none.
@@ -34,11 +39,13 @@ pub struct ExtractorOptions {
 }
 
 impl Default for ExtractorOptions {
-    /// One light, face masks, lists, no edge masks, no memory limit.
+    /// One light, face masks, exact, lists, no edge masks, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 1,
             method: Method::FaceMask,
+            predicate: Predicate::Exact,
+            undecided_capacity: None,
             masks: false,
             lists: Some(ListOptions::default()),
             memory_limit: None,
@@ -51,8 +58,9 @@ impl Default for ExtractorOptions {
 pub struct ListOptions {
     /// Entries that each light's list has room for, clamped to 1 … edge records. `None`: boundary and inconsistent
     /// edges, and of the others a share of four lists of all edges, at least sixteen times their square root. A list
-    /// that overflows loses nothing: its draw goes over all edges, and [`crate::layout::Statistics`] counts it. The
-    /// per-edge method always has room for all edges.
+    /// that overflows loses nothing: its draw goes over all edges, of which the include rejects what is no silhouette
+    /// (by the facing masks; of the per-edge method, which has none, only the edge masks know), and
+    /// [`crate::layout::Statistics`] counts it.
     pub capacity: Option<u32>,
     /// Lists in the order of the edges, the same in every run; costs the masks' memory traffic.
     pub ordered: bool,
@@ -107,6 +115,8 @@ pub struct Extractor {
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method; bound to positions when they are known.
     from_positions: Pass,
+    /// Exact facing, where it is wanted: its arguments, then itself; dispatches as those of facing.
+    exact: Option<[Pass; 2]>,
     /// Edges, compaction, arguments: what the options ask for, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
@@ -174,9 +184,20 @@ impl Extractor {
             dispatches: if per_edge {
                 edge_dispatches.clone()
             } else {
-                face_dispatches
+                face_dispatches.clone()
             },
         };
+        let is_exact = !per_edge && options.predicate == Predicate::Exact;
+        let exact = is_exact.then(|| {
+            let most_workgroups = device.limits().max_compute_workgroups_per_dimension;
+            [
+                binder.exact_arguments(face_dispatches.clone(), most_workgroups),
+                Pass {
+                    pipeline: binder.exact_pipeline(0),
+                    dispatches: face_dispatches,
+                },
+            ]
+        });
         let mut from_facing = Vec::new();
         if !per_edge && (options.masks || options.lists.is_some()) {
             from_facing.push(binder.edges(&options, edge_dispatches.clone(), &facing_windows));
@@ -194,6 +215,7 @@ impl Extractor {
             light_words,
             chunks,
             from_positions,
+            exact,
             from_facing,
             options,
             bound_to: None,
@@ -241,7 +263,10 @@ impl Extractor {
             .iter()
             .partition(|pass| pass.pipeline.label != ARGUMENTS.name);
         for run in runs {
-            self.from_positions.record(encoder, run.clone(), timer.as_deref_mut());
+            match &self.exact {
+                None => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
+                Some(exact) => self.record_exactly(encoder, exact, run.clone(), timer.as_deref_mut()),
+            }
             for pass in &per_light {
                 pass.record(encoder, run.clone(), timer.as_deref_mut());
             }
@@ -250,6 +275,24 @@ impl Extractor {
             pass.record(encoder, 0..used, timer.as_deref_mut());
         }
         Ok(())
+    }
+
+    /// Facing and exact facing by turns: all chunks and words share the list of undecided faces.
+    fn record_exactly(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        exact: &[Pass; 2],
+        words: Range<usize>,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
+            if words.contains(&dispatch.word) {
+                encoder.clear_buffer(&self.buffers.undecided, 0, Some(UNDECIDED_HEAD));
+                for pass in std::iter::once(&self.from_positions).chain(exact) {
+                    pass.record_one(encoder, index, timer.as_deref_mut());
+                }
+            }
+        }
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
@@ -282,6 +325,15 @@ impl Extractor {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
         binder.bind_positions(&self.options, &mut self.from_positions, buffer, bound);
+        if let Some([_, exact]) = &mut self.exact {
+            if exact.pipeline.window_words != bound.windows.words {
+                exact.pipeline = binder.exact_pipeline(bound.windows.words);
+            }
+            binder.bind_positions(&self.options, exact, buffer, bound);
+            for dispatch in &mut exact.dispatches {
+                dispatch.indirect = Some(binder.buffers.exact_dispatch.clone());
+            }
+        }
         self.bound_to = Some(target);
     }
 

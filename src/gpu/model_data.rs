@@ -8,7 +8,7 @@ use super::frame::UniformTable;
 use super::memory::{Allocation, MemoryError, check, filled, padded};
 use super::split::Split;
 use crate::layout::DeformChunk;
-use crate::model::{Geometry, InstancePose, Model, PoseError};
+use crate::model::{Geometry, InstancePose, Model, PoseMismatch};
 
 /// Words of a 3×4 matrix.
 const MATRIX_WORDS: u64 = 12;
@@ -258,10 +258,10 @@ fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
 
 impl PoseLayout {
     /// The pose of instance `instance` has the matrices and weights that its geometry needs.
-    pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseError> {
+    pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseMismatch> {
         let (given, needed) = (pose.palette.len(), self.joints as usize);
         if given < needed {
-            return Err(PoseError::Palette {
+            return Err(PoseMismatch::Palette {
                 instance,
                 given,
                 needed,
@@ -269,7 +269,7 @@ impl PoseLayout {
         }
         let (given, needed) = (pose.morph_weights.len(), self.target_count as usize);
         if given != needed {
-            return Err(PoseError::MorphWeights {
+            return Err(PoseMismatch::MorphWeights {
                 instance,
                 given,
                 needed,

@@ -27,6 +27,8 @@ pub(super) struct Dispatch {
     /// Dynamic offsets of the group's uniforms.
     pub(super) offsets: Vec<u32>,
     pub(super) workgroups: u32,
+    /// Where the numbers of workgroups lie instead.
+    pub(super) indirect: Option<wgpu::Buffer>,
 }
 
 impl Dispatch {
@@ -40,6 +42,15 @@ impl Dispatch {
             group: None,
             offsets: Vec::new(),
             workgroups,
+            indirect: None,
+        }
+    }
+
+    fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
+        pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
+        match &self.indirect {
+            Some(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+            None => pass.dispatch_workgroups(self.workgroups, 1, 1),
         }
     }
 
@@ -57,17 +68,40 @@ impl Pass {
         words: Range<usize>,
         timer: Option<&mut StageTimer>,
     ) {
-        self.record_with(encoder, words, timer, None);
+        self.record_with(encoder, |dispatch| words.contains(&dispatch.word), timer, None);
     }
 
-    /// The same with a second bind group, at the index given.
+    /// Records one dispatch.
+    pub(super) fn record_one(&self, encoder: &mut wgpu::CommandEncoder, index: usize, timer: Option<&mut StageTimer>) {
+        let mut pass = self.begin(encoder, timer);
+        if let Some(dispatch) = self.dispatches.get(index) {
+            dispatch.record(&mut pass);
+        }
+    }
+
+    /// Records all dispatches that `choose` takes, with a second bind group at the index given.
     pub(super) fn record_with(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        words: Range<usize>,
+        choose: impl Fn(&Dispatch) -> bool,
         timer: Option<&mut StageTimer>,
         further: Option<(u32, &wgpu::BindGroup)>,
     ) {
+        let mut pass = self.begin(encoder, timer);
+        if let Some((index, group)) = further {
+            pass.set_bind_group(index, group, &[]);
+        }
+        for dispatch in self.dispatches.iter().filter(|dispatch| choose(dispatch)) {
+            dispatch.record(&mut pass);
+        }
+    }
+
+    /// Begins the stage's pass.
+    fn begin<'encoder>(
+        &self,
+        encoder: &'encoder mut wgpu::CommandEncoder,
+        timer: Option<&mut StageTimer>,
+    ) -> wgpu::ComputePass<'encoder> {
         let label = self.pipeline.label;
         let timestamp_writes = timer.and_then(|timer| timer.writes(label));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -75,12 +109,6 @@ impl Pass {
             timestamp_writes,
         });
         pass.set_pipeline(&self.pipeline.pipeline);
-        if let Some((index, group)) = further {
-            pass.set_bind_group(index, group, &[]);
-        }
-        for dispatch in self.dispatches.iter().filter(|dispatch| words.contains(&dispatch.word)) {
-            pass.set_bind_group(0, dispatch.group.as_ref(), &dispatch.offsets);
-            pass.dispatch_workgroups(dispatch.workgroups, 1, 1);
-        }
+        pass
     }
 }

@@ -124,12 +124,11 @@ impl EdgeRecords {
                 if mate == BOUNDARY {
                     counts.boundary += 1;
                     packed.push([face, NO_FACE]);
-                } else if faces[mate as usize / 3][mate as usize % 3] == a {
-                    counts.inconsistent += 1;
-                    packed.push([face | INCONSISTENT, mate / 3]);
                 } else {
-                    counts.consistent += 1;
-                    packed.push([face, mate / 3]);
+                    let inconsistent = mate & INCONSISTENT;
+                    counts.inconsistent += usize::from(inconsistent != 0);
+                    counts.consistent += usize::from(inconsistent == 0);
+                    packed.push([face | inconsistent, (mate & !INCONSISTENT) / 3]);
                 }
             }
         }
@@ -157,14 +156,15 @@ fn unpack(vertices: [u32; 2], [face_0, face_1]: [u32; 2]) -> Edge {
 
 /// The corner after each corner of a face.
 const NEXT: [usize; 3] = [1, 2, 0];
-/// The mate of a half-edge that has none.
+/// The mate of a half-edge that has none. No half-edge's number comes near it, with or without [`INCONSISTENT`]: the most
+/// is `3·MAX_FACES − 1`, which is 2³¹ − 3.
 const BOUNDARY: u32 = u32::MAX;
 /// The mate of a half-edge of a degenerate face: it belongs to no record.
 const DEGENERATE: u32 = u32::MAX - 1;
 
 /// Whether a half-edge is face 0's of its record, so that the record is written at its place.
 fn is_first(half_edge: usize, mate: u32) -> bool {
-    mate == BOUNDARY || (mate != DEGENERATE && half_edge < mate as usize)
+    mate == BOUNDARY || (mate != DEGENERATE && half_edge < (mate & !INCONSISTENT) as usize)
 }
 
 /// A half-edge at its lower vertex: the other vertex, and the half-edge with [`Entry::FORWARD`] set where it runs from
@@ -206,7 +206,8 @@ fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
     }
 }
 
-/// For every half-edge `3·face + corner` the one it shares a record with, [`BOUNDARY`] or [`DEGENERATE`].
+/// For every half-edge `3·face + corner` the one it shares a record with, [`INCONSISTENT`] set if both traverse the edge
+/// alike, [`BOUNDARY`] or [`DEGENERATE`].
 fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
     for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
@@ -272,7 +273,7 @@ fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
     prefix_sum(&mut next);
     let mut by_upper = vec![(0_u32, Entry::default()); starts.last().map_or(0, |&total| total as usize)];
     for_each_half_edge(faces, |lower, entry| {
-        place(&mut next, &mut by_upper, entry.upper, (lower, entry))
+        place(&mut next, &mut by_upper, entry.upper, (lower, entry));
     });
     next.copy_from_slice(starts);
     let mut sorted = vec![Entry::default(); by_upper.len()];
@@ -285,10 +286,14 @@ fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
 /// Pairs the half-edges of one edge, given lowest face first: opposite traversals, then the rest among themselves.
 fn pair_run(run: &[Entry], mates: &mut [u32]) {
     let mut record = |first: Entry, second: Option<Entry>| {
-        mates[first.half_edge() as usize] = second.map_or(BOUNDARY, Entry::half_edge);
-        if let Some(second) = second {
-            mates[second.half_edge() as usize] = first.half_edge();
-        }
+        let Some(second) = second else {
+            mates[first.half_edge() as usize] = BOUNDARY;
+            return;
+        };
+        // Said here, where it is at hand: to look the mate's corners up later costs a cache miss a record.
+        let inconsistent = if first.is_opposite(second) { 0 } else { INCONSISTENT };
+        mates[first.half_edge() as usize] = second.half_edge() | inconsistent;
+        mates[second.half_edge() as usize] = first.half_edge() | inconsistent;
     };
     match *run {
         [single] => record(single, None),

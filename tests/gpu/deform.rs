@@ -2,7 +2,7 @@
 
 use rimline::cpu::{self, Threads};
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
-use rimline::model::PoseError;
+use rimline::model::PoseMismatch;
 use rimline::{Displacement, Model, Pose};
 
 use crate::common::band::deform_bound;
@@ -211,7 +211,7 @@ fn resources() -> Result<(), String> {
 }
 
 /// What is done to a pose, and the error that it gives.
-type Perturbation = (fn(&mut Pose), PoseError);
+type Perturbation = (fn(&mut Pose), PoseMismatch);
 
 fn refused() -> Result<(), String> {
     let gpu = Gpu::shared()?;
@@ -223,15 +223,15 @@ fn refused() -> Result<(), String> {
     let perturbations: [Perturbation; 5] = [
         (
             |pose| pose.instances.truncate(6),
-            PoseError::Instances { given: 6, needed: 7 },
+            PoseMismatch::Instances { given: 6, needed: 7 },
         ),
         (
             |pose| pose.instances.push(pose.instances[0].clone()),
-            PoseError::Instances { given: 8, needed: 7 },
+            PoseMismatch::Instances { given: 8, needed: 7 },
         ),
         (
             |pose| pose.instances[1].palette.clear(),
-            PoseError::Palette {
+            PoseMismatch::Palette {
                 instance: 1,
                 given: 0,
                 needed: 1,
@@ -239,7 +239,7 @@ fn refused() -> Result<(), String> {
         ),
         (
             |pose| pose.instances[3].morph_weights.truncate(4),
-            PoseError::MorphWeights {
+            PoseMismatch::MorphWeights {
                 instance: 3,
                 given: 4,
                 needed: 5,
@@ -247,7 +247,7 @@ fn refused() -> Result<(), String> {
         ),
         (
             |pose| pose.instances[2].morph_weights.push(0.0),
-            PoseError::MorphWeights {
+            PoseMismatch::MorphWeights {
                 instance: 2,
                 given: 1,
                 needed: 0,

@@ -3,7 +3,7 @@
 use rimline::cpu::{self, Threads};
 use rimline::gpu::ExtractorOptions;
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh, shapes};
+use rimline::{Light, Mesh, Predicate, shapes};
 
 use crate::common::band::{self, check_facing};
 use crate::common::cases::{case, hard_positions};
@@ -24,6 +24,7 @@ fn masks_only(max_lights: usize) -> ExtractorOptions {
     ExtractorOptions {
         max_lights,
         masks: true,
+        predicate: Predicate::Fast,
         lists: None,
         ..Default::default()
     }
@@ -37,7 +38,7 @@ fn hard() -> Result<(), String> {
         for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(seed)) {
             let mut found = extract(gpu, &positions, &mesh, &lights, masks_only(lights.len()))?;
             let on_gpu = check_facing(&name, &found.facing, &positions, mesh.faces(), &lights)?;
-            let twin = cpu::facing(&positions, mesh.faces(), &lights, Threads::all());
+            let twin = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Fast, Threads::all());
             let on_cpu = check_facing(&name, &twin, &positions, mesh.faces(), &lights)?;
             // Both are right outside the band, so they can differ inside only.
             let differ = found
@@ -129,9 +130,20 @@ fn non_finite() -> Result<(), String> {
     check_facing("poisoned", &found.facing, &positions, mesh.faces(), &lights)?;
     let counted = [found.statistics.non_finite_faces as usize];
     same("non-finite faces", &counted, &[poisoned])?;
-    let twin = cpu::extract(&positions, &mesh, &lights, rimline::Method::FaceMask, Threads::ONE);
+    let twin = cpu::extract(
+        &positions,
+        &mesh,
+        &lights,
+        rimline::Method::FaceMask,
+        Predicate::Exact,
+        Threads::ONE,
+    );
     let twin = twin.map_err(|e| e.to_string())?;
-    same("the twin's count", &[twin.non_finite_faces as usize], &[poisoned])?;
+    same(
+        "the twin's count",
+        &[twin.counts.non_finite_faces as usize],
+        &[poisoned],
+    )?;
     for (index, face) in mesh.faces().iter().enumerate() {
         let words = found.facing.iter().skip(index).step_by(mesh.faces().len());
         if is_poisoned(face) && words.into_iter().any(|&mask| mask != 0) {

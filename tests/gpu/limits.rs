@@ -142,7 +142,7 @@ fn unchanged() -> Result<(), String> {
                         method,
                         masks: true,
                         lists: fits.then_some(lists),
-                        memory_limit: None,
+                        ..Default::default()
                     },
                 };
                 let found = run.on(&small, &mesh)?;

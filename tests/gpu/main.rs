@@ -6,6 +6,7 @@ mod closure;
 mod common;
 mod deform;
 mod draw;
+mod exact;
 mod facing;
 mod include;
 mod lights;
@@ -22,6 +23,7 @@ type Test = (&'static str, fn() -> Result<(), String>);
 fn main() {
     let tests: Vec<Test> = [
         stages::TESTS,
+        exact::TESTS,
         facing::TESTS,
         closure::TESTS,
         lights::TESTS,

@@ -1,2 +1,65 @@
-//! Rimline's two commands.
-fn main() {}
+//! Rimline's set-up and its commands: pictures, tests, and what continuous integration checks.
+
+mod ci;
+mod demo;
+mod features;
+mod packages;
+mod process;
+mod summary;
+mod test;
+mod vulkan;
+mod wgsl;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Rimline's commands
+
+Usage: cargo xtask COMMAND
+
+Commands:
+  demo    Make a walking figure and other models by code, and draw their outlines to PNG files in demo/
+  test    Run every test; ends with a line `N passed, N failed, N skipped`
+  ci      Check format, lints and documentation, then do what `test` does, then check the WGSL with other compilers
+
+demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
+system's package manager if that needs no password, and otherwise print the command that does.
+
+Options:
+  -h, --help  Print this
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments.as_slice() {
+        ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
+            print!("{HELP}");
+            ExitCode::SUCCESS
+        }
+        ["demo"] => finish(demo::run()),
+        ["test"] => test::run().finish(),
+        ["ci"] => ci::run().finish(),
+        [] => misused("no command given"),
+        [command @ ("demo" | "test" | "ci"), rest @ ..] => misused(&format!(
+            "`{command}` takes no arguments, but was given `{}`",
+            rest.join(" ")
+        )),
+        [command, ..] => misused(&format!("unknown command `{command}`")),
+    }
+}
+
+fn finish(outcome: Result<(), String>) -> ExitCode {
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn misused(error: &str) -> ExitCode {
+    eprintln!("error: {error}\n\n{HELP}");
+    ExitCode::from(2)
+}

@@ -1,0 +1,56 @@
+//! Writes one of the generated shapes as a glTF binary, to try the command on.
+//!
+//! `cargo run --release --example shape -- blob OUT.glb`
+
+#[path = "common/glb.rs"]
+mod glb;
+
+use std::process::ExitCode;
+
+use rimline::shapes::{self, Shape};
+use serde_json::json;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [name, out] = arguments.as_slice() else {
+        eprintln!("usage: shape blob|cube|fan|grid|moebius|sheets|sphere|torus OUT.glb");
+        return ExitCode::from(2);
+    };
+    let Some(shape) = by_name(name) else {
+        eprintln!("there is no shape `{name}`");
+        return ExitCode::from(2);
+    };
+    if let Err(error) = std::fs::write(out, encode(name, &shape)) {
+        eprintln!("cannot write {out}: {error}");
+        return ExitCode::FAILURE;
+    }
+    println!("{out}: {} faces, {} vertices", shape.faces.len(), shape.positions.len());
+    ExitCode::SUCCESS
+}
+
+fn by_name(name: &str) -> Option<Shape> {
+    Some(match name {
+        "blob" => shapes::blob(96, 0.75, 11),
+        "cube" => shapes::cube(),
+        "fan" => shapes::fan(64),
+        "grid" => shapes::plane_grid(32, 32),
+        "moebius" => shapes::moebius(128, 12),
+        "sheets" => shapes::three_sheets(16),
+        "sphere" => shapes::sphere(48),
+        "torus" => shapes::torus(192, 96, 1.0, 0.4),
+        _ => return None,
+    })
+}
+
+fn encode(name: &str, shape: &Shape) -> Vec<u8> {
+    let mut file = glb::GlbFile::default();
+    let positions = file.bounded(&shape.positions, Some(glb::VERTICES));
+    let indices = file.indices(&shape.faces);
+    let primitive = json!({ "attributes": { "POSITION": positions }, "indices": indices });
+    file.finish(json!({
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": name, "mesh": 0 }],
+        "meshes": [{ "name": name, "primitives": [primitive] }],
+    }))
+}

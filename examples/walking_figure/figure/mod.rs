@@ -1,0 +1,49 @@
+//! A stylised human figure, 1.76 m tall, facing +Z with +Y up: a mannequin in one smooth closed surface.
+//!
+//! The body is a smooth union of tapered capsules ([`body`]), each of which belongs to a joint ([`skeleton`]);
+//! [`surface`] turns it into triangles, [`skin`] ties them to the joints and [`walk`] moves those.
+
+mod body;
+pub(crate) mod glb;
+#[path = "../../common/glb.rs"]
+mod glb_file;
+pub(crate) mod skeleton;
+mod skin;
+mod surface;
+pub(crate) mod walk;
+
+use rimline::glam::Vec3;
+
+/// The figure at rest; arms and legs a little apart.
+pub(crate) struct Figure {
+    /// Vertex positions in metres.
+    pub(crate) positions: Vec<Vec3>,
+    /// Unit normals.
+    pub(crate) normals: Vec<Vec3>,
+    /// Counter-clockwise triangles.
+    pub(crate) faces: Vec<[u32; 3]>,
+    /// Four indices into [`skeleton::JOINTS`] a vertex.
+    pub(crate) joints: Vec<[u8; 4]>,
+    /// Their weights, which sum to 1.
+    pub(crate) weights: Vec<[f32; 4]>,
+}
+
+impl Figure {
+    /// Makes it.
+    pub(crate) fn new() -> Self {
+        let parts = body::parts();
+        let (positions, faces) = surface::polygonise(|point| body::field(&parts, point));
+        let normals = positions
+            .iter()
+            .map(|&point| surface::gradient(&|p| body::field(&parts, p), point).normalize_or(Vec3::Y))
+            .collect();
+        let (joints, weights) = skin::bind(&parts, &positions, &faces);
+        Self {
+            positions,
+            normals,
+            faces,
+            joints,
+            weights,
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The joints.
+
+use rimline::glam::Vec3;
+
+/// A joint at rest: no rotation of its own, only a place.
+pub(crate) struct Joint {
+    /// The node's name.
+    pub(crate) name: &'static str,
+    /// Index of the joint it hangs on, lower than its own.
+    pub(crate) parent: Option<usize>,
+    /// Its place in the figure's space.
+    pub(crate) at: Vec3,
+}
+
+pub(crate) const HIPS: usize = 0;
+pub(crate) const SPINE: usize = 1;
+pub(crate) const CHEST: usize = 2;
+pub(crate) const NECK: usize = 3;
+pub(crate) const HEAD: usize = 4;
+// Those of the left side; see `on`.
+pub(crate) const UPPER_ARM: usize = 5;
+pub(crate) const LOWER_ARM: usize = 6;
+pub(crate) const HAND: usize = 7;
+pub(crate) const UPPER_LEG: usize = 8;
+pub(crate) const LOWER_LEG: usize = 9;
+pub(crate) const FOOT: usize = 10;
+pub(crate) const TOES: usize = 11;
+
+/// Left is +X: the figure faces +Z.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    pub(crate) const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// +1 left, −1 right.
+    pub(crate) fn sign(self) -> f32 {
+        if self == Self::Left { 1.0 } else { -1.0 }
+    }
+
+    /// A point of the left side, on this side.
+    pub(crate) fn mirror(self, point: Vec3) -> Vec3 {
+        Vec3::new(point.x * self.sign(), point.y, point.z)
+    }
+}
+
+/// A joint of the left side, on this side.
+pub(crate) fn on(side: Side, joint: usize) -> usize {
+    if side == Side::Left { joint } else { joint + TOES - HEAD }
+}
+
+/// Which side a joint belongs to, if any.
+pub(crate) fn side_of(joint: usize) -> Option<Side> {
+    match joint {
+        HIPS..=HEAD => None,
+        UPPER_ARM..=TOES => Some(Side::Left),
+        _ => Some(Side::Right),
+    }
+}
+
+const fn joint(name: &'static str, parent: usize, at: [f32; 3]) -> Joint {
+    Joint {
+        name,
+        parent: Some(parent),
+        at: Vec3::from_array(at),
+    }
+}
+
+/// Every joint, parents first.
+pub(crate) const JOINTS: [Joint; 19] = [
+    Joint {
+        name: "hips",
+        parent: None,
+        at: Vec3::new(0.0, 0.95, 0.0),
+    },
+    joint("spine", HIPS, [0.0, 1.07, 0.0]),
+    joint("chest", SPINE, [0.0, 1.21, -0.01]),
+    joint("neck", CHEST, [0.0, 1.46, -0.015]),
+    joint("head", NECK, [0.0, 1.55, 0.0]),
+    joint("upper_arm.L", CHEST, [0.172, 1.4, -0.015]),
+    joint("lower_arm.L", 5, [0.352, 1.185, -0.02]),
+    joint("hand.L", 6, [0.512, 0.994, 0.005]),
+    joint("upper_leg.L", HIPS, [0.09, 0.9, 0.0]),
+    joint("lower_leg.L", 8, [0.1, 0.5, 0.005]),
+    joint("foot.L", 9, [0.105, 0.09, -0.025]),
+    joint("toes.L", 10, [0.115, 0.03, 0.1]),
+    joint("upper_arm.R", CHEST, [-0.172, 1.4, -0.015]),
+    joint("lower_arm.R", 12, [-0.352, 1.185, -0.02]),
+    joint("hand.R", 13, [-0.512, 0.994, 0.005]),
+    joint("upper_leg.R", HIPS, [-0.09, 0.9, 0.0]),
+    joint("lower_leg.R", 15, [-0.1, 0.5, 0.005]),
+    joint("foot.R", 16, [-0.105, 0.09, -0.025]),
+    joint("toes.R", 17, [-0.115, 0.03, 0.1]),
+];

@@ -1,0 +1,70 @@
+//! The two shapes of a glTF file: JSON text, or a GLB with a JSON and a binary chunk.
+//!
+//! `gltf::binary::Glb` is not used: it subtracts without checking, takes chunks beyond the length that the header
+//! states, and refuses chunk types that the specification asks readers to ignore.
+
+use super::GltfError;
+
+const MAGIC: &[u8] = b"glTF";
+const HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
+
+/// The JSON text and the binary chunk, if there is one.
+pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
+    if !bytes.starts_with(MAGIC) {
+        return Ok((bytes, None));
+    }
+    let version = word(bytes, 4)?;
+    if version != 2 {
+        return Err(GltfError::Version {
+            version: version.to_string(),
+        });
+    }
+    let length = word(bytes, 8)? as usize;
+    let content = bytes.get(..length).ok_or_else(|| {
+        damaged(
+            8,
+            format!("the header states {length} bytes, there are {}", bytes.len()),
+        )
+    })?;
+    let (kind, json, mut offset) = chunk(content, HEADER_BYTES)?;
+    if &kind != b"JSON" {
+        return Err(damaged(HEADER_BYTES, "the first chunk is not JSON".to_owned()));
+    }
+    let mut binary = None;
+    while offset < content.len() {
+        let (kind, data, next) = chunk(content, offset)?;
+        if &kind == b"BIN\0" && binary.is_none() {
+            binary = Some(data);
+        }
+        offset = next;
+    }
+    Ok((json, binary))
+}
+
+/// A chunk's type and data, and where the next one starts.
+fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfError> {
+    let length = word(content, offset)? as usize;
+    let kind = word(content, offset + 4)?.to_le_bytes();
+    let start = offset + CHUNK_HEADER_BYTES;
+    let data = content
+        .get(start..)
+        .and_then(|rest| rest.get(..length))
+        .ok_or_else(|| {
+            let there = content.len().saturating_sub(start);
+            damaged(offset, format!("the chunk states {length} bytes, there are {there}"))
+        })?;
+    Ok((kind, data, start + length))
+}
+
+fn word(bytes: &[u8], offset: usize) -> Result<u32, GltfError> {
+    bytes
+        .get(offset..)
+        .and_then(|rest| rest.first_chunk())
+        .map(|word| u32::from_le_bytes(*word))
+        .ok_or_else(|| damaged(offset, "the GLB ends inside a header".to_owned()))
+}
+
+fn damaged(offset: usize, problem: String) -> GltfError {
+    GltfError::Glb { offset, problem }
+}

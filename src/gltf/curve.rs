@@ -1,0 +1,107 @@
+//! Keyframe curves (glTF 2.0, appendix C).
+
+use gltf::json::animation::Interpolation;
+
+use super::parse_scene::unit;
+
+/// Values over time. Times increase strictly; there is at least one.
+#[derive(Debug)]
+pub(super) struct Curve {
+    pub(super) times: Vec<f32>,
+    /// Key after key, `width` values each; for a cubic spline in-tangent, value and out-tangent of that width.
+    pub(super) values: Vec<f32>,
+    pub(super) width: usize,
+    pub(super) interpolation: Interpolation,
+}
+
+/// A component of a key, in the order that cubic splines store them.
+#[derive(Clone, Copy)]
+enum Part {
+    InTangent,
+    Value,
+    OutTangent,
+}
+
+impl Curve {
+    /// Values that each key takes.
+    pub(super) fn stride(interpolation: Interpolation, width: usize) -> usize {
+        match interpolation {
+            Interpolation::CubicSpline => 3 * width,
+            _ => width,
+        }
+    }
+
+    /// The curve's value at a time, which is clamped to the keys'. Rotations run along the shorter arc (LINEAR) and
+    /// come out with length 1, or not finite where a spline passes through zero.
+    pub(super) fn sample(&self, time: f64, rotation: bool) -> Vec<f64> {
+        let after = self.times.partition_point(|&t| f64::from(t) <= time);
+        let Some(key) = after.checked_sub(1) else {
+            return self.value(0);
+        };
+        if after >= self.times.len() || self.interpolation == Interpolation::Step {
+            return self.value(key);
+        }
+        let (start, end) = (f64::from(self.times[key]), f64::from(self.times[after]));
+        let interval = end - start;
+        let t = (time - start) / interval;
+        match self.interpolation {
+            Interpolation::CubicSpline => {
+                let value = self.spline(key, interval, t);
+                if rotation { normalized(&value) } else { value }
+            }
+            _ if rotation => slerp(&normalized(&self.value(key)), &normalized(&self.value(after)), t),
+            _ => {
+                let (a, b) = (self.value(key), self.value(after));
+                a.iter().zip(b).map(|(a, b)| a * (1.0 - t) + b * t).collect()
+            }
+        }
+    }
+
+    /// The value of a key.
+    pub(super) fn value(&self, key: usize) -> Vec<f64> {
+        (0..self.width).map(|c| self.part(key, Part::Value, c)).collect()
+    }
+
+    fn part(&self, key: usize, part: Part, component: usize) -> f64 {
+        let offset = match (self.interpolation, part) {
+            (Interpolation::CubicSpline, Part::Value) => self.width,
+            (Interpolation::CubicSpline, Part::OutTangent) => 2 * self.width,
+            // An in-tangent comes first; without tangents there is the value alone.
+            _ => 0,
+        };
+        let stride = Self::stride(self.interpolation, self.width);
+        f64::from(self.values[key * stride + offset + component])
+    }
+
+    fn spline(&self, key: usize, interval: f64, t: f64) -> Vec<f64> {
+        let (t2, t3) = (t * t, t * t * t);
+        (0..self.width)
+            .map(|c| {
+                (2.0 * t3 - 3.0 * t2 + 1.0) * self.part(key, Part::Value, c)
+                    + interval * (t3 - 2.0 * t2 + t) * self.part(key, Part::OutTangent, c)
+                    + (3.0 * t2 - 2.0 * t3) * self.part(key + 1, Part::Value, c)
+                    + interval * (t3 - t2) * self.part(key + 1, Part::InTangent, c)
+            })
+            .collect()
+    }
+}
+
+fn normalized(rotation: &[f64]) -> Vec<f64> {
+    let unit = rotation.try_into().ok().and_then(unit);
+    unit.map_or(vec![f64::NAN; rotation.len()], |unit| unit.to_array().to_vec())
+}
+
+/// Between two unit quaternions, along the shorter arc.
+fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
+    let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+    let sign = if dot < 0.0 { -1.0 } else { 1.0 };
+    let angle = dot.abs().min(1.0).acos();
+    // Below this the sines' quotient loses more than the straight line is off.
+    let (from, to) = if angle < 1e-4 {
+        (1.0 - t, t)
+    } else {
+        ((angle * (1.0 - t)).sin() / angle.sin(), (angle * t).sin() / angle.sin())
+    };
+    let mixed: Vec<f64> = a.iter().zip(b).map(|(a, b)| a * from + sign * b * to).collect();
+    normalized(&mixed)
+}

@@ -1,0 +1,145 @@
+//! One glTF mesh to one [`Geometry`]: its primitives merged.
+
+use std::collections::HashMap;
+
+use super::GltfError;
+use super::document::{InfluenceSet, Mesh, Primitive};
+use super::extensions;
+use super::reader::Reader;
+use super::triangles::{self, Place};
+use super::vertices::{self, HighestJoint, Vertices};
+use crate::model::{Geometry, Influences};
+
+/// A merged mesh, before welding.
+#[derive(Debug)]
+pub(super) struct Merged {
+    pub(super) geometry: Geometry,
+    /// The highest joint of each primitive that has joints, in primitives that are skipped too.
+    pub(super) highest_joints: Vec<HighestJoint>,
+}
+
+/// What makes primitives of a mesh share vertices.
+#[derive(PartialEq, Eq, Hash)]
+struct Key<'a> {
+    position: usize,
+    targets: &'a [Option<usize>],
+    influences: Vec<(u32, usize, usize)>,
+}
+
+/// Merges all triangle primitives of mesh `index`. The vertices of the others are read too, so that their errors are
+/// found, and dropped. `skinned_by` is a node that gives the mesh a skin; without one the joints are dropped.
+pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
+    let mesh = &reader.document.meshes[index];
+    let mut merged = Merged::new(mesh, skinned_by.is_some());
+    let mut blocks = HashMap::new();
+    for (p, primitive) in mesh.primitives.iter().enumerate() {
+        let Some(position) = primitive.position else {
+            continue;
+        };
+        let place = format!("meshes[{index}].primitives[{p}]");
+        check_compression(reader, primitive, &place)?;
+        let drawn = triangles::has_triangles(primitive.mode);
+        if let Some(node) = skinned_by
+            && drawn
+            && primitive.influences.is_empty()
+        {
+            return Err(GltfError::NotSkinned {
+                node,
+                mesh: index,
+                primitive: p,
+            });
+        }
+        let first = match blocks.get(&key(primitive, position)) {
+            Some(&first) if drawn => first,
+            _ => {
+                let vertices = vertices::read(reader, primitive, position, &place)?;
+                merged.highest_joints.extend(vertices.bindings.highest.clone());
+                if !drawn {
+                    continue;
+                }
+                let first = merged.append(&vertices, reader, &place)?;
+                blocks.insert(key(primitive, position), first);
+                first
+            }
+        };
+        let at = Place {
+            mesh: index,
+            primitive: p,
+        };
+        let faces = triangles::read(reader, primitive, reader.count(position), at)?;
+        let faces = faces.into_iter().map(|face| face.map(|v| v + first));
+        merged.geometry.faces.extend(faces);
+    }
+    let count = merged.geometry.positions.len() as u32;
+    merged.geometry.source_vertices = (0..count).collect();
+    Ok(merged)
+}
+
+fn key(primitive: &Primitive, position: usize) -> Key<'_> {
+    let set = |s: &InfluenceSet| (s.set, s.joints, s.weights);
+    Key {
+        position,
+        targets: &primitive.targets,
+        influences: primitive.influences.iter().map(set).collect(),
+    }
+}
+
+/// A primitive whose plain data was left out when it was compressed would read as zeros.
+fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) -> Result<(), GltfError> {
+    let empty = |accessor: usize| {
+        let accessor = &reader.document.accessors[accessor];
+        accessor.view.is_none() && accessor.sparse.is_none()
+    };
+    if primitive.draco && primitive.position.into_iter().chain(primitive.indices).any(empty) {
+        return Err(GltfError::Extension {
+            name: extensions::DRACO.to_owned(),
+            place: place.to_owned(),
+            advice: extensions::DRACO_ADVICE,
+        });
+    }
+    Ok(())
+}
+
+impl Merged {
+    fn new(mesh: &Mesh, skinned: bool) -> Self {
+        let influences = Influences {
+            offsets: vec![0],
+            ..Influences::default()
+        };
+        Self {
+            geometry: Geometry {
+                name: mesh.name.clone(),
+                morph_targets: vec![Vec::new(); mesh.targets],
+                influences: skinned.then_some(influences),
+                ..Geometry::default()
+            },
+            highest_joints: Vec::new(),
+        }
+    }
+
+    /// Adds vertices and gives the index of the first.
+    fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, place: &str) -> Result<u32, GltfError> {
+        let geometry = &mut self.geometry;
+        let first = geometry.positions.len();
+        let entries = geometry.influences.as_ref().map_or(0, |i| i.joints.len());
+        // Indices and offsets are u32.
+        let over = (first + vertices.positions.len()).max(entries + vertices.bindings.joints.len()) as u64;
+        if over > u64::from(u32::MAX) {
+            reader.charge(u64::MAX, 1, &|| place.to_owned())?;
+        }
+        geometry.positions.extend_from_slice(&vertices.positions);
+        for (target, offsets) in geometry.morph_targets.iter_mut().zip(&vertices.targets) {
+            target.extend_from_slice(offsets);
+        }
+        if let Some(influences) = &mut geometry.influences {
+            let mut end = entries as u32;
+            for count in &vertices.bindings.counts {
+                end += count;
+                influences.offsets.push(end);
+            }
+            influences.joints.extend_from_slice(&vertices.bindings.joints);
+            influences.weights.extend_from_slice(&vertices.bindings.weights);
+        }
+        Ok(first as u32)
+    }
+}

@@ -1,0 +1,216 @@
+//! From JSON to [`Document`].
+
+use std::fmt::Write as _;
+
+use gltf::json::Value;
+use gltf::json::accessor::{ComponentType, Type};
+
+use super::GltfError;
+use super::document::{Accessor, Buffer, Document, Sparse, View};
+use super::json::{Json, whole, wrong};
+use super::{extensions, parse_mesh, parse_scene};
+
+const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
+
+/// Lengths of the lists that indices point into.
+#[derive(Clone, Copy)]
+pub(super) struct Lengths {
+    pub(super) buffers: usize,
+    pub(super) views: usize,
+    pub(super) accessors: usize,
+    pub(super) meshes: usize,
+    pub(super) skins: usize,
+    pub(super) nodes: usize,
+    pub(super) scenes: usize,
+    pub(super) lights: usize,
+}
+
+/// Reads a document and checks its version, required extensions, and every index that matters here.
+pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
+    let root = Json::new(value, String::new())?;
+    version(&root)?;
+    let used = extensions::check(&root)?;
+    texture_indices(value, &mut String::new())?;
+    let punctual = root.extension("KHR_lights_punctual")?;
+    let lengths = Lengths {
+        buffers: root.count("buffers")?,
+        views: root.count("bufferViews")?,
+        accessors: root.count("accessors")?,
+        meshes: root.count("meshes")?,
+        skins: root.count("skins")?,
+        nodes: root.count("nodes")?,
+        scenes: root.count("scenes")?,
+        lights: punctual.as_ref().map_or(Ok(0), |lights| lights.count("lights"))?,
+    };
+    let all = |key: &str| root.objects(key);
+    Ok(Document {
+        buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,
+        accessors: all("accessors")?
+            .iter()
+            .map(|a| accessor(a, lengths))
+            .collect::<Result<_, _>>()?,
+        views: all("bufferViews")?
+            .iter()
+            .map(|v| view(v, lengths))
+            .collect::<Result<_, _>>()?,
+        meshes: all("meshes")?
+            .iter()
+            .map(|m| parse_mesh::mesh(m, lengths))
+            .collect::<Result<_, _>>()?,
+        skins: all("skins")?
+            .iter()
+            .map(|s| parse_mesh::skin(s, lengths))
+            .collect::<Result<_, _>>()?,
+        nodes: all("nodes")?
+            .iter()
+            .map(|n| parse_scene::node(n, lengths))
+            .collect::<Result<_, _>>()?,
+        scenes: all("scenes")?
+            .iter()
+            .map(|s| s.indices("nodes", "nodes", lengths.nodes))
+            .collect::<Result<_, _>>()?,
+        scene: root.index("scene", "scenes", lengths.scenes)?,
+        animations: all("animations")?
+            .iter()
+            .map(|a| parse_scene::animation(a, lengths))
+            .collect::<Result<_, _>>()?,
+        lights: match &punctual {
+            Some(lights) => lights
+                .objects("lights")?
+                .iter()
+                .map(parse_scene::light)
+                .collect::<Result<_, _>>()?,
+            None => Vec::new(),
+        },
+        quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),
+    })
+}
+
+fn version(root: &Json<'_>) -> Result<(), GltfError> {
+    let asset = root.required("asset", root.object("asset")?)?;
+    let version = asset.required("version", asset.string("version")?)?;
+    let needed = asset.string("minVersion")?.unwrap_or("2.0");
+    for version in [version, needed] {
+        if version.split('.').next() != Some("2") {
+            let version = super::json::shorten(version);
+            return Err(GltfError::Version { version });
+        }
+    }
+    if needed != "2.0" {
+        let version = super::json::shorten(needed);
+        return Err(GltfError::Version { version });
+    }
+    Ok(())
+}
+
+/// Textures are not read; but a texture index that is no index says that the file was damaged.
+fn texture_indices(root: &Value, path: &mut String) -> Result<(), GltfError> {
+    let Some(materials) = root.get("materials") else {
+        return Ok(());
+    };
+    path.push_str("materials");
+    walk(materials, path, false)
+}
+
+fn walk(value: &Value, path: &mut String, in_texture: bool) -> Result<(), GltfError> {
+    let length = path.len();
+    if let Some(items) = value.as_array() {
+        for (i, item) in items.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(path, "[{i}]");
+            walk(item, path, false)?;
+            path.truncate(length);
+        }
+    }
+    for (key, item) in value.as_object().into_iter().flatten() {
+        if key == "extras" {
+            continue;
+        }
+        path.push('.');
+        path.push_str(key);
+        if in_texture && key == "index" && whole(item).is_none() {
+            let expected = "an index (a whole number of 0 or more)";
+            return Err(wrong(path.clone(), expected, item));
+        }
+        walk(item, path, key.ends_with("Texture"))?;
+        path.truncate(length);
+    }
+    Ok(())
+}
+
+fn buffer(json: &Json<'_>) -> Result<Buffer, GltfError> {
+    Ok(Buffer {
+        uri: json.string("uri")?.map(str::to_owned),
+        bytes: json.required("byteLength", json.whole("byteLength")?)?,
+    })
+}
+
+fn view(json: &Json<'_>, lengths: Lengths) -> Result<View, GltfError> {
+    let mut compressed = None;
+    for name in extensions::MESHOPT {
+        if json.extension(name)?.is_some() {
+            compressed = Some(name);
+        }
+    }
+    Ok(View {
+        buffer: json.required("buffer", json.index("buffer", "buffers", lengths.buffers)?)?,
+        offset: json.whole("byteOffset")?.unwrap_or(0),
+        bytes: json.required("byteLength", json.whole("byteLength")?)?,
+        stride: json.whole("byteStride")?,
+        compressed,
+    })
+}
+
+fn accessor(json: &Json<'_>, lengths: Lengths) -> Result<Accessor, GltfError> {
+    let kind = match json.required("type", json.string("type")?)? {
+        "SCALAR" => Type::Scalar,
+        "VEC2" => Type::Vec2,
+        "VEC3" => Type::Vec3,
+        "VEC4" => Type::Vec4,
+        "MAT2" => Type::Mat2,
+        "MAT3" => Type::Mat3,
+        "MAT4" => Type::Mat4,
+        _ => return Err(json.wrong("type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
+    };
+    Ok(Accessor {
+        view: json.index("bufferView", "bufferViews", lengths.views)?,
+        offset: json.whole("byteOffset")?.unwrap_or(0),
+        count: json.required("count", json.whole("count")?)?,
+        component: component(json)?,
+        kind,
+        normalized: json.flag("normalized")?,
+        sparse: json.object("sparse")?.map(|s| sparse(&s, lengths)).transpose()?,
+    })
+}
+
+fn component(json: &Json<'_>) -> Result<ComponentType, GltfError> {
+    Ok(match json.required("componentType", json.whole("componentType")?)? {
+        5120 => ComponentType::I8,
+        5121 => ComponentType::U8,
+        5122 => ComponentType::I16,
+        5123 => ComponentType::U16,
+        5125 => ComponentType::U32,
+        5126 => ComponentType::F32,
+        _ => return Err(json.wrong("componentType", COMPONENT)),
+    })
+}
+
+fn sparse(json: &Json<'_>, lengths: Lengths) -> Result<Sparse, GltfError> {
+    let indices = json.required("indices", json.object("indices")?)?;
+    let values = json.required("values", json.object("values")?)?;
+    let place = |json: &Json<'_>| {
+        let view = json.index("bufferView", "bufferViews", lengths.views)?;
+        let offset = json.whole("byteOffset")?.unwrap_or(0);
+        Ok::<_, GltfError>((json.required("bufferView", view)?, offset))
+    };
+    let (view, offset) = place(&indices)?;
+    let component = component(&indices)?;
+    if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+        return Err(indices.wrong("componentType", "an unsigned integer type (5121, 5123 or 5125)"));
+    }
+    Ok(Sparse {
+        count: json.required("count", json.whole("count")?)?,
+        indices: (view, offset, component),
+        values: place(&values)?,
+    })
+}

@@ -1,0 +1,161 @@
+//! From JSON to [`Document`](super::document::Document): nodes, animations, lights.
+
+use glam::{DAffine3, DMat4, DQuat, DVec3};
+use gltf::json::animation::{Interpolation, Property};
+
+use super::document::{Animation, ChannelTarget, Instancing, Node, PunctualLight, Sampler, Transform, Trs};
+use super::json::Json;
+use super::parse::Lengths;
+use super::{GltfError, SceneLightKind};
+
+pub(super) fn node(json: &Json<'_>, lengths: Lengths) -> Result<Node, GltfError> {
+    let light = match json.extension("KHR_lights_punctual")? {
+        Some(light) => light
+            .required("light", light.index("light", "lights", lengths.lights)?)
+            .map(Some)?,
+        None => None,
+    };
+    let instancing = json
+        .extension("EXT_mesh_gpu_instancing")?
+        .map(|extension| instancing(&extension, lengths))
+        .transpose()?;
+    Ok(Node {
+        name: json.name()?,
+        children: json.indices("children", "nodes", lengths.nodes)?,
+        transform: transform(json)?,
+        mesh: json.index("mesh", "meshes", lengths.meshes)?,
+        skin: json.index("skin", "skins", lengths.skins)?,
+        weights: json.numbers("weights")?,
+        light,
+        instancing,
+    })
+}
+
+fn transform(json: &Json<'_>) -> Result<Transform, GltfError> {
+    if let Some(matrix) = json.vector::<16>("matrix")? {
+        return affine(matrix, || json.at("matrix")).map(Transform::Matrix);
+    }
+    let rotation = match json.vector::<4>("rotation")? {
+        Some(rotation) => unit(rotation).ok_or_else(|| GltfError::Transform {
+            place: json.at("rotation"),
+            problem: "the quaternion has no direction; write (0, 0, 0, 1) for no rotation",
+        })?,
+        None => DQuat::IDENTITY,
+    };
+    Ok(Transform::Trs(Trs {
+        translation: json.vector("translation")?.map_or(DVec3::ZERO, DVec3::from_array),
+        rotation,
+        scale: json.vector("scale")?.map_or(DVec3::ONE, DVec3::from_array),
+    }))
+}
+
+/// A quaternion made of length 1; `None` for one of no length, or not finite.
+pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
+    let largest = rotation.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+    let scaled = DQuat::from_array(rotation.map(|c| c / largest));
+    let normalized = scaled / scaled.length();
+    normalized.is_finite().then_some(normalized)
+}
+
+/// A column-major matrix whose last row must be (0, 0, 0, 1), up to what rounding on export leaves.
+pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<DAffine3, GltfError> {
+    const TOLERANCE: f64 = 1e-5;
+    let matrix = DMat4::from_cols_array(&columns);
+    let row = matrix.row(3).to_array();
+    let problem = if !matrix.is_finite() {
+        "the matrix is not finite"
+    } else if row
+        .iter()
+        .zip([0.0, 0.0, 0.0, 1.0])
+        .any(|(a, b)| (a - b).abs() > TOLERANCE)
+    {
+        "the matrix's last row must be (0, 0, 0, 1)"
+    } else {
+        return Ok(DAffine3::from_mat4(matrix));
+    };
+    Err(GltfError::Transform {
+        place: place(),
+        problem,
+    })
+}
+
+fn instancing(json: &Json<'_>, lengths: Lengths) -> Result<Instancing, GltfError> {
+    let attributes = json.required("attributes", json.object("attributes")?)?;
+    let index = |key: &str| attributes.index(key, "accessors", lengths.accessors);
+    Ok(Instancing {
+        translation: index("TRANSLATION")?,
+        rotation: index("ROTATION")?,
+        scale: index("SCALE")?,
+    })
+}
+
+pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
+    let kind = match json.required("type", json.string("type")?)? {
+        "directional" => SceneLightKind::Directional,
+        "point" => SceneLightKind::Point,
+        "spot" => SceneLightKind::Spot,
+        _ => return Err(json.wrong("type", "directional, point or spot")),
+    };
+    Ok(PunctualLight {
+        name: json.name()?,
+        kind,
+    })
+}
+
+pub(super) fn animation(json: &Json<'_>, lengths: Lengths) -> Result<Animation, GltfError> {
+    let samplers = json
+        .objects("samplers")?
+        .iter()
+        .map(|s| sampler(s, lengths))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut channels = Vec::new();
+    for (channel, json) in json.objects("channels")?.iter().enumerate() {
+        let sampler = json.required("sampler", json.index("sampler", "samplers", samplers.len())?)?;
+        let target = json.required("target", json.object("target")?)?;
+        let path = target.required("path", target.string("path")?)?;
+        let Some(node) = target.index("node", "nodes", lengths.nodes)? else {
+            log::warn!("{}: no target node, so the channel moves nothing", target.path());
+            continue;
+        };
+        let property = match path {
+            "translation" => Property::Translation,
+            "rotation" => Property::Rotation,
+            "scale" => Property::Scale,
+            "weights" => Property::MorphTargetWeights,
+            other => {
+                let path = super::json::shorten(other);
+                log::warn!(
+                    "{}: the path {path:?} is not supported, so the channel moves nothing",
+                    target.path()
+                );
+                continue;
+            }
+        };
+        channels.push(ChannelTarget {
+            channel,
+            sampler,
+            node,
+            property,
+        });
+    }
+    Ok(Animation {
+        name: json.name()?,
+        samplers,
+        channels,
+    })
+}
+
+fn sampler(json: &Json<'_>, lengths: Lengths) -> Result<Sampler, GltfError> {
+    let accessor = |key: &str| json.required(key, json.index(key, "accessors", lengths.accessors)?);
+    let interpolation = match json.string("interpolation")? {
+        None | Some("LINEAR") => Interpolation::Linear,
+        Some("STEP") => Interpolation::Step,
+        Some("CUBICSPLINE") => Interpolation::CubicSpline,
+        Some(_) => return Err(json.wrong("interpolation", "LINEAR, STEP or CUBICSPLINE")),
+    };
+    Ok(Sampler {
+        input: accessor("input")?,
+        output: accessor("output")?,
+        interpolation,
+    })
+}

@@ -1,0 +1,196 @@
+//! Poses and lights at a time.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::{DAffine3, DQuat, DVec3};
+use gltf::json::animation::Property;
+
+use super::animation::Channel;
+use super::document::Transform;
+use super::instances::{Frame, Placement};
+use super::{Asset, PoseError, SceneLight, SceneLightKind};
+use crate::light::Light;
+use crate::model::{Geometry, InstancePose, Matrix3x4, Pose};
+
+/// World matrices and morph weights of the nodes at one time.
+struct State {
+    world: Vec<DAffine3>,
+    /// Only of nodes whose weights an animation moves.
+    weights: HashMap<usize, Vec<f64>>,
+}
+
+impl Asset {
+    /// The model's state at a time, in seconds, of one animation; `None` is the file as it stands, whatever the time.
+    /// Before the first and after the last key the nearest key holds.
+    ///
+    /// # Errors
+    /// [`PoseError`] for an animation that is not there, a time that is not a number, or a result that is not finite.
+    pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, PoseError> {
+        let state = self.state(animation, time_s)?;
+        let mut pose = Pose::default();
+        for (placement, instance) in self.built.placements.iter().zip(&self.built.model.instances) {
+            let geometry = &self.built.model.geometries[instance.geometry];
+            let (posed, mixed) = self.instance(placement, geometry, instance.geometry, &state);
+            if !is_finite(&posed) {
+                let place = match placement.node {
+                    Some(node) => format!("nodes[{node}]"),
+                    None => format!("meshes[{}]", placement.mesh),
+                };
+                return Err(PoseError::NotFinite { place, time_s });
+            }
+            pose.mixed_determinants += usize::from(mixed);
+            pose.instances.push(posed);
+        }
+        Ok(pose)
+    }
+
+    /// The lights of the chosen scene (`KHR_lights_punctual`) at a time, in world space, in the order of its nodes.
+    ///
+    /// # Errors
+    /// [`PoseError`] as for [`Asset::pose`].
+    pub fn lights(&self, animation: Option<usize>, time_s: f32) -> Result<Vec<SceneLight>, PoseError> {
+        let world = self.state(animation, time_s)?.world;
+        let mut lights = Vec::new();
+        for &n in &self.graph.scene {
+            let node = &self.document.nodes[n];
+            let Some(light) = node.light.map(|light| &self.document.lights[light]) else {
+                continue;
+            };
+            let (w, xyz) = match light.kind {
+                SceneLightKind::Directional => (0.0, world[n].matrix3.z_axis.normalize()),
+                SceneLightKind::Point | SceneLightKind::Spot => (1.0, world[n].translation),
+            };
+            let [x, y, z] = xyz.as_vec3().to_array();
+            if ![x, y, z].iter().all(|c| c.is_finite()) {
+                let place = format!("nodes[{n}]");
+                return Err(PoseError::NotFinite { place, time_s });
+            }
+            lights.push(SceneLight {
+                name: light.name.clone().or_else(|| node.name.clone()),
+                light: Light::homogeneous([x, y, z, w]),
+                kind: light.kind,
+            });
+        }
+        Ok(lights)
+    }
+
+    fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, PoseError> {
+        if time_s.is_nan() {
+            return Err(PoseError::Time);
+        }
+        let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
+        let mut weights = HashMap::new();
+        if let Some(index) = animation {
+            let count = self.animations.len();
+            let animation = self
+                .animations
+                .get(index)
+                .ok_or(PoseError::NoAnimation { index, count })?;
+            for channel in &animation.channels {
+                apply(channel, f64::from(time_s), &mut transforms, &mut weights);
+            }
+        }
+        let world = self.graph.world(|node| transforms[node].matrix());
+        Ok(State { world, weights })
+    }
+
+    /// An instance's pose, and whether its joints both mirror and do not.
+    fn instance(
+        &self,
+        placement: &Placement,
+        geometry: &Geometry,
+        geometry_index: usize,
+        state: &State,
+    ) -> (InstancePose, bool) {
+        let matrices: Vec<DAffine3> = match placement.frame {
+            Frame::Node(local) => {
+                let world = placement.node.map_or(DAffine3::IDENTITY, |node| state.world[node]);
+                vec![world * local]
+            }
+            Frame::Skin(skin) => {
+                let skin = &self.skins[skin];
+                let joints = skin.joints.iter().zip(&skin.inverse_binds);
+                joints
+                    .map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind)
+                    .collect()
+            }
+        };
+        let used = &self.used_joints[geometry_index];
+        let mirrors = |matrix: &DAffine3| matrix.matrix3.determinant() < 0.0;
+        let keeps = |matrix: &DAffine3| matrix.matrix3.determinant() > 0.0;
+        let (mirrored, kept) = if geometry.influences.is_some() {
+            let of = |test: &dyn Fn(&DAffine3) -> bool| used.iter().filter(|&&j| test(&matrices[j as usize])).count();
+            (of(&mirrors), of(&keeps))
+        } else {
+            (usize::from(mirrors(&matrices[0])), usize::from(keeps(&matrices[0])))
+        };
+        let pose = InstancePose {
+            palette: matrices.iter().map(rows).collect(),
+            morph_weights: self.morph_weights(placement, state),
+            turned: mirrored > kept,
+        };
+        (pose, mirrored > 0 && kept > 0)
+    }
+
+    fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
+        let mesh = &self.document.meshes[placement.mesh];
+        let animated = placement.node.and_then(|node| state.weights.get(&node));
+        let own = placement
+            .node
+            .and_then(|node| self.document.nodes[node].weights.as_ref());
+        match animated.or(own).or(mesh.weights.as_ref()) {
+            Some(weights) => weights.iter().map(|&w| w as f32).collect(),
+            None => vec![0.0; mesh.targets],
+        }
+    }
+}
+
+/// Sets what a channel moves.
+fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &mut HashMap<usize, Vec<f64>>) {
+    let value = channel.curve.sample(time, channel.property == Property::Rotation);
+    if channel.property == Property::MorphTargetWeights {
+        weights.insert(channel.node, value);
+        return;
+    }
+    // A channel of a node with a matrix was refused on loading.
+    let Transform::Trs(trs) = &mut transforms[channel.node] else {
+        return;
+    };
+    match (channel.property, &value[..]) {
+        (Property::Translation, &[x, y, z]) => trs.translation = DVec3::new(x, y, z),
+        (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
+        (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
+        _ => {}
+    }
+}
+
+/// The matrix's rows, rounded to `f32`.
+fn rows(matrix: &DAffine3) -> Matrix3x4 {
+    let DAffine3 { matrix3, translation } = matrix;
+    [0, 1, 2].map(|row| {
+        [
+            matrix3.x_axis[row],
+            matrix3.y_axis[row],
+            matrix3.z_axis[row],
+            translation[row],
+        ]
+        .map(|c| c as f32)
+    })
+}
+
+fn is_finite(pose: &InstancePose) -> bool {
+    let matrices = pose.palette.as_flattened().as_flattened();
+    matrices
+        .iter()
+        .chain(&pose.morph_weights)
+        .all(|value| value.is_finite())
+}
+
+/// The joints that a geometry's vertices follow; none where it is rigid.
+pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
+    let joints = geometry
+        .influences
+        .as_ref()
+        .map_or(&[][..], |influences| &influences.joints);
+    joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
+}

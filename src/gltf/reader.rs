@@ -1,0 +1,261 @@
+//! Accessors: checked against the bytes that are there, sparse elements put in, components converted.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+
+use gltf::json::accessor::{ComponentType, Type};
+
+use super::document::{Accessor, Document, Sparse};
+use super::error::{AccessorProblem, GltfError};
+use super::extensions;
+
+/// What a file may unpack to whatever its size, in bytes.
+const UNPACKED_BASE: u64 = 64 << 20;
+/// What it may unpack to for each byte of it and its buffers.
+const UNPACKED_PER_BYTE: u64 = 64;
+
+/// Which accessors fit a use.
+#[derive(Clone, Copy)]
+pub(super) struct Format {
+    pub(super) kind: Type,
+    pub(super) components: &'static [Component],
+    pub(super) text: &'static str,
+}
+
+/// A component type, and whether it must be, must not be, or may be normalised.
+pub(super) type Component = (ComponentType, Option<bool>);
+
+/// Reads a document's accessors.
+pub(super) struct Reader<'a> {
+    pub(super) document: &'a Document,
+    buffers: &'a [Option<Cow<'a, [u8]>>],
+    limit: u64,
+    left: Cell<u64>,
+}
+
+impl<'a> Reader<'a> {
+    /// `file_bytes`: of the glTF file itself.
+    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], file_bytes: usize) -> Self {
+        let bytes = file_bytes + buffers.iter().flatten().map(|buffer| buffer.len()).sum::<usize>();
+        let limit = UNPACKED_BASE + UNPACKED_PER_BYTE * bytes as u64;
+        Self {
+            document,
+            buffers,
+            limit,
+            left: Cell::new(limit),
+        }
+    }
+
+    /// Counts `count` elements of `size` bytes that are about to be made.
+    pub(super) fn charge(&self, count: u64, size: u64, place: &dyn Fn() -> String) -> Result<(), GltfError> {
+        let left = count
+            .checked_mul(size)
+            .and_then(|bytes| self.left.get().checked_sub(bytes));
+        let left = left.ok_or_else(|| GltfError::TooMuch {
+            place: place(),
+            limit: self.limit,
+        })?;
+        self.left.set(left);
+        Ok(())
+    }
+
+    /// The element count of an accessor. Nothing is checked.
+    pub(super) fn count(&self, accessor: usize) -> usize {
+        usize::try_from(self.document.accessors[accessor].count).unwrap_or(usize::MAX)
+    }
+
+    /// Vectors of floats; integers are dequantised, or converted where they are not normalised.
+    pub(super) fn vectors<const N: usize>(
+        &self,
+        accessor: usize,
+        format: Format,
+        user: &str,
+    ) -> Result<Vec<[f32; N]>, GltfError> {
+        let floats = self.floats(accessor, format, user)?;
+        Ok(floats.as_chunks().0.to_vec())
+    }
+
+    /// All components as floats, element after element.
+    pub(super) fn floats(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<f32>, GltfError> {
+        let bytes = self.raw(accessor, format, user)?;
+        let &Accessor {
+            component, normalized, ..
+        } = &self.document.accessors[accessor];
+        let scale = |largest: f32| if normalized { largest } else { 1.0 };
+        let signed = |value: f32, largest: f32| (value / scale(largest)).max(if normalized { -1.0 } else { f32::MIN });
+        Ok(match component {
+            ComponentType::I8 => bytes.iter().map(|&b| signed(f32::from(b as i8), 127.0)).collect(),
+            ComponentType::U8 => bytes.iter().map(|&b| f32::from(b) / scale(255.0)).collect(),
+            ComponentType::I16 => words(&bytes, |w| signed(f32::from(i16::from_le_bytes(w)), 32767.0)),
+            ComponentType::U16 => words(&bytes, |w| f32::from(u16::from_le_bytes(w)) / scale(65535.0)),
+            ComponentType::U32 => words(&bytes, |w| u32::from_le_bytes(w) as f32),
+            ComponentType::F32 => words(&bytes, f32::from_le_bytes),
+        })
+    }
+
+    /// All components of an unsigned integer accessor, element after element.
+    pub(super) fn integers(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<u32>, GltfError> {
+        let bytes = self.raw(accessor, format, user)?;
+        Ok(unsigned(&bytes, self.document.accessors[accessor].component))
+    }
+
+    /// The elements' bytes without gaps, at the accessor's own component type.
+    fn raw(&self, index: usize, format: Format, user: &str) -> Result<Vec<u8>, GltfError> {
+        let accessor = &self.document.accessors[index];
+        self.elements(accessor, format, &|| format!("accessors[{index}], used as {user}"))
+            .map_err(|failure| failure.at(index, user))
+    }
+
+    fn elements(&self, accessor: &Accessor, format: Format, place: &dyn Fn() -> String) -> Result<Vec<u8>, Failure> {
+        let fits = |&(component, normalized): &Component| {
+            component == accessor.component && normalized.is_none_or(|n| n == accessor.normalized)
+        };
+        if accessor.kind != format.kind || !format.components.iter().any(fits) {
+            let found = describe(accessor);
+            let expected = format.text;
+            return Err(AccessorProblem::Format { found, expected }.into());
+        }
+        let (components, size) = (accessor.kind.multiplicity(), accessor.component.size());
+        let element = components * size;
+        // What is checked against the bytes there comes first; what is only a number in the JSON is charged.
+        let source = match accessor.view {
+            Some(view) => Some(self.strided(view, accessor.offset, accessor.count, element as u64)?),
+            None => None,
+        };
+        self.charge(accessor.count, components as u64 * 4, place)?;
+        let mut bytes = match source {
+            Some((data, stride)) => pack(data, stride, element, accessor.count as usize),
+            None => vec![0; accessor.count as usize * element],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            self.replace(&mut bytes, sparse, element, accessor.count)?;
+        }
+        Ok(bytes)
+    }
+
+    /// The bytes from the first to the last of `count` elements, and the distance between two.
+    fn strided(&self, view_index: usize, offset: u64, count: u64, size: u64) -> Result<(&'a [u8], usize), Failure> {
+        let view = &self.document.views[view_index];
+        let stride = view.stride.unwrap_or(size);
+        if stride < size {
+            let view = view_index;
+            return Err(AccessorProblem::Stride { view, stride, size }.into());
+        }
+        let length = match count.checked_sub(1) {
+            Some(steps) => steps.checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
+            None => Some(0),
+        };
+        let needed = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
+        if needed > view.bytes {
+            return Err(AccessorProblem::TooShort {
+                view: view_index,
+                needed,
+                available: view.bytes,
+            }
+            .into());
+        }
+        let no_data = || match view.compressed {
+            Some(name) => Failure::Compressed(name, view_index),
+            None => AccessorProblem::NoData { buffer: view.buffer }.into(),
+        };
+        let buffer = self.buffers[view.buffer].as_deref().ok_or_else(no_data)?;
+        let start = (view.offset + offset) as usize;
+        let data = buffer
+            .get(start..start + length.unwrap_or(0) as usize)
+            .ok_or_else(no_data)?;
+        Ok((data, stride as usize))
+    }
+
+    fn replace(&self, bytes: &mut [u8], sparse: &Sparse, element: usize, elements: u64) -> Result<(), Failure> {
+        let count = sparse.count;
+        if count > elements {
+            return Err(AccessorProblem::SparseCount { count, elements }.into());
+        }
+        let (view, offset, component) = sparse.indices;
+        let (indices, stride) = self.strided(view, offset, count, component.size() as u64)?;
+        let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
+        let (view, offset) = sparse.values;
+        let (values, stride) = self.strided(view, offset, count, element as u64)?;
+        let values = pack(values, stride, element, count as usize);
+        let mut least = 0;
+        for (position, (&index, value)) in indices.iter().zip(values.chunks_exact(element)).enumerate() {
+            if u64::from(index) < least || u64::from(index) >= elements {
+                let problem = AccessorProblem::SparseIndex {
+                    position,
+                    index,
+                    elements,
+                };
+                return Err(problem.into());
+            }
+            least = u64::from(index) + 1;
+            bytes[index as usize * element..][..element].copy_from_slice(value);
+        }
+        Ok(())
+    }
+}
+
+/// What stops an accessor's reading, before its place is put to it.
+enum Failure {
+    Problem(AccessorProblem),
+    Compressed(&'static str, usize),
+    Whole(GltfError),
+}
+
+impl From<AccessorProblem> for Failure {
+    fn from(problem: AccessorProblem) -> Self {
+        Self::Problem(problem)
+    }
+}
+
+impl From<GltfError> for Failure {
+    fn from(error: GltfError) -> Self {
+        Self::Whole(error)
+    }
+}
+
+impl Failure {
+    fn at(self, accessor: usize, user: &str) -> GltfError {
+        match self {
+            Self::Problem(problem) => GltfError::Accessor {
+                accessor,
+                user: user.to_owned(),
+                problem,
+            },
+            Self::Compressed(name, view) => GltfError::Extension {
+                name: name.to_owned(),
+                place: format!("bufferViews[{view}], used by accessors[{accessor}] as {user},"),
+                advice: extensions::MESHOPT_ADVICE,
+            },
+            Self::Whole(error) => error,
+        }
+    }
+}
+
+/// Copies elements together; `data` reaches from the first to the end of the last.
+fn pack(data: &[u8], stride: usize, element: usize, count: usize) -> Vec<u8> {
+    if stride == element {
+        return data.to_vec();
+    }
+    let mut packed = Vec::with_capacity(count * element);
+    for chunk in data.chunks(stride).take(count) {
+        packed.extend_from_slice(&chunk[..element.min(chunk.len())]);
+    }
+    packed
+}
+
+fn words<const N: usize, T>(bytes: &[u8], convert: impl Fn([u8; N]) -> T) -> Vec<T> {
+    bytes.as_chunks().0.iter().map(|word| convert(*word)).collect()
+}
+
+fn unsigned(bytes: &[u8], component: ComponentType) -> Vec<u32> {
+    match component {
+        ComponentType::I8 | ComponentType::U8 => bytes.iter().map(|&b| u32::from(b)).collect(),
+        ComponentType::I16 | ComponentType::U16 => words(bytes, |w| u32::from(u16::from_le_bytes(w))),
+        ComponentType::U32 | ComponentType::F32 => words(bytes, u32::from_le_bytes),
+    }
+}
+
+fn describe(accessor: &Accessor) -> String {
+    let normalized = if accessor.normalized { "normalised " } else { "" };
+    format!("{normalized}{:?} {:?}", accessor.component, accessor.kind)
+}

@@ -1,0 +1,61 @@
+//! Skins: joints and what takes mesh space to each joint's.
+
+use glam::DAffine3;
+
+use super::GltfError;
+use super::document::Skin;
+use super::formats;
+use super::parse_scene::affine;
+use super::reader::Reader;
+
+/// A skin.
+#[derive(Debug)]
+pub(super) struct LoadedSkin {
+    /// Joint nodes.
+    pub(super) joints: Vec<usize>,
+    /// One a joint.
+    pub(super) inverse_binds: Vec<DAffine3>,
+}
+
+/// Reads all skins of the document, after the counts of all were found right.
+pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<LoadedSkin>, GltfError> {
+    let skins = &reader.document.skins;
+    for (index, skin) in skins.iter().enumerate() {
+        let (count, expected) = (skin.inverse_binds.map(|a| reader.count(a)), skin.joints.len());
+        if let Some(count) = count.filter(|&count| count < expected) {
+            return Err(GltfError::Count {
+                place: place(index),
+                count,
+                expected,
+            });
+        }
+    }
+    skins
+        .iter()
+        .enumerate()
+        .map(|(index, skin)| load_one(reader, index, skin))
+        .collect()
+}
+
+fn place(skin: usize) -> String {
+    format!("skins[{skin}].inverseBindMatrices")
+}
+
+fn load_one(reader: &Reader<'_>, index: usize, skin: &Skin) -> Result<LoadedSkin, GltfError> {
+    let inverse_binds = match skin.inverse_binds {
+        None => vec![DAffine3::IDENTITY; skin.joints.len()],
+        Some(accessor) => {
+            let place = place(index);
+            let matrices = reader.vectors::<16>(accessor, formats::MATRICES, &place)?;
+            let matrix = |(joint, columns): (usize, &[f32; 16])| {
+                affine(columns.map(f64::from), || format!("{place}, matrix {joint}"))
+            };
+            let used = matrices.iter().take(skin.joints.len()).enumerate();
+            used.map(matrix).collect::<Result<_, _>>()?
+        }
+    };
+    Ok(LoadedSkin {
+        joints: skin.joints.clone(),
+        inverse_binds,
+    })
+}

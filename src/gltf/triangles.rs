@@ -1,0 +1,102 @@
+//! A primitive's triangles from its corners: lists, strips and fans, with indices or without.
+
+use gltf::json::accessor::ComponentType;
+use gltf::json::mesh::Mode;
+
+use super::GltfError;
+use super::document::Primitive;
+use super::formats;
+use super::reader::Reader;
+
+/// Where the triangles belong, for errors.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) mesh: usize,
+    pub(super) primitive: usize,
+}
+
+/// Points and lines make no triangles.
+pub(super) fn has_triangles(mode: Mode) -> bool {
+    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners that the specification
+/// gives. A strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept.
+pub(super) fn read(
+    reader: &Reader<'_>,
+    primitive: &Primitive,
+    vertices: usize,
+    at: Place,
+) -> Result<Vec<[u32; 3]>, GltfError> {
+    let Place { mesh, primitive: p } = at;
+    let place = format!("meshes[{mesh}].primitives[{p}].indices");
+    let count = primitive.indices.map_or(vertices, |accessor| reader.count(accessor));
+    if primitive.mode == Mode::Triangles && !count.is_multiple_of(3) {
+        return Err(GltfError::CornerCount {
+            mesh,
+            primitive: p,
+            corners: count,
+        });
+    }
+    let faces = match primitive.mode {
+        Mode::Triangles => count / 3,
+        _ => count.saturating_sub(2),
+    };
+    reader.charge(faces as u64, 12, &|| place.clone())?;
+    let Some(accessor) = primitive.indices else {
+        return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
+    };
+    let indices = reader.integers(accessor, formats::INDICES, &place)?;
+    let restart = match reader.document.accessors[accessor].component {
+        ComponentType::U8 => u32::from(u8::MAX),
+        ComponentType::U16 => u32::from(u16::MAX),
+        _ => u32::MAX,
+    };
+    let bad = |&index: &u32| index == restart || index as usize >= vertices;
+    if let Some(position) = indices.iter().position(bad) {
+        let index = indices[position];
+        if index == restart {
+            return Err(GltfError::PrimitiveRestart {
+                mesh,
+                primitive: p,
+                position,
+                index,
+            });
+        }
+        let (face, corner) = first_use(primitive.mode, position);
+        return Err(GltfError::IndexOutOfRange {
+            mesh,
+            primitive: p,
+            position,
+            face,
+            corner,
+            index,
+            vertices,
+        });
+    }
+    Ok(faces_of(primitive.mode, faces, |corner| indices[corner]))
+}
+
+fn faces_of(mode: Mode, faces: usize, vertex: impl Fn(usize) -> u32) -> Vec<[u32; 3]> {
+    (0..faces).map(|face| corners(mode, face).map(&vertex)).collect()
+}
+
+/// Positions of a face's corners in the list of corners (glTF 2.0, section 3.7.2.1).
+fn corners(mode: Mode, face: usize) -> [usize; 3] {
+    match mode {
+        Mode::TriangleStrip if face % 2 == 1 => [face, face + 2, face + 1],
+        Mode::TriangleStrip => [face, face + 1, face + 2],
+        Mode::TriangleFan => [face + 1, face + 2, 0],
+        _ => [3 * face, 3 * face + 1, 3 * face + 2],
+    }
+}
+
+/// The first face, and its corner, that reads a position in the list of corners.
+fn first_use(mode: Mode, position: usize) -> (usize, usize) {
+    let face = match mode {
+        Mode::Triangles => position / 3,
+        _ => position.saturating_sub(2),
+    };
+    let corner = corners(mode, face).iter().position(|&at| at == position);
+    (face, corner.unwrap_or(0))
+}

@@ -1,0 +1,163 @@
+//! A primitive's vertices: positions, morph offsets, joints.
+
+use super::GltfError;
+use super::document::Primitive;
+use super::formats;
+use super::reader::Reader;
+
+/// Vertices that primitives with the same accessors share.
+#[derive(Debug)]
+pub(super) struct Vertices {
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) targets: Vec<Vec<[f32; 3]>>,
+    pub(super) bindings: Bindings,
+}
+
+/// Joints and weights of every vertex, those of no weight left out; empty for a primitive without joints.
+#[derive(Debug, Default)]
+pub(super) struct Bindings {
+    /// Entries of each vertex.
+    pub(super) counts: Vec<u32>,
+    pub(super) joints: Vec<u32>,
+    pub(super) weights: Vec<f32>,
+    pub(super) highest: Option<HighestJoint>,
+}
+
+/// The highest joint that some vertices of a primitive name.
+#[derive(Clone, Debug)]
+pub(super) struct HighestJoint {
+    pub(super) joint: u32,
+    pub(super) vertex: usize,
+    /// JSON path of the attribute.
+    pub(super) place: String,
+}
+
+/// Reads a primitive's vertices; `place` is its JSON path.
+pub(super) fn read(
+    reader: &Reader<'_>,
+    primitive: &Primitive,
+    position: usize,
+    place: &str,
+) -> Result<Vertices, GltfError> {
+    let positions = offsets(reader, position, format!("{place}.attributes.POSITION"))?;
+    let mut targets = Vec::new();
+    for (t, &target) in primitive.targets.iter().enumerate() {
+        let place = format!("{place}.targets[{t}].POSITION");
+        targets.push(if let Some(target) = target {
+            same_count(reader.count(target), positions.len(), &place)?;
+            offsets(reader, target, place)?
+        } else {
+            reader.charge(positions.len() as u64, 12, &|| place.clone())?;
+            vec![[0.0; 3]; positions.len()]
+        });
+    }
+    let bindings = bindings(reader, primitive, positions.len(), place)?;
+    Ok(Vertices {
+        positions,
+        targets,
+        bindings,
+    })
+}
+
+fn offsets(reader: &Reader<'_>, accessor: usize, place: String) -> Result<Vec<[f32; 3]>, GltfError> {
+    let format = if reader.document.quantized {
+        formats::POSITION_QUANTIZED
+    } else {
+        formats::POSITION
+    };
+    let vectors = reader.vectors(accessor, format, &place)?;
+    match vectors.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+        Some(vertex) => Err(GltfError::NonFinitePosition {
+            place,
+            vertex,
+            value: vectors[vertex],
+        }),
+        None => Ok(vectors),
+    }
+}
+
+fn same_count(count: usize, expected: usize, place: &str) -> Result<(), GltfError> {
+    if count == expected {
+        return Ok(());
+    }
+    Err(GltfError::Count {
+        place: place.to_owned(),
+        count,
+        expected,
+    })
+}
+
+struct Set {
+    joints: Vec<[u32; 4]>,
+    weights: Vec<[f32; 4]>,
+    joints_place: String,
+}
+
+fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: &str) -> Result<Bindings, GltfError> {
+    let mut sets = Vec::new();
+    for set in &primitive.influences {
+        let joints_place = format!("{place}.attributes.JOINTS_{}", set.set);
+        let weights_place = format!("{place}.attributes.WEIGHTS_{}", set.set);
+        same_count(reader.count(set.joints), vertices, &joints_place)?;
+        same_count(reader.count(set.weights), vertices, &weights_place)?;
+        let joints = reader.integers(set.joints, formats::JOINTS, &joints_place)?;
+        let weights: Vec<[f32; 4]> = reader.vectors(set.weights, formats::WEIGHTS, &weights_place)?;
+        let bad = |w: &f32| !(w.is_finite() && *w >= 0.0);
+        if let Some((vertex, weights)) = weights.iter().enumerate().find(|(_, w)| w.iter().any(bad)) {
+            return Err(GltfError::Weight {
+                place: weights_place,
+                vertex,
+                weight: weights.iter().copied().find(bad).unwrap_or(f32::NAN),
+            });
+        }
+        sets.push(Set {
+            joints: joints.as_chunks().0.to_vec(),
+            weights,
+            joints_place,
+        });
+    }
+    let mut bindings = Bindings::default();
+    if sets.is_empty() {
+        return Ok(bindings);
+    }
+    reader.charge(vertices as u64, 32 * sets.len() as u64, &|| {
+        format!("{place}.attributes")
+    })?;
+    for vertex in 0..vertices {
+        bindings.push(&sets, vertex);
+    }
+    Ok(bindings)
+}
+
+impl Bindings {
+    /// Weights are brought to the sum 1 in `f64` and rounded once. Where they are all zero, the vertex follows the
+    /// first joint listed.
+    fn push(&mut self, sets: &[Set], vertex: usize) {
+        let start = self.joints.len();
+        let total: f64 = sets.iter().flat_map(|set| set.weights[vertex]).map(f64::from).sum();
+        for set in sets {
+            for (joint, weight) in set.joints[vertex].into_iter().zip(set.weights[vertex]) {
+                let weight = (f64::from(weight) / total) as f32;
+                if weight > 0.0 {
+                    self.entry(joint, weight, vertex, &set.joints_place);
+                }
+            }
+        }
+        if start == self.joints.len() {
+            self.entry(sets[0].joints[vertex][0], 1.0, vertex, &sets[0].joints_place);
+        }
+        self.counts.push((self.joints.len() - start) as u32);
+    }
+
+    fn entry(&mut self, joint: u32, weight: f32, vertex: usize, place: &str) {
+        self.joints.push(joint);
+        self.weights.push(weight);
+        if self.highest.as_ref().is_none_or(|highest| joint > highest.joint) {
+            self.highest = Some(HighestJoint {
+                joint,
+                vertex,
+                place: place.to_owned(),
+            });
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! Interpolation against values computed another way: de Casteljau for splines, angles for rotations.
+
+use libtest_mimic::Trial;
+use rimline::gltf::{Asset, PoseError};
+use serde_json::{Value, json};
+
+use crate::check::{close, map};
+use crate::maker::Maker;
+use crate::{Outcome, ensure, test};
+
+pub(crate) fn tests() -> Vec<Trial> {
+    vec![
+        test("animate::step", step),
+        test("animate::linear", linear),
+        test("animate::cubic_spline", cubic_spline),
+        test("animate::rotation_takes_the_shorter_arc", shorter_arc),
+        test("animate::rotation_spline_has_length_one", rotation_spline),
+        test("animate::normalised_integers", integers),
+        test("animate::morph_weights", morph_weights),
+        test("animate::untargeted_channels_are_ignored", untargeted),
+        test("animate::bad_times", bad_times),
+        test("animate::overflow_is_an_error", overflow),
+        test("animate::by_name_before_number", by_name),
+    ]
+}
+
+/// A square whose node one channel moves.
+fn animated(path: &str, interpolation: &str, times: &[f32], kind: &str, output: &[f32]) -> Maker {
+    let mut maker = Maker::square();
+    let (input, output) = (maker.floats("SCALAR", times), maker.floats(kind, output));
+    add(
+        &mut maker,
+        path,
+        &json!({ "input": input, "output": output, "interpolation": interpolation }),
+    );
+    maker
+}
+
+fn add(maker: &mut Maker, path: &str, sampler: &Value) {
+    let channel = json!({ "sampler": 0, "target": { "node": 0, "path": path } });
+    maker.push("animations", json!({ "samplers": [sampler], "channels": [channel] }));
+}
+
+/// Where the animation takes a point of the square's space.
+fn at(asset: &Asset, time: f32, point: [f32; 3]) -> Result<[f64; 3], PoseError> {
+    Ok(map(&asset.pose(Some(0), time)?.instances[0].palette[0], point))
+}
+
+fn step() -> Outcome {
+    let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+    let asset = animated("translation", "STEP", &[0.5, 1.0, 2.0], "VEC3", &values).load()?;
+    let cases = [
+        (-1.0, 0),
+        (0.5, 0),
+        (0.99, 0),
+        (1.0, 1),
+        (1.99, 1),
+        (2.0, 2),
+        (9.0, 2),
+        (f32::INFINITY, 2),
+    ];
+    for (time, key) in cases {
+        let expected: Vec<f64> = values[3 * key..][..3].iter().map(|&v| f64::from(v)).collect();
+        close(&at(&asset, time, [0.0; 3])?, &expected, 0.0, &format!("at {time}"))?;
+    }
+    let info = &asset.animations()[0];
+    ensure(info.duration_s == 2.0 && info.channels == 1, || format!("{info:?}"))
+}
+
+fn linear() -> Outcome {
+    let values = [1.0, 2.0, 3.0, 5.0, -2.0, 3.0];
+    let asset = animated("scale", "LINEAR", &[1.0, 3.0], "VEC3", &values).load()?;
+    for (time, expected) in [
+        (f32::NEG_INFINITY, [1.0, 2.0, 3.0]),
+        (1.0, [1.0, 2.0, 3.0]),
+        (1.5, [2.0, 1.0, 3.0]),
+        (2.5, [4.0, -1.0, 3.0]),
+        (3.0, [5.0, -2.0, 3.0]),
+        (4.0, [5.0, -2.0, 3.0]),
+    ] {
+        close(&at(&asset, time, [1.0; 3])?, &expected, 1e-7, &format!("at {time}"))?;
+    }
+    Ok(())
+}
+
+/// A Hermite segment is the Bézier segment with inner points a third of the tangents away.
+fn de_casteljau(start: f64, out_tangent: f64, in_tangent: f64, end: f64, interval: f64, t: f64) -> f64 {
+    let mut points = vec![
+        start,
+        start + out_tangent * interval / 3.0,
+        end - in_tangent * interval / 3.0,
+        end,
+    ];
+    while points.len() > 1 {
+        points = points
+            .windows(2)
+            .map(|pair| pair[0] + (pair[1] - pair[0]) * t)
+            .collect();
+    }
+    points[0]
+}
+
+fn cubic_spline() -> Outcome {
+    // In-tangent, value, out-tangent of two keys 2 s apart.
+    let keys = [
+        9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, -1.0, 0.5, -2.0, 3.0, 0.25, 7.0, 1.0, -3.0, 9.0, 9.0, 9.0,
+    ];
+    let asset = animated("translation", "CUBICSPLINE", &[1.0, 3.0], "VEC3", &keys).load()?;
+    let exact = |k: usize| f64::from(keys[k]);
+    for time in [1.0_f32, 1.25, 1.5, 2.0, 2.875] {
+        let t = (f64::from(time) - 1.0) / 2.0;
+        let expected = [0, 1, 2].map(|c| de_casteljau(exact(3 + c), exact(6 + c), exact(9 + c), exact(12 + c), 2.0, t));
+        close(&at(&asset, time, [0.0; 3])?, &expected, 1e-6, &format!("at {time}"))?;
+    }
+    close(
+        &at(&asset, 0.0, [0.0; 3])?,
+        &[1.0, 2.0, 3.0],
+        0.0,
+        "before the first key",
+    )?;
+    close(
+        &at(&asset, 5.0, [0.0; 3])?,
+        &[7.0, 1.0, -3.0],
+        0.0,
+        "after the last key",
+    )
+}
+
+/// From 20° to 110° about z, the second quaternion negated, so that the long way would go through 200°.
+fn shorter_arc() -> Outcome {
+    let quaternion = |degrees: f32, sign: f32| {
+        let half = degrees.to_radians() / 2.0;
+        [0.0, 0.0, sign * half.sin(), sign * half.cos()]
+    };
+    let output = [quaternion(20.0, 1.0), quaternion(110.0, -1.0), quaternion(110.0, -1.0)].concat();
+    let asset = animated("rotation", "LINEAR", &[0.0, 1.0, 2.0], "VEC4", &output).load()?;
+    for (time, degrees) in [
+        (0.0, 20.0_f64),
+        (0.25, 42.5),
+        (0.5, 65.0),
+        (0.75, 87.5),
+        (1.0, 110.0),
+        (1.5, 110.0),
+    ] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        close(
+            &at(&asset, time, [1.0, 0.0, 0.0])?,
+            &[cos, sin, 0.0],
+            1e-6,
+            &format!("at {time}"),
+        )?;
+    }
+    Ok(())
+}
+
+/// Halfway between two values with no tangents a spline is their mean, here brought to length 1.
+fn rotation_spline() -> Outcome {
+    let mut keys = [0.0; 24];
+    keys[7] = 1.0;
+    keys[12 + 4 + 2] = 1.0;
+    let asset = animated("rotation", "CUBICSPLINE", &[0.0, 1.0], "VEC4", &keys).load()?;
+    close(
+        &at(&asset, 0.5, [1.0, 0.0, 0.0])?,
+        &[0.0, 1.0, 0.0],
+        1e-6,
+        "a quarter turn",
+    )
+}
+
+fn integers() -> Outcome {
+    // 90 degrees about z as two equal components, then 180 with the lowest number, which counts as −1.
+    for (component, data) in [
+        (5120, [0_i16, 0, 90, 90, 0, 0, -128, 0].map(|v| v as i8 as u8).to_vec()),
+        (
+            5122,
+            [0_i16, 0, 23170, 23170, 0, 0, -32768, 0]
+                .iter()
+                .flat_map(|v| v.to_le_bytes())
+                .collect(),
+        ),
+        (5121, vec![0, 0, 180, 180, 0, 0, 255, 0]),
+    ] {
+        let mut maker = Maker::square();
+        let input = maker.floats("SCALAR", &[0.0, 1.0]);
+        let output = maker.accessor(component, "VEC4", 2, &data);
+        maker.json["accessors"][output]["normalized"] = json!(true);
+        add(&mut maker, "rotation", &json!({ "input": input, "output": output }));
+        let asset = maker.load()?;
+        close(
+            &at(&asset, 0.0, [1.0, 0.0, 0.0])?,
+            &[0.0, 1.0, 0.0],
+            1e-6,
+            "a quarter turn",
+        )?;
+        close(
+            &at(&asset, 1.0, [1.0, 0.0, 0.0])?,
+            &[-1.0, 0.0, 0.0],
+            1e-6,
+            "half a turn",
+        )?;
+    }
+    Ok(())
+}
+
+fn morph_weights() -> Outcome {
+    let mut maker = Maker::square();
+    let offsets = maker.floats("VEC3", &[1.0; 12]);
+    maker.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": offsets }, {}]);
+    let weights = |maker: &Maker, animation, time| -> Result<Vec<f64>, String> {
+        let asset = maker.load().map_err(|e| e.to_string())?;
+        let pose = asset.pose(animation, time).map_err(|e| e.to_string())?;
+        Ok(pose.instances[0].morph_weights.iter().map(|&w| f64::from(w)).collect())
+    };
+    close(&weights(&maker, None, 0.0)?, &[0.0, 0.0], 0.0, "no weights")?;
+    maker.json["meshes"][0]["weights"] = json!([0.25, 0.5]);
+    close(&weights(&maker, None, 0.0)?, &[0.25, 0.5], 0.0, "of the mesh")?;
+    maker.json["nodes"][0]["weights"] = json!([1.0, -2.0]);
+    close(&weights(&maker, None, 0.0)?, &[1.0, -2.0], 0.0, "of the node")?;
+    let input = maker.floats("SCALAR", &[0.0, 1.0]);
+    let output = maker.accessor(5121, "SCALAR", 4, &[0, 255, 51, 0]);
+    maker.json["accessors"][output]["normalized"] = json!(true);
+    add(&mut maker, "weights", &json!({ "input": input, "output": output }));
+    close(&weights(&maker, Some(0), 0.5)?, &[0.1, 0.5], 1e-6, "animated")?;
+    close(&weights(&maker, None, 0.5)?, &[1.0, -2.0], 0.0, "not animated")
+}
+
+fn untargeted() -> Outcome {
+    let mut maker = animated("translation", "STEP", &[0.0], "VEC3", &[1.0, 2.0, 3.0]);
+    let channels = &mut maker.json["animations"][0]["channels"];
+    for target in [
+        json!({ "path": "rotation" }),
+        json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": "/nodes/0/scale" } } }),
+        json!({ "node": 0, "path": "EXT_other" }),
+        json!({ "node": 0, "path": "weights" }),
+    ] {
+        channels
+            .as_array_mut()
+            .expect("a list")
+            .push(json!({ "sampler": 0, "target": target }));
+    }
+    let asset = maker.load()?;
+    ensure(asset.animations()[0].channels == 1, || {
+        format!("{:?}", asset.animations())
+    })?;
+    close(&at(&asset, 0.0, [0.0; 3])?, &[1.0, 2.0, 3.0], 0.0, "the one channel")
+}
+
+fn bad_times() -> Outcome {
+    let asset = Maker::square().load()?;
+    let nan = asset.pose(None, f32::NAN);
+    ensure(nan == Err(PoseError::Time), || format!("{nan:?}"))?;
+    let missing = asset.pose(Some(3), 0.0);
+    ensure(missing == Err(PoseError::NoAnimation { index: 3, count: 0 }), || {
+        format!("{missing:?}")
+    })
+}
+
+fn overflow() -> Outcome {
+    let mut maker = Maker::square();
+    maker.json["nodes"][0]["scale"] = json!([1e300, 1, 1]);
+    let result = maker.load()?.pose(None, 0.0);
+    let message = result.expect_err("1e300 fits no f32").to_string();
+    ensure(message.contains("nodes[0]"), || message)
+}
+
+fn by_name() -> Outcome {
+    let mut maker = Maker::square();
+    for name in ["1", "walk", "walk"] {
+        maker.push("animations", json!({ "name": name, "samplers": [], "channels": [] }));
+    }
+    let asset = maker.load()?;
+    let found = ["1", "walk", "2", "0", "3", "run", ""].map(|name| asset.animation_index(name));
+    let expected = [Some(0), Some(1), Some(2), Some(0), None, None, None];
+    ensure(found == expected, || format!("{found:?}"))
+}

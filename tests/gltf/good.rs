@@ -1,0 +1,333 @@
+//! Every good file of the shared models loads, with the counts that their table states, and poses at any time.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use libtest_mimic::Trial;
+use rimline::gltf::Asset;
+use rimline::mesh::Weld;
+use rimline::model::Geometry;
+
+use crate::{Outcome, asset_test, assets, check, ensure};
+
+/// A row of SOURCES.md: counts over the file's meshes, each once, welded by position, without degenerate faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Counts {
+    triangles: usize,
+    vertices: usize,
+    welded: usize,
+    boundary: usize,
+    non_manifold: usize,
+    misoriented: usize,
+    degenerate: usize,
+    duplicate: usize,
+    closed: usize,
+    meshes: usize,
+}
+
+/// File; triangles, vertices, welded, bnd, nm, mis, deg, dup, closed of meshes; instances, joints of all skins, morph
+/// targets, animations. Only what is drawn counts: `22_vertex_color` has more vertices and instances in lines and points.
+type Row = (&'static str, [usize; 10], [usize; 4]);
+
+const ROWS: &[Row] = &[
+    ("22_vertex_color.glb", [5, 13, 13, 13, 0, 0, 0, 0, 0, 3], [3, 0, 0, 0]),
+    ("AnimatedMorphCube.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 2, 1]),
+    (
+        "AntiqueCamera.glb",
+        [20_066, 21_178, 10_227, 206, 83, 10, 0, 0, 0, 2],
+        [2, 0, 0, 0],
+    ),
+    ("Box.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
+    ("CesiumMan.glb", [4672, 3273, 2338, 0, 0, 0, 0, 0, 1, 1], [1, 19, 0, 1]),
+    (
+        "CesiumMan_8influences_morph.glb",
+        [4672, 3273, 2338, 0, 0, 0, 0, 0, 1, 1],
+        [1, 19, 1, 1],
+    ),
+    (
+        "CesiumMilkTruck_quantized.glb",
+        [2856, 2978, 1452, 8, 0, 0, 0, 0, 1, 2],
+        [3, 0, 0, 1],
+    ),
+    (
+        "FlightHelmet.glb",
+        [94_722, 60_366, 47_561, 296, 0, 0, 0, 0, 3, 5],
+        [5, 0, 0, 0],
+    ),
+    ("Fox.glb", [576, 1728, 290, 0, 0, 0, 0, 0, 1, 1], [1, 24, 0, 3]),
+    (
+        "InfiniteSkinnedTentacle.glb",
+        [76, 40, 40, 0, 0, 0, 0, 0, 1, 1],
+        [84, 840, 0, 1],
+    ),
+    (
+        "InterpolationTest.glb",
+        [110, 220, 76, 4, 0, 0, 0, 0, 9, 10],
+        [10, 0, 0, 9],
+    ),
+    (
+        "Knight.glb",
+        [6952, 7024, 3665, 278, 0, 0, 0, 0, 4, 15],
+        [15, 41, 0, 76],
+    ),
+    (
+        "MorphStressTest.gltf",
+        [2412, 1528, 1224, 0, 0, 0, 0, 0, 1, 1],
+        [1, 0, 8, 3],
+    ),
+    (
+        "RobotExpressive.glb",
+        [3237, 7214, 1820, 232, 0, 0, 3, 0, 9, 14],
+        [14, 86, 3, 14],
+    ),
+    (
+        "SheenCloth.glb",
+        [115_200, 58_081, 58_081, 960, 0, 0, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+    (
+        "SimpleSparseAccessor.gltf",
+        [12, 14, 14, 14, 0, 0, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+    ("moebius.glb", [448, 280, 280, 112, 0, 4, 0, 0, 0, 1], [1, 0, 0, 0]),
+    (
+        "primitive_modes/Mesh_PrimitiveMode_04.gltf",
+        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+    (
+        "primitive_modes/Mesh_PrimitiveMode_05.gltf",
+        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+    (
+        "primitive_modes/Mesh_PrimitiveMode_14.gltf",
+        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+    (
+        "scallop.glb",
+        [120_000, 60_002, 60_002, 0, 0, 0, 0, 0, 1, 1],
+        [1, 0, 0, 0],
+    ),
+    ("spot.glb", [5856, 3225, 2930, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
+    (
+        "spot_catmull_big.glb",
+        [374_784, 187_394, 187_394, 0, 0, 0, 0, 0, 1, 1],
+        [1, 0, 0, 0],
+    ),
+    (
+        "subpass_scene_opaque.gltf",
+        [11_132, 15_719, 3145, 0, 897, 0, 4100, 0, 9, 12],
+        [70, 0, 0, 0],
+    ),
+    (
+        "triple_vierbein.glb",
+        [108, 75, 75, 60, 20, 3, 0, 0, 0, 1],
+        [1, 0, 0, 0],
+    ),
+];
+
+pub(crate) fn tests() -> Vec<Trial> {
+    let mut tests = vec![
+        asset_test("good::table_is_complete", table_is_complete),
+        asset_test("good::influences_in_two_sets_equal_one", two_sets),
+        asset_test("good::fox_is_closed_when_welded_by_data", fox),
+        asset_test("good::all_subpass_instances_are_turned", subpass),
+        asset_test("good::counts_control", control),
+    ];
+    tests.extend(
+        ROWS.iter()
+            .map(|row| asset_test(format!("good::{}", row.0), || file(row))),
+    );
+    tests
+}
+
+fn open(name: &str, weld: Weld) -> Result<Asset, String> {
+    Asset::open(assets().join(name), weld).map_err(|error| format!("{name}: {error}"))
+}
+
+fn file(&(name, counts, [instances, joints, targets, animations]): &Row) -> Outcome {
+    let asset = open(name, Weld::Position)?;
+    compare(name, &asset, counts)?;
+    let model = asset.model();
+    let found = [
+        model.instances.len(),
+        asset.skins().iter().map(|skin| skin.joints).sum(),
+        asset.meshes().iter().map(|mesh| mesh.morph_targets).sum(),
+        asset.animations().len(),
+    ];
+    let expected = [instances, joints, targets, animations];
+    ensure(found == expected, || {
+        format!("{name}: instances, joints, targets, animations {found:?}, expected {expected:?}")
+    })?;
+    check::asset(&asset, usize::MAX, false)?;
+    check::asset(&open(name, Weld::Data)?, 3, false)?;
+    check::asset(&open(name, Weld::Keep)?, 0, false)
+}
+
+fn compare(name: &str, asset: &Asset, expected: [usize; 10]) -> Outcome {
+    let found = counts(asset);
+    let [
+        triangles,
+        vertices,
+        welded,
+        boundary,
+        non_manifold,
+        misoriented,
+        degenerate,
+        duplicate,
+        closed,
+        meshes,
+    ] = expected;
+    let expected = Counts {
+        triangles,
+        vertices,
+        welded,
+        boundary,
+        non_manifold,
+        misoriented,
+        degenerate,
+        duplicate,
+        closed,
+        meshes,
+    };
+    ensure(found == expected, || {
+        format!("{name}:\n{found:?}, expected\n{expected:?}")
+    })
+}
+
+/// Counted anew from the faces, not by the library's edge records.
+fn counts(asset: &Asset) -> Counts {
+    let mut counts = Counts::default();
+    for (mesh, info) in asset.meshes().iter().enumerate() {
+        let geometry = &asset.model().geometries[info.geometries[0]];
+        assert_eq!(info.geometries[0], mesh);
+        if geometry.faces.is_empty() {
+            continue;
+        }
+        counts.meshes += 1;
+        counts.vertices += asset.weld_counts(mesh).map_or(0, |weld| weld.before);
+        add(&mut counts, geometry);
+    }
+    counts
+}
+
+fn add(counts: &mut Counts, geometry: &Geometry) {
+    let mut edges: HashMap<[u32; 2], (usize, usize)> = HashMap::new();
+    let (mut seen, mut used) = (HashSet::new(), HashSet::new());
+    counts.triangles += geometry.faces.len();
+    for &[a, b, c] in &geometry.faces {
+        if a == b || b == c || c == a {
+            counts.degenerate += 1;
+            continue;
+        }
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
+        counts.duplicate += usize::from(!seen.insert(sorted));
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            used.insert(from);
+            let (up, down) = edges.entry([from.min(to), from.max(to)]).or_default();
+            *if from < to { up } else { down } += 1;
+        }
+    }
+    counts.welded += used.len();
+    let number = |test: fn(usize, usize) -> bool| edges.values().filter(|&&(up, down)| test(up, down)).count();
+    let boundary = number(|up, down| up + down == 1);
+    let non_manifold = number(|up, down| up + down > 2);
+    counts.boundary += boundary;
+    counts.non_manifold += non_manifold;
+    counts.misoriented += number(|up, down| up + down == 2 && up != down);
+    counts.closed += usize::from(boundary == 0 && non_manifold == 0);
+}
+
+fn control() -> Outcome {
+    let (name, row, _) = ROWS.iter().find(|row| row.0 == "Box.glb").ok_or("no Box.glb")?;
+    let asset = open(name, Weld::Position)?;
+    compare(name, &asset, *row)?;
+    for column in 0..row.len() {
+        let mut wrong = *row;
+        wrong[column] += 1;
+        let noticed = compare(name, &asset, wrong).is_err();
+        ensure(noticed, || format!("column {column} went unnoticed"))?;
+    }
+    Ok(())
+}
+
+fn table_is_complete() -> Outcome {
+    let mut files = Vec::new();
+    for folder in ["", "primitive_modes"] {
+        for entry in std::fs::read_dir(assets().join(folder))? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            let extension = Path::new(&name).extension();
+            if extension == Some("glb".as_ref()) || extension == Some("gltf".as_ref()) {
+                files.push(if folder.is_empty() {
+                    name
+                } else {
+                    format!("{folder}/{name}")
+                });
+            }
+        }
+    }
+    let missing: Vec<_> = files
+        .iter()
+        .filter(|file| !ROWS.iter().any(|row| row.0 == **file))
+        .collect();
+    ensure(missing.is_empty(), || format!("no row for {missing:?}"))
+}
+
+/// The weights of the second file are the first's, spread over two sets and normalised; its morph target is switched
+/// off here.
+fn two_sets() -> Outcome {
+    let (one, two) = (
+        open("CesiumMan.glb", Weld::Keep)?,
+        open("CesiumMan_8influences_morph.glb", Weld::Keep)?,
+    );
+    let (a, b) = (&one.model().geometries[0], &two.model().geometries[0]);
+    ensure(a.faces == b.faces, || "faces differ".to_owned())?;
+    for time in [0.0, 0.7, 1.9] {
+        let (pose_a, mut pose_b) = (one.pose(Some(0), time)?, two.pose(Some(0), time)?);
+        ensure(pose_b.instances[0].morph_weights == [0.5], || {
+            "default weight is not 0.5".to_owned()
+        })?;
+        let (expected, morphed) = (
+            check::posed(a, &pose_a.instances[0]),
+            check::posed(b, &pose_b.instances[0]),
+        );
+        let same = |found: &[[f64; 3]]| check::close(found.as_flattened(), expected.as_flattened(), 1e-6, "posed");
+        ensure(same(&morphed).is_err(), || "the morph target moved nothing".to_owned())?;
+        pose_b.instances[0].morph_weights = vec![0.0];
+        same(&check::posed(b, &pose_b.instances[0]))?;
+    }
+    Ok(())
+}
+
+fn fox() -> Outcome {
+    let asset = open("Fox.glb", Weld::Data)?;
+    let mesh = asset.model().mesh(&asset.pose(Some(0), 0.5)?)?;
+    ensure(mesh.is_closed(), || "open".to_owned())?;
+    let unwelded = open("Fox.glb", Weld::Keep)?;
+    let mesh = unwelded.model().mesh(&unwelded.pose(None, 0.0)?)?;
+    ensure(!mesh.is_closed(), || "closed without welding".to_owned())?;
+    let names: Vec<_> = asset
+        .animations()
+        .iter()
+        .map(|a| a.name.as_deref().unwrap_or(""))
+        .collect();
+    ensure(asset.animation_index(names[2]) == Some(2), || format!("{names:?}"))?;
+    ensure(asset.animation_index("1") == Some(1), || "by number".to_owned())?;
+    ensure(asset.animation_index("3").is_none(), || "past the end".to_owned())
+}
+
+fn subpass() -> Outcome {
+    let asset = open("subpass_scene_opaque.gltf", Weld::Data)?;
+    let pose = asset.pose(None, 0.0)?;
+    ensure(pose.instances.iter().all(|instance| instance.turned), || {
+        "not all are turned".to_owned()
+    })?;
+    let upright = open("Knight.glb", Weld::Data)?.pose(None, 0.0)?;
+    ensure(!upright.instances.iter().any(|instance| instance.turned), || {
+        "the knight is turned".to_owned()
+    })
+}

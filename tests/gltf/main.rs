@@ -1,0 +1,64 @@
+//! glTF loading: good and bad files of the shared test models, hand-made files, and mutated ones.
+//!
+//! Tests on the shared models are ignored, by name, where the folder is not there: `RIMLINE_ASSETS`, else
+//! `../shared/assets` beside the crate.
+
+mod animate;
+mod bad;
+mod check;
+mod good;
+mod maker;
+mod mutate;
+mod place;
+mod refuse;
+mod refuse_moving;
+mod refuse_square;
+mod shape;
+
+use std::path::PathBuf;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// What a test returns.
+type Outcome = Result<(), Failed>;
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let mut trials = Vec::new();
+    for tests in [
+        check::tests,
+        good::tests,
+        bad::tests,
+        shape::tests,
+        place::tests,
+        animate::tests,
+        refuse::tests,
+        mutate::tests,
+    ] {
+        trials.extend(tests());
+    }
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+/// The folder of the shared test models, there or not.
+fn assets() -> PathBuf {
+    std::env::var_os("RIMLINE_ASSETS").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")),
+        PathBuf::from,
+    )
+}
+
+/// A test that runs everywhere.
+fn test(name: impl Into<String>, run: impl FnOnce() -> Outcome + Send + 'static) -> Trial {
+    Trial::test(name, run)
+}
+
+/// A test on the shared models.
+fn asset_test(name: impl Into<String>, run: impl FnOnce() -> Outcome + Send + 'static) -> Trial {
+    Trial::test(name, run).with_ignored_flag(!assets().is_dir())
+}
+
+/// Fails with a message unless the condition holds.
+fn ensure(condition: bool, message: impl FnOnce() -> String) -> Outcome {
+    if condition { Ok(()) } else { Err(message().into()) }
+}

@@ -1,0 +1,231 @@
+//! glTF files made by code.
+
+use rimline::gltf::{Asset, GltfError};
+use rimline::mesh::Weld;
+use serde_json::{Value, json};
+
+pub(crate) const U8: u32 = 5121;
+pub(crate) const U16: u32 = 5123;
+pub(crate) const U32: u32 = 5125;
+pub(crate) const F32: u32 = 5126;
+
+/// Four corners of a square in the plane z = 0.
+pub(crate) const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+
+/// A file being made: its JSON and its only buffer.
+#[derive(Clone)]
+pub(crate) struct Maker {
+    pub(crate) json: Value,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Maker {
+    pub(crate) fn new() -> Self {
+        Self {
+            json: json!({ "asset": { "version": "2.0" } }),
+            bytes: Vec::new(),
+        }
+    }
+
+    /// Appends to one of the file's lists and gives the index there.
+    pub(crate) fn push(&mut self, list: &str, value: Value) -> usize {
+        let list = &mut self.json[list];
+        if list.is_null() {
+            *list = json!([]);
+        }
+        let list = list.as_array_mut().expect("a list");
+        list.push(value);
+        list.len() - 1
+    }
+
+    pub(crate) fn view(&mut self, data: &[u8]) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let offset = self.bytes.len();
+        self.bytes.extend_from_slice(data);
+        self.push(
+            "bufferViews",
+            json!({ "buffer": 0, "byteOffset": offset, "byteLength": data.len() }),
+        )
+    }
+
+    pub(crate) fn accessor(&mut self, component: u32, kind: &str, count: usize, data: &[u8]) -> usize {
+        let view = self.view(data);
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }),
+        )
+    }
+
+    pub(crate) fn floats(&mut self, kind: &str, data: &[f32]) -> usize {
+        let width = match kind {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            _ => 16,
+        };
+        let bytes: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.accessor(F32, kind, data.len() / width, &bytes)
+    }
+
+    pub(crate) fn indices(&mut self, component: u32, data: &[u32]) -> usize {
+        let size = match component {
+            U8 => 1,
+            U16 => 2,
+            _ => 4,
+        };
+        let bytes: Vec<u8> = data.iter().flat_map(|v| v.to_le_bytes()[..size].to_vec()).collect();
+        self.accessor(component, "SCALAR", data.len(), &bytes)
+    }
+
+    /// A mesh of one primitive.
+    pub(crate) fn mesh(&mut self, primitive: &Value) -> usize {
+        self.push("meshes", json!({ "primitives": [primitive] }))
+    }
+
+    /// A square of two triangles, alone at the root of the scene.
+    pub(crate) fn square() -> Self {
+        let mut maker = Self::new();
+        let positions = maker.floats("VEC3", &SQUARE);
+        let indices = maker.indices(U16, &[0, 1, 2, 0, 2, 3]);
+        let mesh = maker.mesh(&json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+        maker.push("nodes", json!({ "mesh": mesh }));
+        maker
+    }
+
+    /// A square whose vertices follow two joints, the nodes 1 and 2, with the given weights for all vertices alike.
+    pub(crate) fn skinned(joints: [u8; 4], weights: [f32; 4]) -> Self {
+        let mut maker = Self::square();
+        let joints = maker.accessor(U8, "VEC4", 4, &joints.repeat(4));
+        let weights = maker.floats("VEC4", &weights.repeat(4));
+        let attributes = &mut maker.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes["JOINTS_0"] = json!(joints);
+        attributes["WEIGHTS_0"] = json!(weights);
+        maker.json["nodes"][0]["skin"] = json!(0);
+        maker.push("nodes", json!({ "translation": [1, 0, 0] }));
+        maker.push("nodes", json!({ "translation": [0, 10, 0] }));
+        maker.push("skins", json!({ "joints": [1, 2] }));
+        maker
+    }
+
+    fn with_buffer(&self, uri: Option<String>) -> Value {
+        let mut value = self.json.clone();
+        if !self.bytes.is_empty() && value["buffers"].is_null() {
+            value["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
+            if let Some(uri) = uri {
+                value["buffers"][0]["uri"] = json!(uri);
+            }
+        }
+        value
+    }
+
+    pub(crate) fn glb(&self) -> Vec<u8> {
+        glb(self.with_buffer(None).to_string().as_bytes(), &self.bytes)
+    }
+
+    /// As text with a data URI.
+    pub(crate) fn gltf(&self) -> Vec<u8> {
+        use base64::Engine as _;
+        let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
+        let uri = format!("data:application/octet-stream;base64,{data}");
+        self.with_buffer(Some(uri)).to_string().into_bytes()
+    }
+
+    pub(crate) fn load(&self) -> Result<Asset, GltfError> {
+        Asset::from_slice(&self.glb(), None, Weld::Keep)
+    }
+}
+
+/// A GLB of the two chunks.
+pub(crate) fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
+    let (mut json, mut binary) = (json.to_vec(), binary.to_vec());
+    json.resize(json.len().next_multiple_of(4), b' ');
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let mut file = b"glTF".to_vec();
+    let length = 12 + 8 + json.len() + 8 + binary.len();
+    for word in [2, length as u32, json.len() as u32] {
+        file.extend(word.to_le_bytes());
+    }
+    file.extend(b"JSON");
+    file.extend(json);
+    file.extend((binary.len() as u32).to_le_bytes());
+    file.extend(b"BIN\0");
+    file.extend(binary);
+    file
+}
+
+/// A small file that uses nearly everything the loader reads: a skinned and morphed mesh with two influence sets, a
+/// quantised sparse mesh instanced on the GPU, lights, and all interpolations.
+pub(crate) fn everything() -> Maker {
+    let mut maker = Maker::skinned([0, 1, 0, 0], [0.5, 0.25, 0.0, 0.0]);
+    let joints = maker.accessor(U8, "VEC4", 4, &[1, 0, 0, 0].repeat(4));
+    let weights = maker.accessor(U8, "VEC4", 4, &[255, 0, 0, 0].repeat(4));
+    maker.json["accessors"][weights]["normalized"] = json!(true);
+    let offsets = maker.floats("VEC3", &[0.5; 12]);
+    let primitive = &mut maker.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["JOINTS_1"] = json!(joints);
+    primitive["attributes"]["WEIGHTS_1"] = json!(weights);
+    primitive["targets"] = json!([{ "POSITION": offsets }]);
+    maker.json["meshes"][0]["weights"] = json!([0.25]);
+    let identity: Vec<f32> = (0..16).map(|i| if i % 5 == 0 { 1.0 } else { 0.0 }).collect();
+    let binds = maker.floats("MAT4", &identity.repeat(2));
+    maker.json["skins"][0]["inverseBindMatrices"] = json!(binds);
+
+    let fan: Vec<u8> = [0_i16, 0, 0, 0, 32767, 0, 0, 0, 32767, 32767, 0, 0, 0, 32767, 0, 0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let quantized = maker.accessor(5122, "VEC3", 4, &fan);
+    let view = maker.json["accessors"][quantized]["bufferView"].clone();
+    maker.json["bufferViews"][view.as_u64().unwrap() as usize]["byteStride"] = json!(8);
+    maker.json["accessors"][quantized]["normalized"] = json!(true);
+    let (at, to) = (maker.view(&[3]), maker.view(&[0, 0, 0, 0x40, 0, 0x40]));
+    maker.json["accessors"][quantized]["sparse"] = json!({
+        "count": 1,
+        "indices": { "bufferView": at, "componentType": U8 },
+        "values": { "bufferView": to },
+    });
+    let fan = maker.mesh(&json!({ "attributes": { "POSITION": quantized }, "mode": 6 }));
+    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
+    let node = maker.push(
+        "nodes",
+        json!({
+            "mesh": fan,
+            "name": "fans",
+            "extensions": {
+                "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } },
+                "KHR_lights_punctual": { "light": 0 },
+            },
+        }),
+    );
+    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
+    maker.json["extensionsUsed"] = json!([
+        "EXT_mesh_gpu_instancing",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization"
+    ]);
+    maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+
+    let times = maker.floats("SCALAR", &[0.5, 1.0, 2.5]);
+    let turns = maker.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8, 0.6, 0.0, 0.0, -0.8]);
+    let moves = maker.floats("VEC3", &[0.5; 27]);
+    let weights = maker.floats("SCALAR", &[0.0, 1.0, -1.0]);
+    maker.push(
+        "animations",
+        json!({
+            "name": "all",
+            "samplers": [
+                { "input": times, "output": turns },
+                { "input": times, "output": moves, "interpolation": "CUBICSPLINE" },
+                { "input": times, "output": weights, "interpolation": "STEP" },
+            ],
+            "channels": [
+                { "sampler": 0, "target": { "node": 1, "path": "rotation" } },
+                { "sampler": 1, "target": { "node": node, "path": "translation" } },
+                { "sampler": 2, "target": { "node": 0, "path": "weights" } },
+            ],
+        }),
+    );
+    maker.push("scenes", json!({ "nodes": [0, 1, 2, node] }));
+    maker.json["scene"] = json!(0);
+    maker
+}

@@ -1,0 +1,182 @@
+//! Hand-made bad files: each is refused, with its place.
+
+use libtest_mimic::Trial;
+use rimline::gltf::{Asset, GltfError};
+use rimline::mesh::Weld;
+use serde_json::{Value, json};
+
+use crate::maker::{F32, Maker, U8, everything};
+use crate::refuse_moving::{ANIMATED, SKINNED};
+use crate::refuse_square::SQUARE;
+use crate::{Outcome, ensure, test};
+
+/// Name, what spoils a square (or a skinned one), and what the error must say.
+pub(crate) type Row = (&'static str, fn(&mut Maker), &'static [&'static str]);
+
+pub(crate) fn tests() -> Vec<Trial> {
+    let mut tests = vec![
+        test("refuse::control", control),
+        test("refuse::devices_and_folders", devices),
+        test("refuse::zero_accessors_in_many_places", amplified),
+        test("refuse::deep_json", deep),
+        test("refuse::not_gltf", not_gltf),
+        test("refuse::every_truncation", truncations),
+    ];
+    let bases: [(_, _, fn() -> Maker); 3] = [
+        ("square", SQUARE, Maker::square),
+        ("skinned", SKINNED, || {
+            Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0])
+        }),
+        ("animated", ANIMATED, everything),
+    ];
+    for (base, rows, make) in bases {
+        for &(name, spoil, says) in rows {
+            tests.push(test(format!("refuse::{base}::{name}"), move || {
+                refused(make, spoil, says)
+            }));
+        }
+    }
+    tests
+}
+
+fn refused(make: fn() -> Maker, spoil: fn(&mut Maker), says: &[&str]) -> Outcome {
+    let mut maker = make();
+    maker.load()?;
+    spoil(&mut maker);
+    let message = match maker.load() {
+        Ok(_) => return Err("it was accepted".into()),
+        Err(error) => error.to_string(),
+    };
+    let missing: Vec<_> = says.iter().filter(|part| !message.contains(**part)).collect();
+    ensure(missing.is_empty(), || format!("{message:?} does not say {missing:?}"))
+}
+
+fn control() -> Outcome {
+    ensure(refused(Maker::square, |_| {}, &[]).is_err(), || {
+        "a good file passed as bad".to_owned()
+    })?;
+    let (_, spoil, _) = SQUARE[0];
+    ensure(refused(Maker::square, spoil, &["nodes[3]"]).is_err(), || {
+        "a wrong place passed".to_owned()
+    })
+}
+
+pub(crate) fn primitive(maker: &mut Maker) -> &mut Value {
+    &mut maker.json["meshes"][0]["primitives"][0]
+}
+
+pub(crate) fn bare(maker: &mut Maker, count: u64) -> usize {
+    maker.push(
+        "accessors",
+        json!({ "componentType": F32, "type": "VEC3", "count": count }),
+    )
+}
+
+pub(crate) fn uri(maker: &mut Maker, uri: &str) {
+    let bytes = maker.bytes.len();
+    maker.json["buffers"] = json!([{ "byteLength": bytes, "uri": uri }]);
+}
+
+pub(crate) fn instanced(maker: &mut Maker, scales: &[f32]) {
+    let (places, scales) = (maker.floats("VEC3", &[0.0; 6]), maker.floats("VEC3", scales));
+    maker.json["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places, "SCALE": scales } } });
+}
+
+/// A name that leads to something without an end, or to no file at all.
+fn devices() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    std::fs::create_dir(folder.path().join("folder"))?;
+    for path in [
+        folder.path().join("folder"),
+        folder.path().join("none"),
+        "/dev/zero".into(),
+    ] {
+        let result = Asset::open(&path, Weld::Keep);
+        ensure(matches!(result, Err(GltfError::Read { .. })), || {
+            format!("{}: {result:?}", path.display())
+        })?;
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("/dev/zero", folder.path().join("endless"))?;
+        let mut maker = Maker::square();
+        uri(&mut maker, "endless");
+        let result = Asset::from_slice(&maker.glb(), Some(folder.path()), Weld::Keep);
+        ensure(matches!(result, Err(GltfError::Read { .. })), || format!("{result:?}"))?;
+    }
+    Ok(())
+}
+
+/// Each accessor is small, all together are not.
+fn amplified() -> Outcome {
+    let mut maker = Maker::square();
+    let zeros = bare(&mut maker, 60_000);
+    let mesh = json!({ "primitives": [{ "attributes": { "POSITION": zeros } }] });
+    maker.json["meshes"] = json!(vec![mesh; 5000]);
+    let many = maker.load().map(|_| ());
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
+        format!("meshes: {many:?}")
+    })?;
+    let mut maker = Maker::square();
+    let indices = maker.indices(U8, &vec![0; 30_000]);
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": indices });
+    maker.json["meshes"][0]["primitives"] = json!(vec![primitive; 5000]);
+    let many = maker.load().map(|_| ());
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
+        format!("primitives: {many:?}")
+    })?;
+    let mut maker = Maker::skinned([0; 4], [1.0; 4]);
+    maker.json["skins"][0]["joints"] = json!(vec![1; 20_000]);
+    maker.json["nodes"]
+        .as_array_mut()
+        .expect("a list")
+        .extend(vec![json!({ "mesh": 0, "skin": 0 }); 2000]);
+    let many = maker.load().map(|_| ());
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
+        format!("palettes: {many:?}")
+    })
+}
+
+fn deep() -> Outcome {
+    for (open, close) in [("[", "]"), ("{\"a\":", "}")] {
+        let text = format!("{}1{}", open.repeat(100_000), close.repeat(100_000));
+        let result = Asset::from_slice(text.as_bytes(), None, Weld::Keep);
+        ensure(matches!(result, Err(GltfError::Json(_))), || "deep JSON".to_owned())?;
+    }
+    // A chain of nodes may be as deep as it likes.
+    let mut maker = Maker::square();
+    let chain: Vec<Value> = (1..50_000).map(|child| json!({ "children": [child] })).collect();
+    maker.json["nodes"] = json!(chain);
+    maker.push("nodes", json!({ "mesh": 0, "translation": [1, 0, 0] }));
+    let asset = maker.load()?;
+    ensure(asset.pose(None, 0.0)?.instances.len() == 1, || "instances".to_owned())
+}
+
+fn not_gltf() -> Outcome {
+    for bytes in [
+        &b""[..],
+        b"glT",
+        b"glTF",
+        b"glTF\x02\0\0\0\0\0\0\0",
+        b"{}",
+        b"[]",
+        b"\xff\xfe",
+        b"ply\n",
+        b"null",
+    ] {
+        let result = Asset::from_slice(bytes, None, Weld::Keep);
+        ensure(result.is_err(), || format!("{bytes:?} was accepted"))?;
+    }
+    Ok(())
+}
+
+fn truncations() -> Outcome {
+    for file in [everything().glb(), everything().gltf()] {
+        for length in 0..file.len() {
+            let result = Asset::from_slice(&file[..length], None, Weld::Keep);
+            ensure(result.is_err(), || format!("the first {length} bytes were accepted"))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,283 @@
+//! Hand-made files: which triangles and positions are read.
+
+use libtest_mimic::Trial;
+use rimline::gltf::{Asset, Skipped};
+use rimline::mesh::Weld;
+use serde_json::{Value, json};
+
+use crate::maker::{Maker, SQUARE, U8, U16, U32, everything};
+use crate::{Outcome, check, ensure, test};
+
+pub(crate) fn tests() -> Vec<Trial> {
+    vec![
+        test("shape::everything_loads", || {
+            check::asset(&everything().load()?, 9, false)
+        }),
+        test("shape::strips_and_fans", strips_and_fans),
+        test("shape::index_types", index_types),
+        test("shape::primitives_share_vertices", sharing),
+        test("shape::points_and_lines_are_skipped", skipping),
+        test("shape::sparse", sparse),
+        test("shape::quantised", quantised),
+        test("shape::stride", stride),
+        test("shape::compressed_with_plain_data", fallbacks),
+        test("shape::data_uris_and_files", uris),
+        test("shape::unknown_glb_chunks", glb_chunks),
+        test("shape::welding", welding),
+        test("shape::welding_in_one_point_is_linear", one_point),
+    ]
+}
+
+pub(crate) fn same<T: PartialEq + std::fmt::Debug>(found: &T, expected: &T, what: &str) -> Outcome {
+    ensure(found == expected, || {
+        format!("{what}: {found:?}, expected {expected:?}")
+    })
+}
+
+fn strips_and_fans() -> Outcome {
+    let points: Vec<f32> = (0..5).flat_map(|i| [(i / 2) as f32, (i % 2) as f32, 0.0]).collect();
+    for (mode, expected) in [
+        (5, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]),
+        (6, [[1, 2, 0], [2, 3, 0], [3, 4, 0]]),
+    ] {
+        let mut maker = Maker::new();
+        let positions = maker.floats("VEC3", &points);
+        maker.mesh(&json!({ "attributes": { "POSITION": positions }, "mode": mode }));
+        let plain = maker.load()?;
+        same(
+            &plain.model().geometries[0].faces,
+            &expected.to_vec(),
+            "faces without indices",
+        )?;
+        let indices = maker.indices(U8, &[4, 3, 2, 1, 0, 0]);
+        maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        let mut reversed: Vec<_> = expected.iter().map(|face| face.map(|v| 4 - v)).collect();
+        reversed.push(if mode == 5 { [1, 0, 0] } else { [0, 0, 4] });
+        same(
+            &maker.load()?.model().geometries[0].faces,
+            &reversed,
+            "faces with indices",
+        )?;
+        maker.json["accessors"][indices]["count"] = json!(2);
+        same(&maker.load()?.model().instances.len(), &0, "instances of two corners")?;
+    }
+    Ok(())
+}
+
+fn index_types() -> Outcome {
+    for component in [U8, U16, U32] {
+        let mut maker = Maker::square();
+        let indices = maker.indices(component, &[3, 2, 1, 1, 1, 0]);
+        maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+        let faces = maker.load()?.model().geometries[0].faces.clone();
+        same(&faces, &vec![[3, 2, 1], [1, 1, 0]], "faces; degenerate ones are kept")?;
+    }
+    Ok(())
+}
+
+fn sharing() -> Outcome {
+    let mut maker = Maker::square();
+    let primitive = maker.json["meshes"][0]["primitives"][0].clone();
+    let (other, three) = (maker.floats("VEC3", &SQUARE), maker.indices(U16, &[0, 1, 3]));
+    let primitives = json!([
+        primitive,
+        { "attributes": { "POSITION": 0 }, "indices": three },
+        { "attributes": { "POSITION": other }, "indices": three },
+    ]);
+    maker.json["meshes"][0]["primitives"] = primitives;
+    let asset = maker.load()?;
+    let geometry = &asset.model().geometries[0];
+    same(&geometry.positions.len(), &8, "vertices")?;
+    same(
+        &geometry.faces,
+        &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]],
+        "faces",
+    )?;
+    same(&geometry.source_vertices, &(0..8).collect(), "source vertices")
+}
+
+fn skipping() -> Outcome {
+    let mut maker = Maker::square();
+    let with_mode = |mode: u32| json!({ "attributes": { "POSITION": 0 }, "mode": mode });
+    let mut primitives: Vec<Value> = [0, 1, 2, 3, 0].map(with_mode).to_vec();
+    primitives.push(json!({ "attributes": {} }));
+    maker.push("meshes", json!({ "primitives": primitives }));
+    maker.push("nodes", json!({ "mesh": 1 }));
+    let asset = maker.load()?;
+    let expected = Skipped {
+        points: 2,
+        lines: 3,
+        without_position: 1,
+    };
+    same(&asset.skipped(), &expected, "skipped")?;
+    same(&asset.model().instances.len(), &1, "instances")?;
+    same(&asset.meshes()[1].primitives, &6, "primitives")
+}
+
+/// Replaces vertices 1 and 3.
+fn make_sparse(maker: &mut Maker, accessor: usize) {
+    let indices = maker.view(&[1, 0, 3, 0]);
+    let values: Vec<u8> = [7.0_f32, 8.0, 9.0, -7.0, -8.0, -9.0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let values = maker.view(&values);
+    maker.json["accessors"][accessor]["sparse"] = json!({
+        "count": 2,
+        "indices": { "bufferView": indices, "componentType": U16 },
+        "values": { "bufferView": values },
+    });
+}
+
+fn sparse() -> Outcome {
+    let mut maker = Maker::square();
+    make_sparse(&mut maker, 0);
+    let expected = vec![[0.0, 0.0, 0.0], [7.0, 8.0, 9.0], [1.0, 1.0, 0.0], [-7.0, -8.0, -9.0]];
+    same(
+        &maker.load()?.model().geometries[0].positions,
+        &expected,
+        "over a buffer view",
+    )?;
+
+    let mut maker = Maker::square();
+    let bare = json!({ "componentType": 5126, "type": "VEC3", "count": 4 });
+    let (target, zeros) = (maker.push("accessors", bare.clone()), maker.push("accessors", bare));
+    make_sparse(&mut maker, target);
+    maker.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }, { "POSITION": zeros }]);
+    let asset = maker.load()?;
+    let targets = &asset.model().geometries[0].morph_targets;
+    let expected = vec![[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3], [-7.0, -8.0, -9.0]];
+    same(&targets[0], &expected, "over zeros")?;
+    same(&targets[1], &vec![[0.0; 3]; 4], "zeros alone")
+}
+
+fn quantised() -> Outcome {
+    let i16s = |values: &[i16]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let u16s = |values: &[u16]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let third = |v: f32| [v, 0.0, 1.0];
+    for (component, normalized, data, expected) in [
+        (5120, false, vec![0x80, 0, 1], third(-128.0)),
+        (5120, true, vec![0x80, 0, 127], third(-1.0)),
+        (5121, false, vec![200, 0, 1], third(200.0)),
+        (5121, true, vec![51, 0, 255], third(0.2)),
+        (5122, false, i16s(&[-32768, 0, 1]), third(-32768.0)),
+        (5122, true, i16s(&[-32768, 0, 32767]), third(-1.0)),
+        (5123, false, u16s(&[50000, 0, 1]), third(50000.0)),
+        (5123, true, u16s(&[13107, 0, 65535]), third(0.2)),
+    ] {
+        let mut maker = Maker::new();
+        let positions = maker.accessor(component, "VEC3", 3, &data.repeat(3));
+        maker.json["accessors"][positions]["normalized"] = json!(normalized);
+        maker.mesh(&json!({ "attributes": { "POSITION": positions }, "targets": [{ "POSITION": positions }] }));
+        let refused = maker.load().is_err();
+        ensure(refused, || format!("{component} was accepted without the extension"))?;
+        maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+        let asset = maker.load()?;
+        let geometry = &asset.model().geometries[0];
+        same(&geometry.positions, &vec![expected; 3], "positions")?;
+        same(&geometry.morph_targets[0], &vec![expected; 3], "target")?;
+    }
+    Ok(())
+}
+
+fn stride() -> Outcome {
+    let mut maker = Maker::square();
+    let interleaved: Vec<f32> = SQUARE.chunks(3).flat_map(|p| [p[0], p[1], p[2], 99.0]).collect();
+    // The last element may end where its own bytes end.
+    let bytes: Vec<u8> = interleaved[..15].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let view = maker.view(&bytes);
+    maker.json["bufferViews"][view]["byteStride"] = json!(16);
+    maker.json["accessors"][0]["bufferView"] = json!(view);
+    let found = maker.load()?.model().geometries[0].positions.clone();
+    same(&found, &SQUARE.as_chunks().0.to_vec(), "positions")
+}
+
+fn fallbacks() -> Outcome {
+    let mut maker = Maker::square();
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
+    maker.json["meshes"][0]["primitives"][0]["extensions"] = draco;
+    maker.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    same(&maker.load()?.model().instances.len(), &1, "Draco")?;
+    let mut maker = Maker::square();
+    let meshopt = json!({ "EXT_meshopt_compression": { "buffer": 0, "byteLength": 4, "byteStride": 12, "count": 4 } });
+    maker.json["bufferViews"][0]["extensions"] = meshopt;
+    maker.json["extensionsUsed"] = json!(["EXT_meshopt_compression"]);
+    same(&maker.load()?.model().instances.len(), &1, "meshopt")
+}
+
+fn uris() -> Outcome {
+    let maker = Maker::square();
+    let expected = maker.load()?;
+    let from_text = Asset::from_slice(&maker.gltf(), None, Weld::Keep)?;
+    same(from_text.model(), expected.model(), "data URI")?;
+
+    let folder = tempfile::tempdir()?;
+    std::fs::create_dir(folder.path().join("some data"))?;
+    std::fs::write(folder.path().join("some data/ä.bin"), &maker.bytes)?;
+    let percent = percent_encoding::percent_encode(&maker.bytes, percent_encoding::NON_ALPHANUMERIC);
+    for uri in [
+        "some%20data/%C3%A4.bin",
+        "./some data/ä.bin",
+        &format!("data:,{percent}"),
+    ] {
+        let mut maker = maker.clone();
+        maker.json["buffers"] = json!([{ "byteLength": maker.bytes.len(), "uri": uri }]);
+        let path = folder.path().join("model.whatever");
+        std::fs::write(&path, maker.json.to_string())?;
+        same(Asset::open(&path, Weld::Keep)?.model(), expected.model(), uri)?;
+    }
+    // A GLB under another name.
+    let path = folder.path().join("model.gltf");
+    std::fs::write(&path, maker.glb())?;
+    same(Asset::open(&path, Weld::Keep)?.model(), expected.model(), "GLB")
+}
+
+fn glb_chunks() -> Outcome {
+    let maker = Maker::square();
+    let mut file = maker.glb();
+    file.extend([4, 0, 0, 0]);
+    file.extend(b"WHATwhat");
+    let length = file.len() as u32;
+    file[8..12].copy_from_slice(&length.to_le_bytes());
+    file.extend(b"bytes after the end");
+    let asset = Asset::from_slice(&file, None, Weld::Keep)?;
+    same(asset.model(), maker.load()?.model(), "model")
+}
+
+fn welding() -> Outcome {
+    let mut maker = Maker::skinned([0, 1, 0, 0], [1.0, 0.0, 0.0, 0.0]);
+    // All corners at one place, the last one on another joint.
+    let (positions, joints) = (
+        maker.floats("VEC3", &[1.0; 12]),
+        maker.accessor(U8, "VEC4", 4, &[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]),
+    );
+    let attributes = &mut maker.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["POSITION"] = json!(positions);
+    attributes["JOINTS_0"] = json!(joints);
+    for (weld, after, apart) in [(Weld::Keep, 4, 0), (Weld::Position, 1, 0), (Weld::Data, 2, 1)] {
+        let asset = Asset::from_slice(&maker.glb(), None, weld)?;
+        let counts = asset.weld_counts(0).ok_or("no counts")?;
+        same(
+            &(counts.before, counts.after, counts.apart),
+            &(4, after, apart),
+            "counts",
+        )?;
+        check::asset(&asset, 0, false)?;
+    }
+    Ok(())
+}
+
+/// A reproduction: welding compared every pair of vertices that share a position and differ in the rest, which would
+/// take a quarter of an hour here.
+fn one_point() -> Outcome {
+    let count = 600_000_u32;
+    let mut maker = Maker::new();
+    let offsets: Vec<f32> = (0..count).flat_map(|v| [v as f32, 0.0, 0.0]).collect();
+    let target = maker.floats("VEC3", &offsets);
+    let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": count });
+    let positions = maker.push("accessors", zeros);
+    maker.mesh(&json!({ "attributes": { "POSITION": positions }, "targets": [{ "POSITION": target }] }));
+    let asset = Asset::from_slice(&maker.glb(), None, Weld::Data)?;
+    let counts = asset.weld_counts(0).ok_or("no counts")?;
+    same(&(counts.after, counts.apart), &(600_000, 599_999), "counts")
+}

@@ -1,0 +1,161 @@
+//! Exact facing against big integers: every bit, no band, on the GPU and on the CPU.
+
+use rimline::cpu::{self, Threads};
+use rimline::gpu::ExtractorOptions;
+use rimline::mesh::Weld;
+use rimline::{Light, Mesh, Predicate, shapes};
+
+use crate::common::cases::{case, hard_positions, topologies};
+use crate::common::device::Gpu;
+use crate::common::random::Random;
+use crate::common::{is_long, lights, must_fail, oracle, same};
+use crate::stages::extract;
+
+pub(crate) const TESTS: &[crate::Test] = &[
+    ("exact_facing_is_exact_on_hard_positions", hard),
+    ("exact_facing_is_exact_on_any_topology", any_topology),
+    ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
+    ("exact_facing_survives_an_overflowing_list", overflow),
+];
+
+fn exact(max_lights: usize) -> ExtractorOptions {
+    ExtractorOptions {
+        max_lights,
+        masks: true,
+        lists: None,
+        ..Default::default()
+    }
+}
+
+/// Every bit of GPU and twin is the oracle's.
+fn check(
+    gpu: &Gpu,
+    what: &str,
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
+    options: ExtractorOptions,
+) -> Result<(), String> {
+    let right = oracle::facing(positions, mesh.faces(), lights);
+    let twin = cpu::facing(positions, mesh.faces(), lights, Predicate::Exact, Threads::all());
+    same(&format!("{what}, twin"), &twin, &right)?;
+    let found = extract(gpu, positions, mesh, lights, options)?;
+    println!("{what}: {:?}", found.statistics);
+    same(&format!("{what}, GPU"), &found.facing, &right)?;
+    let mut wrong = found.facing;
+    wrong[mesh.faces().len() / 2] ^= 1;
+    must_fail("a flipped facing bit", &same(what, &wrong, &right))
+}
+
+fn hard() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let first = 41;
+    println!("seeds from {first}");
+    for seed in first..if is_long() { first + 20 } else { first + 1 } {
+        for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(seed)) {
+            check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Lights on vertices, edges and faces and in their planes, beside ordinary ones.
+fn any_topology() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let seed = 42;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut cases = topologies();
+    cases.push(case("cube", shapes::cube()));
+    for (name, positions, mesh) in cases {
+        let mut lights = lights(&mut random, 20);
+        for index in 0..45 {
+            let [a, b, c] = mesh.faces()[random.below(mesh.faces().len())].map(|v| positions[v as usize]);
+            let (s, t) = match index % 3 {
+                0 => (0.0, 0.0),
+                1 => (random.between(0.0, 1.0), 0.0),
+                _ => (random.between(-2.0, 2.0), random.between(-2.0, 2.0)),
+            };
+            let on_plane: [f32; 3] = std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
+            lights.push(match index % 5 {
+                0 => Light::homogeneous([on_plane[0] * 3.0, on_plane[1] * 3.0, on_plane[2] * 3.0, 3.0]),
+                1 if on_plane != [0.0; 3] => Light::directional([b[0] - a[0], b[1] - a[1], b[2] - a[2]]),
+                _ => Light::point(on_plane),
+            });
+        }
+        lights.retain(|light| light.to_array() != [0.0; 4]);
+        check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
+    }
+    Ok(())
+}
+
+/// A number of any exponent, or within a few of another.
+fn number(random: &mut Random, like: f32) -> f32 {
+    match random.below(6) {
+        0 => 0.0,
+        1 => like,
+        2 => f32::from_bits(like.to_bits() ^ 1),
+        3 => f32::from_bits(random.next() as u32 & 0x807f_ffff),
+        4 => random.between(-1.0, 1.0),
+        _ => loop {
+            let value = f32::from_bits(random.next() as u32);
+            if value.is_finite() {
+                break value;
+            }
+        },
+    }
+}
+
+fn any_magnitude() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let seed = 43;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for round in 0..if is_long() { 2000 } else { 20 } {
+        let mut like = 1.0;
+        let positions: Vec<[f32; 3]> = (0..40)
+            .map(|_| {
+                std::array::from_fn(|_| {
+                    like = number(&mut random, like);
+                    like
+                })
+            })
+            .collect();
+        let faces: Vec<[u32; 3]> = (0..300)
+            .map(|_| std::array::from_fn(|_| random.below(40) as u32))
+            .collect();
+        let mesh = Mesh::new(&positions, &faces, Weld::Keep).map_err(|e| e.to_string())?;
+        let mut lights: Vec<Light> = (0..33)
+            .map(|index| {
+                let [x, y, z] = std::array::from_fn(|axis| {
+                    let like = positions[random.below(40)][axis];
+                    number(&mut random, like)
+                });
+                let w = [1.0, 0.0, number(&mut random, 1.0), -1.0, 1e-30, 1e30][index % 6];
+                Light::homogeneous([x, y, z, w])
+            })
+            .collect();
+        lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));
+        check(
+            gpu,
+            &format!("round {round}"),
+            &positions,
+            &mesh,
+            &lights,
+            exact(lights.len()),
+        )?;
+    }
+    Ok(())
+}
+
+fn overflow() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(44)) {
+        let options = ExtractorOptions {
+            undecided_capacity: Some(3),
+            ..exact(lights.len())
+        };
+        check(gpu, &name, &positions, &mesh, &lights, options)?;
+    }
+    Ok(())
+}

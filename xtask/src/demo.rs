@@ -1,0 +1,96 @@
+//! `cargo xtask demo`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{process, vulkan};
+
+/// Models made by code: the file, and the example with the arguments that writes it.
+const MODELS: [(&str, &str, &[&str]); 2] = [
+    ("walking_figure.glb", "walking_figure", &[]),
+    ("blob.glb", "shape", &["blob"]),
+];
+
+/// A picture: its file, the model, and how `rimline draw` shows it, words apart by spaces.
+struct Picture {
+    file: &'static str,
+    model: &'static str,
+    view: &'static str,
+}
+
+/// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps.
+const PICTURES: [Picture; 4] = [
+    Picture {
+        file: "walk_from_the_front.png",
+        model: "walking_figure.glb",
+        view: "--animation 0 --time 0.02 --eye 1.7,1.5,3.6 --target 0,0.88,0 --fov 30",
+    },
+    Picture {
+        file: "walk_from_the_side.png",
+        model: "walking_figure.glb",
+        view: "--animation 0 --time 0.5 --eye 3.9,1.1,0.7 --target 0,0.88,0 --fov 30",
+    },
+    Picture {
+        file: "walk_from_behind.png",
+        model: "walking_figure.glb",
+        view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
+    },
+    Picture {
+        file: "blob.png",
+        model: "blob.glb",
+        view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36",
+    },
+];
+
+/// Makes the models, draws the pictures, and names them at the end.
+pub(crate) fn run() -> Result<(), String> {
+    vulkan::ensure()?;
+    let mut build = process::cargo(["build", "--release", "--features", "cli", "--bin", "rimline"]);
+    for (_, example, _) in MODELS {
+        build.args(["--example", example]);
+    }
+    process::run(&mut build)?;
+    let demo = process::root().join("demo");
+    std::fs::create_dir_all(&demo).map_err(|error| format!("cannot make {}: {error}", demo.display()))?;
+    for (file, example, arguments) in MODELS {
+        process::run(
+            program(&format!("examples/{example}"))
+                .args(arguments)
+                .arg(demo.join(file)),
+        )?;
+    }
+    let mut written = Vec::new();
+    for picture in PICTURES {
+        let out = demo.join(picture.file);
+        remove_old(&out)?;
+        let mut draw = program("rimline");
+        draw.arg("draw")
+            .arg(demo.join(picture.model))
+            .args(picture.view.split(' '));
+        process::run(draw.args(["--size", "960x1200", "--out"]).arg(&out))?;
+        if !out.is_file() {
+            return Err(format!("`rimline draw` succeeded, but there is no {}", out.display()));
+        }
+        written.push(out);
+    }
+    println!();
+    for out in written {
+        println!("{}", out.display());
+    }
+    Ok(())
+}
+
+/// A program from the release build.
+fn program(name: &str) -> Command {
+    let mut path: PathBuf = process::target().join("release");
+    path.push(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    Command::new(path)
+}
+
+/// So that a picture that is named has been drawn now.
+fn remove_old(picture: &Path) -> Result<(), String> {
+    if picture.exists() {
+        std::fs::remove_file(picture).map_err(|error| format!("cannot replace {}: {error}", picture.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! Counting tests.
+
+use std::process::ExitCode;
+
+/// What the tests and checks of a run came to.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Summary {
+    passed: usize,
+    failed: usize,
+    /// Ignored by name.
+    skipped: usize,
+    gpu_tests: usize,
+    /// Lines to show again at the end.
+    notes: Vec<String>,
+    errors: Vec<String>,
+}
+
+impl Summary {
+    /// Counts what a line of a test binary's output says.
+    pub(crate) fn read(&mut self, line: &str) {
+        if let Some(counts) = line.strip_prefix("test result: ") {
+            // "ok. 6 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.03s"
+            let words: Vec<_> = counts.split([' ', ';', '.']).filter(|word| !word.is_empty()).collect();
+            for pair in words.windows(2) {
+                let count = pair[0].parse().unwrap_or(0);
+                match pair[1] {
+                    "passed" => self.passed += count,
+                    "failed" => self.failed += count,
+                    "ignored" => self.skipped += count,
+                    _ => {}
+                }
+            }
+        } else if let Some(count) = line.strip_prefix("gpu tests: ") {
+            self.gpu_tests += count.trim().parse::<usize>().unwrap_or(0);
+            self.notes.push(line.into());
+        } else if line.starts_with("adapter: ") {
+            self.notes.push(line.into());
+        }
+    }
+
+    /// Ends the reading of test binaries: whether cargo was content, and whether the GPU was tested at all.
+    pub(crate) fn tests_ended(&mut self, succeeded: bool) {
+        if !succeeded && self.failed == 0 {
+            self.fail("the tests ended badly, though none is reported as failed: see above");
+        }
+        if self.gpu_tests == 0 {
+            self.fail("no GPU test ran");
+        }
+    }
+
+    /// Counts a check of this program's own.
+    pub(crate) fn check(&mut self, name: &str, outcome: Result<(), String>) {
+        match outcome {
+            Ok(()) => {
+                println!("check {name} ... ok");
+                self.passed += 1;
+            }
+            Err(error) => {
+                println!("check {name} ... FAILED");
+                self.fail(&format!("{name}: {error}"));
+            }
+        }
+    }
+
+    /// Something to show at the end.
+    pub(crate) fn note(&mut self, note: &str) {
+        self.notes.push(note.into());
+    }
+
+    /// Counts a failure that is no test's.
+    pub(crate) fn fail(&mut self, error: &str) {
+        self.failed += 1;
+        self.errors.push(error.into());
+    }
+
+    fn last_line(&self) -> String {
+        format!(
+            "{} passed, {} failed, {} skipped",
+            self.passed, self.failed, self.skipped
+        )
+    }
+
+    /// Shows notes, errors and, as the last line, the counts.
+    pub(crate) fn finish(&self) -> ExitCode {
+        println!();
+        for note in &self.notes {
+            println!("{note}");
+        }
+        // On standard output too, so that the counts stay the last line wherever the two are joined.
+        for error in &self.errors {
+            println!("error: {error}");
+        }
+        println!("{}", self.last_line());
+        if self.failed == 0 {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Summary;
+
+    fn summary(lines: &[&str], succeeded: bool) -> Summary {
+        let mut summary = Summary::default();
+        for line in lines {
+            summary.read(line);
+        }
+        summary.tests_ended(succeeded);
+        summary
+    }
+
+    const RESULT: &str =
+        "test result: ok. 6 passed; 0 failed; 2 ignored; 0 measured; 0 filtered out; finished in 0.03s";
+
+    #[test]
+    fn results_of_all_binaries_add_up() {
+        let failed = "test result: FAILED. 20 passed; 3 failed; 0 ignored; 0 measured; 1 filtered out; finished in 9s";
+        let all = summary(&[RESULT, "adapter: llvmpipe", "gpu tests: 20", failed], false);
+        assert_eq!(all.last_line(), "26 passed, 3 failed, 2 skipped");
+        assert_eq!(all.notes, ["adapter: llvmpipe", "gpu tests: 20"]);
+    }
+
+    #[test]
+    fn a_run_without_gpu_tests_fails() {
+        assert_eq!(summary(&[RESULT], true).last_line(), "6 passed, 1 failed, 2 skipped");
+        assert_eq!(
+            summary(&[RESULT, "gpu tests: 0"], true).last_line(),
+            "6 passed, 1 failed, 2 skipped"
+        );
+    }
+
+    #[test]
+    fn a_crash_without_a_failed_test_fails() {
+        let crashed = summary(&["gpu tests: 4", RESULT], false);
+        assert_eq!(crashed.last_line(), "6 passed, 1 failed, 2 skipped");
+    }
+}

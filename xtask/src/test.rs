@@ -1,0 +1,41 @@
+//! `cargo xtask test`.
+
+use crate::summary::Summary;
+use crate::{features, process, vulkan};
+
+/// The member that needs a C++ compiler and is measured, not tested.
+pub(crate) const BENCH: &str = "rimline-bench-adjacency";
+
+/// Runs every test.
+pub(crate) fn run() -> Summary {
+    let mut summary = Summary::default();
+    add(&mut summary);
+    summary
+}
+
+/// Runs every test and counts it in `summary`.
+pub(crate) fn add(summary: &mut Summary) {
+    // Without a driver the other tests still have something to say.
+    if let Err(error) = vulkan::ensure() {
+        println!("error: {error}");
+        summary.fail(&error);
+    }
+    let arguments = [
+        "test",
+        "--workspace",
+        "--exclude",
+        BENCH,
+        "--all-features",
+        "--no-fail-fast",
+    ];
+    let outcome = process::run_looking(&mut process::cargo(arguments), |line| summary.read(line));
+    if let Err(error) = &outcome {
+        println!("error: {error}");
+    }
+    summary.tests_ended(outcome.unwrap_or(false));
+    summary.check("the library builds without default features", features::library_alone());
+    summary.check(
+        "the library has none of the command's dependencies",
+        features::no_command_dependencies(),
+    );
+}

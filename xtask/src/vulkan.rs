@@ -1,0 +1,128 @@
+//! Is there a Vulkan driver? If not, install Mesa's software one.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::packages::Manager;
+use crate::process;
+
+/// Makes sure that there is a driver. macOS has Metal and Windows Direct3D 12, so only Linux and its like need one.
+pub(crate) fn ensure() -> Result<(), String> {
+    if cfg!(any(target_os = "macos", target_os = "windows")) || is_there() {
+        return Ok(());
+    }
+    let Some(manager) = Manager::of_this_system() else {
+        return Err(
+            "no Vulkan driver found, and this distribution is not one that this program knows; install a Vulkan \
+             loader (libvulkan.so.1) and a driver, such as Mesa's software driver lavapipe, and try again"
+                .into(),
+        );
+    };
+    println!("No Vulkan driver found; installing Mesa's software driver.");
+    manager.install()?;
+    if is_there() {
+        Ok(())
+    } else {
+        Err(format!(
+            "`{}` succeeded, but there still is no Vulkan driver",
+            manager.one_command()
+        ))
+    }
+}
+
+fn is_there() -> bool {
+    has_loader() && has_driver()
+}
+
+/// Whether the loader, `libvulkan.so.1`, is where the dynamic linker looks.
+fn has_loader() -> bool {
+    const LOADER: &str = "libvulkan.so.1";
+    // Not on an ordinary user's PATH on Debian.
+    let known = ["ldconfig", "/sbin/ldconfig", "/usr/sbin/ldconfig"]
+        .iter()
+        .find_map(|ldconfig| process::output(Command::new(ldconfig).arg("-p")).ok());
+    if known.is_some_and(|list| list.contains(LOADER)) {
+        return true;
+    }
+    let mut places: Vec<PathBuf> =
+        env::var_os("LD_LIBRARY_PATH").map_or_else(Vec::new, |v| env::split_paths(&v).collect());
+    for place in [
+        "/usr/lib",
+        "/usr/lib64",
+        "/usr/local/lib",
+        "/usr/local/lib64",
+        "/lib",
+        "/lib64",
+    ] {
+        places.push(place.into());
+        // Debian's directory for the architecture.
+        places.extend(entries(Path::new(place)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
+    }
+    places.iter().any(|place| place.join(LOADER).exists())
+}
+
+/// Whether some driver's manifest is installed that can work here: a software driver's, or any beside a GPU.
+fn has_driver() -> bool {
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        // The loader looks nowhere else then, and the user knows what they want.
+        if let Some(files) = env::var_os(variable) {
+            return env::split_paths(&files).any(|file| file.exists());
+        }
+    }
+    let manifests: Vec<PathBuf> = manifest_directories()
+        .iter()
+        .flat_map(|directory| entries(directory))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    manifests.iter().any(|manifest| is_software(manifest)) || (!manifests.is_empty() && has_gpu())
+}
+
+/// Where the loader looks for manifests.
+fn manifest_directories() -> Vec<PathBuf> {
+    let home = env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
+    let one =
+        |variable: &str, otherwise: &str| env::var_os(variable).map_or_else(|| home.join(otherwise), PathBuf::from);
+    let many = |variable: &str, otherwise: &str| {
+        let value = env::var_os(variable).filter(|value| !value.is_empty());
+        env::split_paths(&value.unwrap_or_else(|| otherwise.into())).collect::<Vec<_>>()
+    };
+    let mut bases = vec![one("XDG_CONFIG_HOME", ".config"), one("XDG_DATA_HOME", ".local/share")];
+    bases.extend(many("XDG_CONFIG_DIRS", "/etc/xdg"));
+    bases.extend(many("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
+    bases.extend(["/etc", "/usr/local/etc", "/usr/local/share", "/usr/share"].map(PathBuf::from));
+    bases.iter().map(|base| base.join("vulkan/icd.d")).collect()
+}
+
+/// lavapipe or `SwiftShader`, by the manifest's name.
+fn is_software(manifest: &Path) -> bool {
+    let name = manifest
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    ["lvp", "lavapipe", "swiftshader"]
+        .iter()
+        .any(|driver| name.contains(driver))
+}
+
+/// Whether the kernel offers a GPU: distributions install all of Mesa's manifests, whatever the machine.
+fn has_gpu() -> bool {
+    let render_node = entries(Path::new("/dev/dri")).any(|node| {
+        node.file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with("renderD"))
+    });
+    render_node
+        || ["/dev/nvidia0", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"]
+            .iter()
+            .any(|node| Path::new(node).exists())
+}
+
+fn entries(directory: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    fs::read_dir(directory)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+}
