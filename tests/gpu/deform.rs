@@ -55,7 +55,7 @@ pub(crate) fn check_deform(found: &[[f32; 3]], model: &Model, pose: &Pose) -> Re
 }
 
 fn random_models() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let first = 61;
     println!("seeds from {first}");
     for seed in first..if is_long() { first + 40 } else { first + 4 } {
@@ -84,7 +84,7 @@ const PASS_THROUGH: &str = "fn displace(position: vec3<f32>, vertex: u32, time: 
 }";
 
 fn displaced() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(62);
     let model = random_model(&mut random, 300);
     let pose = random_pose(&mut random, &model);
@@ -140,7 +140,7 @@ fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
 }";
 
 fn resources() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(63);
     let model = random_model(&mut random, 280);
     let pose = random_pose(&mut random, &model);
@@ -214,7 +214,7 @@ fn resources() -> Result<(), String> {
 type Perturbation = (fn(&mut Pose), PoseMismatch);
 
 fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(64);
     let model = random_model(&mut random, 30);
     let pose = random_pose(&mut random, &model);

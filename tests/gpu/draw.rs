@@ -150,7 +150,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
 }
 
 fn drawn() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 82;
     println!("seed {seed}");
     let mut random = Random::new(seed);

@@ -187,7 +187,7 @@ pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32;
 }
 
 fn computed() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 81;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -217,7 +217,7 @@ fn computed() -> Result<(), String> {
 }
 
 fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("cube", shapes::cube());
     let buffer = gpu.storage(&positions);
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);

@@ -59,7 +59,7 @@ fn same_lists(what: &str, found: &Found, alone: &Found, count: usize) -> Result<
 }
 
 fn fewer() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(41);
     let (_, positions, mesh) = torus();
     let buffer = gpu.storage(&positions);
@@ -100,7 +100,7 @@ fn fewer() -> Result<(), String> {
 
 /// Results are copied out between encodes; a later encode must not reach back.
 fn several_encodes() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(42);
     let (_, positions, mesh) = torus();
     let moved: Vec<_> = positions.iter().map(|[x, y, z]| [x * 0.5, y + 0.3, *z]).collect();
@@ -144,7 +144,7 @@ fn several_encodes() -> Result<(), String> {
 }
 
 fn thousand() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("blob", shapes::blob(2, 0.4, 3));
     let lights = lights(&mut Random::new(43), 1024);
     for ordered in [false, true] {
@@ -166,7 +166,7 @@ fn thousand() -> Result<(), String> {
 }
 
 fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
     for (max_lights, expected) in [
         (0, LightError::None),

@@ -106,7 +106,7 @@ fn windows(bytes: u64, binding: u64) -> u64 {
 }
 
 fn unchanged() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 71;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -163,7 +163,7 @@ fn unchanged() -> Result<(), String> {
 }
 
 fn deform_unchanged() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(72);
     let model = random_model(&mut random, 2500);
     let pose = random_pose(&mut random, &model);

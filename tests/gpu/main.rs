@@ -42,5 +42,7 @@ fn main() {
     let trials = tests
         .into_iter()
         .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit();
+    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials.collect());
+    common::device::Gpu::close();
+    conclusion.exit();
 }

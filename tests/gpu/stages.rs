@@ -83,7 +83,7 @@ const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 /// Lights of all counts for a case, and the masks that follow from the facing bits the GPU found: those are checked by
 /// themselves (`facing.rs`), and all that comes after is integers.
 fn edges() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 1;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -128,7 +128,7 @@ fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
 }
 
 fn ordered_lists() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2);
     for (name, positions, mesh) in topologies() {
         for (count, masks) in LIGHT_COUNTS
@@ -157,7 +157,7 @@ fn ordered_lists() -> Result<(), String> {
 }
 
 fn unordered_lists() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(3);
     for (name, positions, mesh) in topologies() {
         for count in LIGHT_COUNTS {
@@ -185,7 +185,7 @@ fn unordered_lists() -> Result<(), String> {
 }
 
 fn overflow() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4);
     let lights = lights(&mut random, 40);
     for (name, positions, mesh) in topologies() {
