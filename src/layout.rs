@@ -175,11 +175,7 @@ shared_structs! {
 impl LightWord {
     /// The word of up to 32 `lights`.
     pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
-        let mut word = Self {
-            count: lights.len() as u32,
-            live: live_bits(lights.len()),
-            ..Self::zeroed()
-        };
+        let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
         for (slot, light) in lights.iter().take(32).enumerate() {
             let given = light.to_array();
             let scaled = ScaledLight::new(given);
@@ -188,11 +184,7 @@ impl LightWord {
             word.light_bits[slot] = given.map(f32::to_bits);
             word.doubtful |= u32::from(scaled.doubtful) << slot;
         }
-        Self {
-            position_offset,
-            position_stride,
-            ..word
-        }
+        Self { position_offset, position_stride, ..word }
     }
 }
 
@@ -205,30 +197,16 @@ struct ScaledLight {
 
 impl ScaledLight {
     fn new(given: [f32; 4]) -> Self {
-        let largest = given
-            .iter()
-            .fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
+        let largest = given.iter().fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
         // In f64 neither the power of two nor the product can round, whatever finite f32 the light has.
-        let scale = if largest == 0.0 {
-            1.0
-        } else {
-            f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52)
-        };
+        let scale = if largest == 0.0 { 1.0 } else { f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52) };
         let light = given.map(|c| (f64::from(c) * scale) as f32);
         let [x, y, z, w] = light.map(f32::abs);
         // A w that is a power of two makes every product w·a exact.
-        let inexact = if w == 0.0 || w.to_bits() & 0x007f_ffff == 0 {
-            0.0
-        } else {
-            w
-        };
+        let inexact = if w == 0.0 || w.to_bits() & 0x007f_ffff == 0 { 0.0 } else { w };
         // A w so small beside x, y, z that scaling or its products could lose bits.
         let doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
-        Self {
-            light,
-            bounds: [x.max(y).max(z), w, inexact, 0.0],
-            doubtful,
-        }
+        Self { light, bounds: [x.max(y).max(z), w, inexact, 0.0], doubtful }
     }
 }
 

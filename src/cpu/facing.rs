@@ -67,11 +67,7 @@ pub(super) fn facing_into(
         });
         let word = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
         // Every word sees the same faces.
-        total = FacingCounts {
-            non_finite_faces: 0,
-            ..total
-        }
-        .plus(word);
+        total = FacingCounts { non_finite_faces: 0, ..total }.plus(word);
     }
     total
 }
@@ -84,11 +80,7 @@ pub fn is_finite(position: [f32; 3]) -> bool {
 /// `(b − a) × (c − a)`, counter-clockwise outside.
 pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
     let [u, v] = [difference(b, a), difference(c, a)];
-    [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ]
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
@@ -118,11 +110,7 @@ fn face_mask<const EXACT: bool>(
         return 0;
     }
     let Decision { facing, doubt } = side.decide::<EXACT>(word);
-    if doubt == 0 {
-        facing
-    } else {
-        settle(&side, [a, b, c], word, Decision { facing, doubt }, counts)
-    }
+    if doubt == 0 { facing } else { settle(&side, [a, b, c], word, Decision { facing, doubt }, counts) }
 }
 
 /// Ten units of the last place, 10 · 2⁻²³.
@@ -156,31 +144,15 @@ impl Side {
     #[inline]
     fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
         let [u, v] = [difference(b, a), difference(c, a)];
-        let n = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
-        let n_abs = [
-            u[1] * v[2] + u[2] * v[1],
-            u[2] * v[0] + u[0] * v[2],
-            u[0] * v[1] + u[1] * v[0],
-        ];
+        let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
         let reach = largest(u).max(largest(v)).max(1.0);
         let least = UNDERFLOW * reach * reach;
         let per_l = RELATIVE * (n_abs[0] + n_abs[1] + n_abs[2]) + least;
         let [a_largest, b_largest, c_largest] = [a, b, c].map(|p| largest(p.map(f32::abs)));
         let is_large = a_largest.max(b_largest).max(c_largest) >= LARGE;
-        Self {
-            a,
-            n,
-            n_abs,
-            per_l,
-            per_w: per_l * a_largest,
-            least,
-            is_large,
-        }
+        Self { a, n, n_abs, per_l, per_w: per_l * a_largest, least, is_large }
     }
 
     fn determinant(&self, [x, y, z, w]: [f32; 4]) -> f32 {
@@ -205,14 +177,8 @@ impl Side {
         }
         match EXACT {
             false => decision,
-            true if self.is_large => Decision {
-                facing: 0,
-                doubt: word.live,
-            },
-            true => Decision {
-                facing: decision.facing & !word.doubtful,
-                doubt: decision.doubt | word.doubtful,
-            },
+            true if self.is_large => Decision { facing: 0, doubt: word.live },
+            true => Decision { facing: decision.facing & !word.doubtful, doubt: decision.doubt | word.doubtful },
         }
     }
 
@@ -242,11 +208,7 @@ impl Side {
 /// Decides what the cheap bound left: by the full bound, by coplanarity along the axes, exactly.
 #[cold]
 fn settle(side: &Side, corners: [[f32; 3]; 3], word: &LightWord, before: Decision, counts: &mut FacingCounts) -> u32 {
-    let decision = if side.is_large {
-        before
-    } else {
-        side.decide_again(word, before)
-    };
+    let decision = if side.is_large { before } else { side.decide_again(word, before) };
     let doubt = leave_out_coplanar(decision.doubt, corners.map(|p| p.map(f32::to_bits)), word);
     let [a, b, c] = corners;
     let mut facing = decision.facing;
@@ -270,9 +232,7 @@ fn leave_out_coplanar(doubt: u32, [a, b, c]: [[u32; 3]; 3], word: &LightWord) ->
         let light = word.light_bits[*bit];
         light[3] == 1.0_f32.to_bits() && (0..3).any(|axis| flat[axis] && light[axis] == a[axis])
     };
-    bits(doubt)
-        .filter(is_coplanar)
-        .fold(doubt, |left, bit| left & !(1 << bit))
+    bits(doubt).filter(is_coplanar).fold(doubt, |left, bit| left & !(1 << bit))
 }
 
 fn largest(v: [f32; 3]) -> f32 {

@@ -52,12 +52,7 @@ impl Mesh {
 
     fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
         let edges = EdgeRecords::build(vertex_count, &faces);
-        Self {
-            vertex_count: vertex_count as u32,
-            faces,
-            edges,
-            weld,
-        }
+        Self { vertex_count: vertex_count as u32, faces, edges, weld }
     }
 
     /// Source vertices, welded away or not: what a position buffer must hold.
@@ -82,9 +77,7 @@ impl Mesh {
 
     /// Every record is of kind [`EdgeKind::Consistent`]: closed and consistently oriented.
     pub fn is_closed(&self) -> bool {
-        let EdgeCounts {
-            inconsistent, boundary, ..
-        } = self.edges.counts();
+        let EdgeCounts { inconsistent, boundary, .. } = self.edges.counts();
         inconsistent == 0 && boundary == 0
     }
 
@@ -116,12 +109,7 @@ fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
     }
     for (face, corners) in faces.iter().enumerate() {
         if let Some(corner) = corners.iter().position(|&v| v as usize >= vertex_count) {
-            return Err(MeshError::IndexOutOfRange {
-                face,
-                corner,
-                index: corners[corner],
-                vertices: vertex_count,
-            });
+            return Err(MeshError::IndexOutOfRange { face, corner, index: corners[corner], vertices: vertex_count });
         }
     }
     Ok(())

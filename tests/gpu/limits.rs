@@ -12,10 +12,8 @@ use crate::deform::check_deform;
 use crate::positions::interleaved;
 use crate::stages::{Found, read};
 
-pub(crate) const TESTS: &[crate::Test] = &[
-    ("small_limits_change_nothing", unchanged),
-    ("small_limits_change_no_deformation", deform_unchanged),
-];
+pub(crate) const TESTS: &[crate::Test] =
+    &[("small_limits_change_nothing", unchanged), ("small_limits_change_no_deformation", deform_unchanged)];
 
 pub(crate) fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
@@ -52,11 +50,7 @@ impl Run<'_> {
     fn on(&self, gpu: &Gpu, mesh: &Mesh) -> Result<Found, String> {
         let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
         let mut extractor = Extractor::new(&gpu.device, mesh, self.options).map_err(text)?;
-        let bound = PositionBuffer {
-            buffer: &buffer,
-            offset: self.offset,
-            stride: self.stride,
-        };
+        let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
         gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
         read(gpu, &extractor, mesh, self.options.max_lights)
     }
@@ -67,11 +61,7 @@ fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: 
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
     same(&format!("{what}, draws"), &found.draws, &expected.draws)?;
-    same(
-        &format!("{what}, statistics"),
-        &[found.statistics],
-        &[expected.statistics],
-    )?;
+    same(&format!("{what}, statistics"), &[found.statistics], &[expected.statistics])?;
     for (light, (list, whole)) in found.lists.iter().zip(&expected.lists).enumerate() {
         let sorted = |list: &[u32]| {
             let mut list = list.to_vec();
@@ -119,19 +109,11 @@ fn unchanged() -> Result<(), String> {
         spans[1].insert(windows(mesh.faces().len() as u64 * 4, binding));
         for (count, capacity) in [(1, 2000), (33, 100), (3, 1000)] {
             let lights = lights(&mut random, count);
-            for (method, ordered) in [
-                (Method::FaceMask, false),
-                (Method::FaceMask, true),
-                (Method::PerEdge, true),
-            ] {
+            for (method, ordered) in [(Method::FaceMask, false), (Method::FaceMask, true), (Method::PerEdge, true)] {
                 // Per-edge lists have room for all edges; where a binding does not, only the masks are compared.
                 let list_bytes = 4 * mesh.edges().len() as u64 * count.min(32) as u64;
                 let fits = method == Method::FaceMask || list_bytes <= binding;
-                let lists = ListOptions {
-                    capacity: Some(capacity),
-                    ordered,
-                    vertices_per_edge: 6,
-                };
+                let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 6 };
                 let run = Run {
                     shape: &shape,
                     lights: &lights,
@@ -156,9 +138,7 @@ fn unchanged() -> Result<(), String> {
     if spans == [all, [1, 2, 3, 4].into()] {
         Ok(())
     } else {
-        Err(format!(
-            "bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"
-        ))
+        Err(format!("bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"))
     }
 }
 
@@ -178,11 +158,7 @@ fn deform_unchanged() -> Result<(), String> {
         let deformer = Deformer::new(&small.device, &model, DeformerOptions::default()).map_err(text)?;
         let found = crate::deform::deformed(&small, &deformer, &model, &pose)?;
         check_deform(&found, &model, &pose)?;
-        same(
-            &format!("{binding} bytes a binding, {workgroups} workgroups"),
-            &found,
-            &expected,
-        )?;
+        same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
     }
     Ok(())
 }

@@ -38,16 +38,8 @@ pub(crate) fn extract(
 ) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
     let mut extractor = Extractor::new(&gpu.device, mesh, options).map_err(|error| error.to_string())?;
-    let positions = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
-    gpu.submit(|encoder| {
-        extractor
-            .encode(encoder, positions, lights, None)
-            .map_err(|error| error.to_string())
-    })?;
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| error.to_string()))?;
     read(gpu, &extractor, mesh, options.max_lights)
 }
 
@@ -90,12 +82,7 @@ fn edges() -> Result<(), String> {
     for (name, positions, mesh) in topologies() {
         for count in LIGHT_COUNTS {
             let lights = lights(&mut random, count);
-            let options = ExtractorOptions {
-                max_lights: count,
-                masks: true,
-                lists: None,
-                ..Default::default()
-            };
+            let options = ExtractorOptions { max_lights: count, masks: true, lists: None, ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             let what = format!("{name}, {count} lights");
             check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
@@ -104,11 +91,7 @@ fn edges() -> Result<(), String> {
             let mut wrong = found.masks;
             wrong[random.below(masks.len())].winding ^= 1;
             must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
-            let live = |word: usize| {
-                1_u64
-                    .checked_shl((count - 32 * word) as u32)
-                    .map_or(u64::MAX, |bit| bit - 1)
-            };
+            let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
             for (at, masks) in masks.iter().enumerate() {
                 if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
                     return Err(format!("{what}: record {at} has bits past the lights"));
@@ -120,21 +103,14 @@ fn edges() -> Result<(), String> {
 }
 
 fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
-    ListOptions {
-        capacity,
-        ordered,
-        vertices_per_edge: 6,
-    }
+    ListOptions { capacity, ordered, vertices_per_edge: 6 }
 }
 
 fn ordered_lists() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2);
     for (name, positions, mesh) in topologies() {
-        for (count, masks) in LIGHT_COUNTS
-            .into_iter()
-            .flat_map(|count| [(count, false), (count, true)])
-        {
+        for (count, masks) in LIGHT_COUNTS.into_iter().flat_map(|count| [(count, false), (count, true)]) {
             let lights = lights(&mut random, count);
             let options = ExtractorOptions {
                 max_lights: count,
@@ -167,16 +143,10 @@ fn unordered_lists() -> Result<(), String> {
                 lists: Some(list_options(Some(u32::MAX), false)),
                 ..Default::default()
             };
-            let ordered = ExtractorOptions {
-                lists: Some(list_options(Some(u32::MAX), true)),
-                ..unordered
-            };
+            let ordered = ExtractorOptions { lists: Some(list_options(Some(u32::MAX), true)), ..unordered };
             let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
             let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
-            found
-                .lists
-                .iter_mut()
-                .for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
+            found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
             same(&format!("{name}, {count} lights, lists"), &found.lists, &expected.lists)?;
             same(&format!("{name}, {count} lights, draws"), &found.draws, &expected.draws)?;
         }
@@ -189,33 +159,18 @@ fn overflow() -> Result<(), String> {
     let mut random = Random::new(4);
     let lights = lights(&mut random, 40);
     for (name, positions, mesh) in topologies() {
-        let whole = ExtractorOptions {
-            max_lights: 40,
-            lists: Some(list_options(Some(u32::MAX), true)),
-            ..Default::default()
-        };
+        let whole =
+            ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(u32::MAX), true)), ..Default::default() };
         let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
         for ordered in [false, true] {
-            let options = ExtractorOptions {
-                max_lights: 40,
-                lists: Some(list_options(Some(20), ordered)),
-                ..Default::default()
-            };
+            let options =
+                ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(20), ordered)), ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
-            let shape = DrawShape {
-                lights: 40,
-                capacity: 20,
-                edges: mesh.edges().len() as u32,
-                vertices_per_edge: 6,
-            };
+            let shape = DrawShape { lights: 40, capacity: 20, edges: mesh.edges().len() as u32, vertices_per_edge: 6 };
             let (draws, overflowed) = cpu::arguments(shape, &whole.counts);
             same(&format!("{name}, draws"), &found.draws, &draws)?;
-            same(
-                &format!("{name}, overflowed"),
-                &[found.statistics.overflowed_lists],
-                &[overflowed],
-            )?;
+            same(&format!("{name}, overflowed"), &[found.statistics.overflowed_lists], &[overflowed])?;
             for (list, whole) in found.lists.iter().zip(&whole.lists) {
                 if ordered {
                     same(&format!("{name}, list"), list, &whole[..whole.len().min(20)])?;

@@ -21,11 +21,9 @@ fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
     match &module.types[ty].inner {
         TypeInner::Scalar(of) | TypeInner::Atomic(of) => scalar(*of),
         TypeInner::Vector { size, scalar: of } => format!("[{}; {}]", scalar(*of), *size as u8),
-        TypeInner::Array {
-            base,
-            size: ArraySize::Constant(count),
-            ..
-        } => format!("[{}; {count}]", rust_type(module, *base)),
+        TypeInner::Array { base, size: ArraySize::Constant(count), .. } => {
+            format!("[{}; {count}]", rust_type(module, *base))
+        }
         other => format!("{other:?}"),
     }
 }
