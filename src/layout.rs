@@ -203,7 +203,7 @@ impl ScaledLight {
         let scale = if largest == 0.0 { 1.0 } else { f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52) };
         let light = given.map(|c| (f64::from(c) * scale) as f32);
         let w = light[3].abs();
-        let is_power_of_two = w == 0.0 || w.to_bits() & 0x007f_ffff == 0;
+        let is_power_of_two = w == 0.0 || w.to_bits().trailing_zeros() >= 23;
         // A w so small beside x, y, z that scaling or its products could lose bits.
         let is_doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
         Self { light, inexact_w: if is_power_of_two { 0.0 } else { w }, is_doubtful }

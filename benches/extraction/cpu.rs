@@ -19,7 +19,8 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
                 let (method, threads) = (Method::FaceMask, Threads::new(threads));
                 wall_ms(|| {
                     let done = extraction.update(positions, mesh, lights, method, predicate, threads);
-                    black_box(done.expect("good lights"));
+                    done.expect("good lights");
+                    black_box(&extraction);
                 })
             };
             list.push((format!("twin, {name}, {threads} threads"), Box::new(twin)));

@@ -8,7 +8,8 @@ mod measure;
 use std::path::PathBuf;
 
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh, shapes};
+use rimline::shapes::{self, Shape};
+use rimline::{Light, Mesh};
 
 use measure::{interleave, wall_ms};
 
@@ -22,15 +23,15 @@ fn main() {
     } else {
         println!("adapter: none; only the CPU is measured");
     }
-    for (name, positions, faces) in meshes(quick) {
-        measure_mesh(gpu.as_ref(), &name, &positions, &faces, rounds);
+    for (name, shape) in meshes(quick) {
+        measure_mesh(gpu.as_ref(), &name, &shape, rounds);
     }
 }
 
 /// A generated closed mesh, and a model file where there is one.
-fn meshes(quick: bool) -> Vec<(String, Vec<[f32; 3]>, Vec<[u32; 3]>)> {
+fn meshes(quick: bool) -> Vec<(String, Shape)> {
     let torus = if quick { shapes::torus(128, 64, 1.0, 0.4) } else { shapes::torus(1024, 512, 1.0, 0.4) };
-    let mut meshes = vec![("torus".to_owned(), torus.positions, torus.faces)];
+    let mut meshes = vec![("torus".to_owned(), torus)];
     let assets = std::env::var_os("RIMLINE_ASSETS")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/assets"), PathBuf::from);
     let file = assets.join("spot_catmull_big.glb");
@@ -38,7 +39,8 @@ fn meshes(quick: bool) -> Vec<(String, Vec<[f32; 3]>, Vec<[u32; 3]>)> {
         match rimline::gltf::Asset::open(&file, Weld::Data) {
             Ok(asset) => {
                 let geometry = &asset.model().geometries[0];
-                meshes.push(("spot_catmull_big".to_owned(), geometry.positions.clone(), geometry.faces.clone()));
+                let shape = Shape { positions: geometry.positions.clone(), faces: geometry.faces.clone() };
+                meshes.push(("spot_catmull_big".to_owned(), shape));
             }
             Err(error) => println!("{}: {error}", file.display()),
         }
@@ -46,11 +48,12 @@ fn meshes(quick: bool) -> Vec<(String, Vec<[f32; 3]>, Vec<[u32; 3]>)> {
     meshes
 }
 
-fn measure_mesh(gpu: Option<&gpu::Gpu>, name: &str, positions: &[[f32; 3]], faces: &[[u32; 3]], rounds: usize) {
+fn measure_mesh(gpu: Option<&gpu::Gpu>, name: &str, shape: &Shape, rounds: usize) {
+    let Shape { positions, faces } = shape;
     let mesh = Mesh::new(positions, faces, Weld::Position).expect("a mesh");
     let edges = mesh.edges().len();
     println!("\n{name}: {} faces, {edges} edge records", mesh.faces().len());
-    let topology = || wall_ms(|| drop(Mesh::from_faces(positions.len(), faces.to_vec())));
+    let topology = || wall_ms(|| drop(Mesh::from_faces(positions.len(), faces.clone())));
     let topology = interleave(rounds, vec![("topology".to_owned(), Box::new(topology))]);
     let bytes = mesh.topology_bytes() as f64 / faces.len() as f64;
     println!("topology build {:.1} ms, {bytes:.1} bytes a face", topology[0].1.median());

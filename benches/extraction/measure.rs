@@ -31,7 +31,9 @@ pub(crate) type Contender<'a> = (String, Box<dyn FnMut() -> f64 + 'a>);
 pub(crate) fn interleave(rounds: usize, contenders: Vec<Contender<'_>>) -> Vec<(String, Times)> {
     let (names, mut runs): (Vec<_>, Vec<_>) = contenders.into_iter().unzip();
     let mut times = vec![Times::default(); runs.len()];
-    runs.iter_mut().for_each(|run| _ = run());
+    for run in &mut runs {
+        run();
+    }
     for _ in 0..rounds {
         for (run, times) in runs.iter_mut().zip(&mut times) {
             times.0.push(run());

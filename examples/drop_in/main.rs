@@ -1,5 +1,5 @@
 //! Rimline in a renderer that has its own device, positions and render pass: draws the silhouette of a torus, as an eye
-//! sees it, into drop_in.png. Run it with `cargo run --release --example drop_in`.
+//! sees it, into `drop_in.png`. Run it with `cargo run --release --example drop_in`.
 
 #[path = "../support/mod.rs"]
 mod support;

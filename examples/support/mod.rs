@@ -4,17 +4,17 @@ use rimline::gpu::read_back_vec;
 use rimline::wgpu;
 
 /// A device and a picture to draw into, without a window.
-pub struct Canvas {
-    pub device: wgpu::Device,
-    pub queue: wgpu::Queue,
-    pub size: u32,
+pub(crate) struct Canvas {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) size: u32,
     target: wgpu::Texture,
 }
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 impl Canvas {
-    pub fn new(size: u32) -> Result<Self, Box<dyn std::error::Error>> {
+    pub(crate) fn new(size: u32) -> Result<Self, Box<dyn std::error::Error>> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
@@ -32,7 +32,7 @@ impl Canvas {
     }
 
     /// A storage buffer with these contents.
-    pub fn storage(&self, contents: &[u8]) -> wgpu::Buffer {
+    pub(crate) fn storage(&self, contents: &[u8]) -> wgpu::Buffer {
         let buffer = self.buffer(contents.len() as u64);
         self.queue.write_buffer(&buffer, 0, contents);
         buffer
@@ -44,7 +44,7 @@ impl Canvas {
     }
 
     /// A pipeline that draws lines with `wgsl`'s entry points `line` and `ink`.
-    pub fn line_pipeline(&self, layout: &wgpu::BindGroupLayout, wgsl: String) -> wgpu::RenderPipeline {
+    pub(crate) fn line_pipeline(&self, layout: &wgpu::BindGroupLayout, wgsl: String) -> wgpu::RenderPipeline {
         let source = wgpu::ShaderSource::Wgsl(wgsl.into());
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("lines"), source });
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -79,7 +79,7 @@ impl Canvas {
     }
 
     /// Draws with `record` into the cleared picture.
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, record: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
+    pub(crate) fn draw(&self, encoder: &mut wgpu::CommandEncoder, record: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let view = self.target.create_view(&wgpu::TextureViewDescriptor::default());
         record(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("canvas"),
@@ -94,7 +94,7 @@ impl Canvas {
     }
 
     /// Submits and writes the picture.
-    pub fn save(&self, mut encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
+    pub(crate) fn save(&self, mut encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
         let pixels = self.buffer(u64::from(4 * self.size * self.size));
         let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * self.size), ..Default::default() };
         let copy = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };

@@ -85,19 +85,16 @@ impl Binder<'_> {
         for dispatch in &mut pass.dispatches {
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
             resources.extend(windows.iter().map(|window| binding(positions, window.clone())));
-            match (options.method, &self.buffers.edge_corners) {
-                (Method::PerEdge, Some(corners)) => {
-                    resources.push(binding(corners, dispatch.bytes(16)));
-                    resources.extend(self.emit_targets(dispatch));
-                }
-                _ => {
-                    resources.push(binding(&self.buffers.faces, dispatch.bytes(12)));
-                    resources.push(binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4)));
-                    resources.push(self.buffers.statistics.as_entire_binding());
-                    resources.push(self.undecided());
-                }
+            if let (Method::PerEdge, Some(corners)) = (options.method, &self.buffers.edge_corners) {
+                resources.push(binding(corners, dispatch.bytes(16)));
+                resources.extend(self.emit_targets(dispatch));
+            } else {
+                resources.push(binding(&self.buffers.faces, dispatch.bytes(12)));
+                resources.push(binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4)));
+                resources.push(self.buffers.statistics.as_entire_binding());
+                resources.push(self.undecided());
             }
-            dispatch.offsets = self.word_and_chunk(dispatch);
+            dispatch.offsets = Self::word_and_chunk(dispatch);
             dispatch.group = Some(pass.pipeline.bind(self.device, &resources));
         }
     }
@@ -113,7 +110,7 @@ impl Binder<'_> {
             resources.extend(windows.ranges.iter().map(|window| binding(facing, window.clone())));
             resources.push(binding(&self.buffers.edge_faces, dispatch.bytes(8)));
             resources.extend(self.emit_targets(dispatch));
-            dispatch.offsets = self.word_and_chunk(dispatch);
+            dispatch.offsets = Self::word_and_chunk(dispatch);
             dispatch.group = Some(pipeline.bind(self.device, &resources));
         }
         Pass { pipeline, dispatches }
@@ -188,7 +185,7 @@ impl Binder<'_> {
     }
 
     /// Dynamic offsets of a light word and a chunk.
-    fn word_and_chunk(&self, dispatch: &Dispatch) -> Vec<u32> {
+    fn word_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
         vec![dispatch.word as u32 * UniformTable::stride::<LightWord>() as u32, dispatch.chunk_offset]
     }
 }

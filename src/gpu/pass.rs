@@ -98,7 +98,7 @@ impl Pass {
         let timestamp_writes = timer.and_then(|timer| timer.writes(label));
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes });
-        pass.set_pipeline(&self.pipeline.pipeline);
+        pass.set_pipeline(&self.pipeline.compute);
         pass
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn layout(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> wg
 #[derive(Debug)]
 pub(super) struct Pipeline {
     pub(super) label: &'static str,
-    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) compute: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
     /// Words a window of its gathered array, 0 for a single one; see `Split::windows`.
     pub(super) window_words: u32,
@@ -70,7 +70,7 @@ impl Pipeline {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let compute = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry_point),
             layout: Some(&pipeline_layout),
             module: &module,
@@ -78,7 +78,7 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
-        Self { label: entry_point, pipeline, layout, window_words }
+        Self { label: entry_point, compute, layout, window_words }
     }
 
     /// A bind group with `resources` numbered from 0.

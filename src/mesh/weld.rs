@@ -56,7 +56,7 @@ pub(crate) fn count(groups: &[u32]) -> usize {
     groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }
 
-/// A hash of words; multiply and rotate, as in FxHash, with a final mix so that the low bits serve as a table index.
+/// A hash of words; multiply and rotate, as in `FxHash`, with a final mix so that the low bits serve as a table index.
 pub(crate) fn hash(words: impl IntoIterator<Item = u32>) -> u64 {
     let mixed = words
         .into_iter()

@@ -30,9 +30,8 @@ struct Terms {
 }
 
 impl Terms {
-    fn new(corners: [[f32; 3]; 3], light: Light) -> Self {
+    fn new(corners: [[f32; 3]; 3], [x, y, z, w]: [f64; 4]) -> Self {
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
-        let [x, y, z, w] = light.to_array().map(f64::from);
         let (l, wa) = ([x, y, z], a.map(|c| w * c));
         let mut terms = Self { determinant: 0.0, p: 0.0, q: 0.0, l: 0.0, largest: w.abs() };
         for i in 0..3 {
@@ -51,25 +50,51 @@ impl Terms {
     }
 }
 
-/// B of NUMERICS.md, "Facing": outside ±B the f32 local form has the right sign. `None`: nothing is promised.
-pub(crate) fn facing_bound(corners: [[f32; 3]; 3], light: Light) -> Option<f64> {
-    let Terms { p, q, largest: m, .. } = Terms::new(corners, light);
-    let q = if light.w == 0.0 || light.w == 1.0 { 0.0 } else { q };
-    let underflow = 256.0 * TAU * m * (1.0 + m).powi(2) + 16.0 * TAU;
-    (m <= MOST).then_some((gamma(8) * p + U * (1.0 + gamma(8)) * q + underflow) * EVALUATED)
+/// The light times the power of two that brings its largest component between 1 and 2; exact in f64.
+pub(crate) fn scaled(light: Light) -> [f64; 4] {
+    let mut given = light.to_array().map(f64::from);
+    let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+    if largest > 0.0 {
+        let exponent = (largest.to_bits() >> 52) as i32 - 1023;
+        let scale = 2.0_f64.powi(-exponent);
+        given = given.map(|c| c * scale);
+    }
+    given
 }
 
-/// B of NUMERICS.md, "Per edge", for a face's plane whatever its first corner.
-pub(crate) fn per_edge_bound(corners: [[f32; 3]; 3], light: Light) -> Option<f64> {
-    let Terms { q, l, largest: m, .. } = Terms::new(corners, light);
-    (m <= MOST_PER_EDGE).then_some((gamma(11) * (l + q) + 512.0 * TAU * (1.0 + m).powi(3)) * EVALUATED)
+/// The determinant that a bound is for, and the bound.
+pub(crate) type Bound = fn([[f32; 3]; 3], Light) -> (f64, Option<f64>);
+
+/// D and B of NUMERICS.md, "Facing": where |D| > B, the f32 local form has the right sign. No B: nothing is promised.
+pub(crate) fn facing_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
+    let light_scaled = scaled(light);
+    // Products with a power of two are exact.
+    let is_exact = light.w.to_bits() << 9 == 0;
+    let q = if is_exact { 0.0 } else { Terms::new(corners, light_scaled).q };
+    let (determinant, bound) = facing_bound_without_q(corners, light);
+    (determinant, bound.map(|bound| bound + U * (1.0 + gamma(8)) * q * EVALUATED))
+}
+
+/// A bound that forgets what the rounding of w·a does: for negative controls.
+pub(crate) fn facing_bound_without_q(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
+    let Terms { p, largest: m, determinant, .. } = Terms::new(corners, scaled(light));
+    let underflow = 256.0 * TAU * m * (1.0 + m).powi(2) + 16.0 * TAU;
+    // The determinant in f64 is itself wrong by at most 2⁻⁴⁹ P.
+    (determinant, (m <= MOST).then_some((gamma(8) * p + underflow) * EVALUATED + 2e-15 * p))
+}
+
+/// The same of NUMERICS.md, "Per edge", for the first corner as origin.
+pub(crate) fn per_edge_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
+    let terms = Terms::new(corners, light.to_array().map(f64::from));
+    let Terms { p, q, l, largest: m, determinant } = terms;
+    let bound = (gamma(11) * (l + q) + 512.0 * TAU * (1.0 + m).powi(3)) * EVALUATED + 2e-15 * p;
+    (determinant, (m <= MOST_PER_EDGE).then_some(bound))
 }
 
 /// Whether `bound` decides the pair: its exact determinant lies outside the band.
-pub(crate) fn is_outside(corners: [[f32; 3]; 3], light: Light, bound: fn([[f32; 3]; 3], Light) -> Option<f64>) -> bool {
-    let Terms { determinant, p, .. } = Terms::new(corners, light);
-    // The determinant in f64 is wrong by at most 2⁻⁴⁹ P; where that matters, the pair counts as inside.
-    bound(corners, light).is_some_and(|bound| determinant.abs() - 2e-15 * p > bound)
+pub(crate) fn is_outside(corners: [[f32; 3]; 3], light: Light, bound: Bound) -> bool {
+    let (determinant, bound) = bound(corners, light);
+    bound.is_some_and(|bound| determinant.abs() > bound)
 }
 
 /// Facing bits that were checked, and those that lay in the band.

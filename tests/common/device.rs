@@ -1,6 +1,6 @@
 //! The device that GPU tests run on.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex};
 
 /// A device with its queue and its adapter's name.
 pub(crate) struct Gpu {
@@ -9,6 +9,8 @@ pub(crate) struct Gpu {
     pub(crate) queue: wgpu::Queue,
     pub(crate) name: String,
 }
+
+static SHARED: Mutex<Option<Result<Arc<Gpu>, String>>> = Mutex::new(None);
 
 impl Gpu {
     /// A device with no optional feature and these limits.
@@ -27,9 +29,17 @@ impl Gpu {
     }
 
     /// One device of `Limits::default()` that tests share.
-    pub(crate) fn shared() -> Result<&'static Self, String> {
-        static SHARED: OnceLock<Result<Gpu, String>> = OnceLock::new();
-        SHARED.get_or_init(|| Self::with_limits(wgpu::Limits::default())).as_ref().map_err(Clone::clone)
+    pub(crate) fn shared() -> Result<Arc<Self>, String> {
+        let mut shared = SHARED.lock().map_err(|error| error.to_string())?;
+        let made = shared.get_or_insert_with(|| Self::with_limits(wgpu::Limits::default()).map(Arc::new));
+        made.clone()
+    }
+
+    /// Lets go of the shared device. A software driver that still has threads when the process exits may crash there.
+    pub(crate) fn close() {
+        if let Ok(mut shared) = SHARED.lock() {
+            *shared = None;
+        }
     }
 
     /// Buffers that live on this device's instance.

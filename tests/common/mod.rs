@@ -53,9 +53,9 @@ pub(crate) fn lights(random: &mut random::Random, count: usize) -> Vec<Light> {
 }
 
 /// A negative control: a comparator must not pass what was perturbed.
-pub(crate) fn must_fail(what: &str, outcome: Result<(), String>) -> Result<(), String> {
+pub(crate) fn must_fail<T>(what: &str, outcome: &Result<T, String>) -> Result<(), String> {
     match outcome {
-        Ok(()) => Err(format!("negative control: {what} went unnoticed")),
+        Ok(_) => Err(format!("negative control: {what} went unnoticed")),
         Err(_) => Ok(()),
     }
 }

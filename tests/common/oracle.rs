@@ -66,10 +66,10 @@ impl ExactFace {
         let wa_exponent = w_exponent + self.exponent;
         let least = l_exponent.min(wa_exponent);
         let mut determinant = BigInt::ZERO;
-        for axis in 0..3 {
-            let from_l = &l[axis] << (l_exponent - least) as usize;
-            let from_a = &w * &self.a[axis] << (wa_exponent - least) as usize;
-            determinant += &self.normal[axis] * (from_l - from_a);
+        for ((l, a), n) in l.iter().zip(&self.a).zip(&self.normal) {
+            let from_l = l << (l_exponent - least) as usize;
+            let from_a = (&w * a) << (wa_exponent - least) as usize;
+            determinant += n * (from_l - from_a);
         }
         match determinant.sign() {
             Sign::Plus => 1,

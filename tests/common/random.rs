@@ -1,4 +1,4 @@
-//! SplitMix64: small, seeded, the same everywhere.
+//! `SplitMix64`: small, seeded, the same everywhere.
 
 /// A generator; print its seed.
 #[derive(Clone, Debug)]

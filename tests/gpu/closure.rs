@@ -26,7 +26,7 @@ fn masks(gpu: &Gpu, positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> Re
 }
 
 fn closes() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 31;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -44,7 +44,7 @@ fn closes() -> Result<(), String> {
 
 /// The negative control: one bit of one edge, then one face's bit as seen by one of its edges only.
 fn flipped() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(32);
     for (name, positions, mesh) in topologies() {
         let lights = lights(&mut random, 5);
@@ -71,7 +71,7 @@ fn flipped() -> Result<(), String> {
 }
 
 fn soups() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 33;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -120,7 +120,7 @@ fn by_place(positions: &[[f32; 3]], mesh: &Mesh, found: &Found, light: usize) ->
 }
 
 fn shuffled() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(34);
     let mut cases: Vec<Case> = topologies();
     // Vertices at one place would be renumbered to different ones; every case here is welded.

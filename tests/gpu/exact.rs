@@ -39,11 +39,11 @@ fn check(
     same(&format!("{what}, GPU"), &found.facing, &right)?;
     let mut wrong = found.facing;
     wrong[mesh.faces().len() / 2] ^= 1;
-    must_fail("a flipped facing bit", same(what, &wrong, &right))
+    must_fail("a flipped facing bit", &same(what, &wrong, &right))
 }
 
 fn hard() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let first = 41;
     println!("seeds from {first}");
     for seed in first..if is_long() { first + 20 } else { first + 1 } {
@@ -56,7 +56,7 @@ fn hard() -> Result<(), String> {
 
 /// Lights on vertices, edges and faces and in their planes, beside ordinary ones.
 fn any_topology() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 42;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -102,7 +102,7 @@ fn number(random: &mut Random, like: f32) -> f32 {
 }
 
 fn any_magnitude() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 43;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -135,7 +135,7 @@ fn any_magnitude() -> Result<(), String> {
 }
 
 fn overflow() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(44)) {
         let options = ExtractorOptions { undecided_capacity: Some(3), ..exact(lights.len()) };
         check(gpu, &name, &positions, &mesh, &lights, options)?;

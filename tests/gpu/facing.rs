@@ -25,7 +25,7 @@ fn masks_only(max_lights: usize) -> ExtractorOptions {
 }
 
 fn hard() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let first = 21;
     println!("seeds from {first}");
     for seed in first..if is_long() { first + 20 } else { first + 1 } {
@@ -44,7 +44,7 @@ fn hard() -> Result<(), String> {
             if name == "unit" {
                 found.facing[5] ^= 1 << 7;
                 let outcome = check_facing(&name, &found.facing, &positions, mesh.faces(), &lights);
-                must_fail("a flipped facing bit", outcome.map(drop))?;
+                must_fail("a flipped facing bit", &outcome)?;
             }
         }
     }
@@ -52,7 +52,7 @@ fn hard() -> Result<(), String> {
 }
 
 fn thousand_lights() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (name, positions, mesh) = case("blob", shapes::blob(2, 0.4, 3));
     let lights = lights(&mut Random::new(22), 1024);
     let found = extract(gpu, &positions, &mesh, &lights, masks_only(1024))?;
@@ -65,7 +65,7 @@ fn thousand_lights() -> Result<(), String> {
 /// Subnormal positions may be flushed by any operation; the underflow term covers it, and signs that normal factors
 /// carry stay right.
 fn subnormal() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let tiny = 1e-40;
     let positions = [[tiny, 0.0, 0.0], [1e6, -tiny, 0.0], [0.0, 1e6, tiny], [0.0, 0.0, tiny]];
     let mesh = Mesh::new(&positions, &[[0, 1, 2], [2, 1, 0], [0, 1, 3]], Weld::Keep).map_err(|e| e.to_string())?;
@@ -81,7 +81,7 @@ fn subnormal() -> Result<(), String> {
 }
 
 fn non_finite() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 23;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -122,7 +122,7 @@ fn non_finite() -> Result<(), String> {
 
 /// The 2003 method decides a face's side at each edge; outside its own, wider band these decisions are right too.
 fn per_edge() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(24)) {
         let options = ExtractorOptions { method: rimline::Method::PerEdge, ..masks_only(lights.len()) };
         let found = extract(gpu, &positions, &mesh, &lights, options)?;

@@ -40,7 +40,9 @@ fn options(max_lights: usize, masks: bool, ordered: bool) -> ExtractorOptions {
 fn same_lists(what: &str, found: &Found, alone: &Found, count: usize) -> Result<(), String> {
     let sorted = |lists: &[Vec<u32>]| {
         let mut lists = lists[..count].to_vec();
-        lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
+        for list in &mut lists {
+            list.sort_by_key(|entry| entry & !cpu::WINDING);
+        }
         lists
     };
     same(&format!("{what}, counts"), &found.counts[..count], &alone.counts[..count])?;
@@ -49,7 +51,7 @@ fn same_lists(what: &str, found: &Found, alone: &Found, count: usize) -> Result<
 }
 
 fn fewer() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(41);
     let (_, positions, mesh) = torus();
     let buffer = gpu.storage(&positions);
@@ -78,7 +80,7 @@ fn fewer() -> Result<(), String> {
 
 /// Results are copied out between encodes; a later encode must not reach back.
 fn several_encodes() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(42);
     let (_, positions, mesh) = torus();
     let moved: Vec<_> = positions.iter().map(|[x, y, z]| [x * 0.5, y + 0.3, *z]).collect();
@@ -111,7 +113,7 @@ fn several_encodes() -> Result<(), String> {
 }
 
 fn thousand() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("blob", shapes::blob(2, 0.4, 3));
     let lights = lights(&mut Random::new(43), 1024);
     for ordered in [false, true] {
@@ -127,13 +129,13 @@ fn thousand() -> Result<(), String> {
             same(&format!("light {light}, draw"), &draws, &[twin.count; 2])?;
         }
         found.lists[77].pop();
-        must_fail("a lost entry", same("lists", &found.lists[77], &found.lists[78]))?;
+        must_fail("a lost entry", &same("lists", &found.lists[77], &found.lists[78]))?;
     }
     Ok(())
 }
 
 fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
     for (max_lights, expected) in [(0, LightError::None), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
         let error = Extractor::new(&gpu.device, &mesh, options(max_lights, false, false)).err();

@@ -5,11 +5,14 @@ mod closure;
 #[path = "../common/mod.rs"]
 mod common;
 mod deform;
+mod draw;
 mod exact;
 mod facing;
+mod include;
 mod lights;
 mod limits;
 mod positions;
+mod refusals;
 mod stages;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -26,7 +29,10 @@ fn main() {
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,
+        include::TESTS,
+        draw::TESTS,
         limits::TESTS,
+        refusals::TESTS,
         assets::TESTS,
     ]
     .concat();
@@ -35,5 +41,7 @@ fn main() {
     println!("gpu tests: {}", tests.len());
     let trials =
         tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
-    libtest_mimic::run(&Arguments::from_args(), trials.collect()).exit();
+    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials.collect());
+    common::device::Gpu::close();
+    conclusion.exit();
 }

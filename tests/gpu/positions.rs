@@ -40,7 +40,7 @@ pub(crate) fn interleaved(positions: &[[f32; 3]], offset: u64, stride: u64) -> V
 }
 
 fn places() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let lights = lights(&mut Random::new(51), 33);
     for (name, positions, mesh) in topologies() {
         let expected = extract(gpu, &positions, &mesh, &lights, options())?;
@@ -64,7 +64,7 @@ fn places() -> Result<(), String> {
 }
 
 fn refused() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("cube", shapes::cube());
     let buffer = gpu.storage(&positions);
     let mut extractor = Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?;
@@ -105,7 +105,7 @@ fn refused() -> Result<(), String> {
 
 /// Every face has vertices of its own; welding names the first of each place, so the buffer is read as it lies.
 fn lowest_source_index() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let lights = lights(&mut Random::new(53), 33);
     for (name, positions, mesh) in topologies() {
         let split: Vec<_> = mesh.faces().iter().flatten().map(|&v| positions[v as usize]).collect();

@@ -75,7 +75,7 @@ const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 /// Lights of all counts for a case, and the masks that follow from the facing bits the GPU found: those are checked by
 /// themselves (`facing.rs`), and all that comes after is integers.
 fn edges() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let seed = 1;
     println!("seed {seed}");
     let mut random = Random::new(seed);
@@ -90,7 +90,7 @@ fn edges() -> Result<(), String> {
             same(&format!("{what}, masks"), &found.masks, &masks)?;
             let mut wrong = found.masks;
             wrong[random.below(masks.len())].winding ^= 1;
-            must_fail("a flipped winding bit", same(&what, &wrong, &masks))?;
+            must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
             let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
             for (at, masks) in masks.iter().enumerate() {
                 if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
@@ -102,18 +102,22 @@ fn edges() -> Result<(), String> {
     Ok(())
 }
 
-fn list_options(capacity: Option<u32>, ordered: bool) -> Option<ListOptions> {
-    Some(ListOptions { capacity, ordered, vertices_per_edge: 6 })
+fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
+    ListOptions { capacity, ordered, vertices_per_edge: 6 }
 }
 
 fn ordered_lists() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2);
     for (name, positions, mesh) in topologies() {
         for (count, masks) in LIGHT_COUNTS.into_iter().flat_map(|count| [(count, false), (count, true)]) {
             let lights = lights(&mut random, count);
-            let options =
-                ExtractorOptions { max_lights: count, masks, lists: list_options(None, true), ..Default::default() };
+            let options = ExtractorOptions {
+                max_lights: count,
+                masks,
+                lists: Some(list_options(None, true)),
+                ..Default::default()
+            };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             let twins = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
             for light in 0..count {
@@ -129,17 +133,17 @@ fn ordered_lists() -> Result<(), String> {
 }
 
 fn unordered_lists() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(3);
     for (name, positions, mesh) in topologies() {
         for count in LIGHT_COUNTS {
             let lights = lights(&mut random, count);
             let unordered = ExtractorOptions {
                 max_lights: count,
-                lists: list_options(Some(u32::MAX), false),
+                lists: Some(list_options(Some(u32::MAX), false)),
                 ..Default::default()
             };
-            let ordered = ExtractorOptions { lists: list_options(Some(u32::MAX), true), ..unordered };
+            let ordered = ExtractorOptions { lists: Some(list_options(Some(u32::MAX), true)), ..unordered };
             let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
             let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
             found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
@@ -151,16 +155,16 @@ fn unordered_lists() -> Result<(), String> {
 }
 
 fn overflow() -> Result<(), String> {
-    let gpu = Gpu::shared()?;
+    let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4);
     let lights = lights(&mut random, 40);
     for (name, positions, mesh) in topologies() {
         let whole =
-            ExtractorOptions { max_lights: 40, lists: list_options(Some(u32::MAX), true), ..Default::default() };
+            ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(u32::MAX), true)), ..Default::default() };
         let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
         for ordered in [false, true] {
             let options =
-                ExtractorOptions { max_lights: 40, lists: list_options(Some(20), ordered), ..Default::default() };
+                ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(20), ordered)), ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
             let shape = DrawShape { lights: 40, capacity: 20, edges: mesh.edges().len() as u32, vertices_per_edge: 6 };

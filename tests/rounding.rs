@@ -1,0 +1,137 @@
+//! The band of NUMERICS.md, "Facing", holds for any arithmetic that WGSL allows: every rounding up or down, subnormals
+//! flushed or not, products fused or not, sums in either order, all at random.
+
+mod common;
+
+use common::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
+use common::oracle::ExactFace;
+use common::random::Random;
+use common::{is_long, must_fail};
+use rimline::Light;
+
+/// Arithmetic of an implementation that takes every liberty by chance.
+struct Liberties(Random);
+
+impl Liberties {
+    fn chance(&mut self) -> bool {
+        self.0.next() >> 63 != 0
+    }
+
+    fn flush(&mut self, value: f32) -> f32 {
+        if value.is_subnormal() && self.chance() { 0.0 } else { value }
+    }
+
+    /// One of the two neighbours of an exact value.
+    fn round(&mut self, exact: f64) -> f32 {
+        let near = exact as f32;
+        let rounded = match f64::from(near).partial_cmp(&exact) {
+            Some(std::cmp::Ordering::Less) if self.chance() => near.next_up(),
+            Some(std::cmp::Ordering::Greater) if self.chance() => near.next_down(),
+            _ => near,
+        };
+        self.flush(rounded)
+    }
+
+    fn sum(&mut self, x: f32, y: f32) -> f32 {
+        let (x, y) = (self.flush(x), self.flush(y));
+        self.round(f64::from(x) + f64::from(y))
+    }
+
+    /// x·y + z, fused or not.
+    fn product_sum(&mut self, x: f32, y: f32, z: f32) -> f32 {
+        let (x, y) = (self.flush(x), self.flush(y));
+        let product = f64::from(x) * f64::from(y);
+        if self.chance() {
+            let z = self.flush(z);
+            self.round(product + f64::from(z))
+        } else {
+            let product = self.round(product);
+            self.sum(product, z)
+        }
+    }
+
+    fn cross(&mut self, [a, b]: [f32; 2], [c, d]: [f32; 2]) -> f32 {
+        // a·d − b·c, either product rounded first.
+        if self.chance() {
+            let second = self.product_sum(-b, c, 0.0);
+            self.product_sum(a, d, second)
+        } else {
+            let first = self.product_sum(a, d, 0.0);
+            self.product_sum(-b, c, first)
+        }
+    }
+
+    fn determinant(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light) -> f32 {
+        // Scaled as the stage has it; components that are tiny beside the largest are rounded once.
+        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let l = [x, y, z];
+        let u: [f32; 3] = std::array::from_fn(|i| self.sum(b[i], -a[i]));
+        let v: [f32; 3] = std::array::from_fn(|i| self.sum(c[i], -a[i]));
+        let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i]));
+        let first = self.0.below(3);
+        let mut sum = 0.0;
+        for axis in [first, (first + 1) % 3, (first + 2) % 3] {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            let n = self.cross([u[y], u[z]], [v[y], v[z]]);
+            sum = self.product_sum(n, t[axis], sum);
+        }
+        self.flush(sum)
+    }
+}
+
+/// A triangle, and a light that is nearly in its plane or nearly at a corner.
+fn hard_pair(random: &mut Random) -> ([[f32; 3]; 3], Light) {
+    let scale = random.between(-36.0, 30.0).exp2();
+    let centre = random.direction().map(|c| c * scale * random.between(0.0, 12.0).exp2());
+    let flat = random.below(4) == 0;
+    let corners = [0; 3].map(|_| {
+        let [x, y, z] = random.direction().map(|c| c * scale);
+        [x + centre[0], if flat { centre[1] } else { y + centre[1] }, z + centre[2]]
+    });
+    let [a, b, c] = corners;
+    let w = [0.0, 1.0, random.between(0.2, 5.0), random.between(-3.0, -0.1)][random.below(4)];
+    let (s, t) = match random.below(2) {
+        0 => (random.between(-2.0, 2.0), random.between(-2.0, 2.0)),
+        _ => (random.between(-1e-5, 1e-5), random.between(-1e-5, 1e-5)),
+    };
+    let mut l: [f32; 3] = std::array::from_fn(|i| w * a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
+    for _ in 0..random.below(4) {
+        let at = random.below(3);
+        l[at] = if random.below(2) == 0 { l[at].next_up() } else { l[at].next_down() };
+    }
+    (corners, Light::homogeneous([l[0], l[1], l[2], w]))
+}
+
+fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, String> {
+    let mut random = Random::new(seed);
+    let mut liberties = Liberties(Random::new(seed + 1));
+    let mut outside = 0;
+    for round in 0..rounds {
+        let (corners, light) = hard_pair(&mut random);
+        if !is_outside(corners, light, bound) {
+            continue;
+        }
+        outside += 1;
+        let exact = ExactFace::new(&corners, [0, 1, 2]).ok_or("no face")?.sign(light);
+        for _ in 0..4 {
+            let determinant = liberties.determinant(corners, light);
+            if (determinant > 0.0) != (exact > 0) {
+                return Err(format!("round {round}: {corners:?}, {light:?}: {determinant:e}, exactly {exact}"));
+            }
+        }
+    }
+    Ok(outside)
+}
+
+#[test]
+fn the_band_holds_for_any_rounding() -> Result<(), String> {
+    let seed = 101;
+    println!("seed {seed}");
+    let rounds = if is_long() { 3_000_000 } else { 60_000 };
+    let outside = certificates_hold(seed, rounds, facing_bound)?;
+    println!("{outside} of {rounds} pairs outside the band");
+    if outside * 20 < rounds || outside > rounds / 20 * 19 {
+        return Err(format!("{outside} of {rounds} outside: neither side of the band is tried enough"));
+    }
+    must_fail("a bound without the term in Q", &certificates_hold(seed, rounds, facing_bound_without_q))
+}
