@@ -30,12 +30,6 @@ struct LightWord {
   reserved: u32,
 }
 
-// Faces that the facing stage leaves undecided, counted from the chunk's first.
-struct Undecided {
-  count: atomic<u32>,
-  entries: array<u32>,
-}
-
 // The part of the faces or edges that one dispatch works on; its arrays are bound from its first item on.
 struct Chunk {
   first: u32,

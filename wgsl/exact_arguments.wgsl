@@ -1,7 +1,7 @@
 // Exact arguments: the indirect dispatch of exact_facing.wgsl, from how many faces are undecided.
 
 @group(0) @binding(0) var<uniform> chunk: Chunk;
-@group(0) @binding(1) var<storage, read_write> undecided: Undecided;
+@group(0) @binding(1) var<storage, read> undecided: array<u32>;
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
 // Workgroups that a dispatch may have along x.
@@ -9,8 +9,8 @@ override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)
 fn exact_arguments() {
-  var items = atomicLoad(&undecided.count);
-  if (items > arrayLength(&undecided.entries)) {
+  var items = undecided[0];
+  if (items >= arrayLength(&undecided)) {
     items = chunk.count;
   }
   let groups = (items + 63u) / 64u;

@@ -7,13 +7,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> statistics: Statistics;
-@group(0) @binding(9) var<storage, read> undecided: DecidedLater;
-
-// `Undecided` as a stage that only reads sees it.
-struct DecidedLater {
-  count: u32,
-  entries: array<u32>,
-}
+// How many faces are undecided, then the faces, counted from the chunk's first.
+@group(0) @binding(9) var<storage, read> undecided: array<u32>;
 
 // Digits of 24 bits; 48 of them hold every sum of products of four finite f32.
 const DIGITS: u32 = 48u;
@@ -269,13 +264,13 @@ fn exact_facing(
   @builtin(local_invocation_index) local: u32,
 ) {
   let index = (group.y * groups.x + group.x) * 64u + local;
-  if (undecided.count > arrayLength(&undecided.entries)) {
+  if (undecided[0] >= arrayLength(&undecided)) {
     // The list overflowed: every face is taken.
     if (index < chunk.count) {
       facing_masks[index] = decide(index);
     }
-  } else if (index < undecided.count) {
-    let face = undecided.entries[index];
+  } else if (index < undecided[0]) {
+    let face = undecided[index + 1u];
     facing_masks[face] = decide(face);
   }
 }

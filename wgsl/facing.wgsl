@@ -7,7 +7,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> statistics: Statistics;
-@group(0) @binding(9) var<storage, read_write> undecided: Undecided;
+// How many faces are undecided, then the faces, counted from the chunk's first.
+@group(0) @binding(9) var<storage, read_write> undecided: array<atomic<u32>>;
 
 // Without it signs are taken as f32 gives them.
 override EXACT: bool = true;
@@ -46,9 +47,9 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
 }
 
 fn list(face: u32) {
-  let place = atomicAdd(&undecided.count, 1u);
-  if (place < arrayLength(&undecided.entries)) {
-    undecided.entries[place] = face;
+  let place = atomicAdd(&undecided[0], 1u) + 1u;
+  if (place < arrayLength(&undecided)) {
+    atomicStore(&undecided[place], face);
   }
 }
 

@@ -48,7 +48,7 @@ const TERMS: [Term; 24] = {
 };
 
 /// The sign of `det[b − a, c − a, l − w·a]`, exactly: 1, 0 or −1. All numbers are finite; the light is `(l, w)`.
-pub fn determinant_sign(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
+pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     let mut operands = [Integer::ONE; 14];
     for (operand, value) in operands.iter_mut().zip(a.into_iter().chain(b).chain(c).chain(light)) {
         *operand = Integer::new(value);

@@ -1,7 +1,7 @@
 //! Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
 
 use super::Threads;
-use super::exact_facing::determinant_sign;
+use super::exact_facing::exact_facing;
 use super::filter;
 use crate::layout::LightWord;
 use crate::light::Light;
@@ -183,7 +183,7 @@ impl Face {
         let Decision { mut facing, doubt } = self.filter_lights(word);
         let doubt = self.leave_out_coplanar(doubt, word);
         for light in bits(doubt) {
-            let sign = determinant_sign(self.a, self.b, self.c, word.light_bits[light].map(f32::from_bits));
+            let sign = exact_facing(self.a, self.b, self.c, word.light_bits[light].map(f32::from_bits));
             facing |= u32::from(sign > 0) << light;
             counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
         }

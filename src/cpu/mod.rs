@@ -20,7 +20,7 @@ pub use compact::{CompactedList, WINDING, compact};
 pub use deform::{Displace, deform};
 pub use edges::edges;
 pub use exact_arguments::exact_arguments;
-pub use exact_facing::determinant_sign;
+pub use exact_facing::exact_facing;
 pub use extraction::{CpuExtraction, extract};
 pub use facing::{FacingCounts, facing, facing_into, is_finite};
 pub use parallel::Threads;

@@ -24,7 +24,7 @@ pub(super) struct Binder<'a> {
 
 const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
 const EXACT_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Read];
-const EXACT_ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Write, Write];
+const EXACT_ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Read, Write];
 const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
 const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
