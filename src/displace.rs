@@ -71,9 +71,7 @@ impl Displacement {
     pub fn new(source: &str) -> Result<Self, DisplaceError> {
         let module = parse(source, source)?;
         if let Some(entry_point) = module.entry_points.first() {
-            return Err(DisplaceError::EntryPoint {
-                name: entry_point.name.clone(),
-            });
+            return Err(DisplaceError::EntryPoint { name: entry_point.name.clone() });
         }
         check_signature(&module, source)?;
         let mut uses_resources = false;
@@ -83,19 +81,12 @@ impl Displacement {
             if binding.group != DISPLACE_GROUP {
                 let line = line_of(module.global_variables.get_span(handle), source);
                 let name = variable.name.clone().unwrap_or_default();
-                return Err(DisplaceError::Group {
-                    line,
-                    name,
-                    group: binding.group,
-                });
+                return Err(DisplaceError::Group { line, name, group: binding.group });
             }
         }
         check_overrides(&module, source)?;
         validate(&module, source, source)?;
-        let displacement = Self {
-            source: source.to_owned(),
-            uses_resources,
-        };
+        let displacement = Self { source: source.to_owned(), uses_resources };
         let composed = displacement.deform_wgsl();
         validate(&parse(&composed, source)?, &composed, source)?;
         Ok(displacement)
@@ -114,10 +105,7 @@ impl Displacement {
 
 /// The deform stage's module without any displacement.
 pub fn plain_deform_wgsl() -> String {
-    let identity = INCLUDES
-        .iter()
-        .find(|(name, _)| *name == "displace")
-        .map_or("", |(_, source)| source);
+    let identity = INCLUDES.iter().find(|(name, _)| *name == "displace").map_or("", |(_, source)| source);
     format!("{identity}\n{}", DEFORM.wgsl())
 }
 
@@ -130,10 +118,8 @@ fn parse(text: &str, source: &str) -> Result<Module, DisplaceError> {
 }
 
 fn validate(module: &Module, text: &str, source: &str) -> Result<(), DisplaceError> {
-    let mut validator = naga::valid::Validator::new(
-        naga::valid::ValidationFlags::all(),
-        naga::valid::Capabilities::default(),
-    );
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
     validator.validate(module).map(drop).map_err(|error| {
         let spans: Vec<Span> = error.spans().map(|(span, _)| *span).collect();
         // The error proper is wrapped in one that names the function.
@@ -150,22 +136,13 @@ fn validate(module: &Module, text: &str, source: &str) -> Result<(), DisplaceErr
 
 /// An error at the first of `spans` that lies in `source`, the most precise one if there are several.
 fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
-    let ranges = spans
-        .iter()
-        .filter_map(|span| span.to_range())
-        .filter(|range| range.start <= source.len());
-    let span = ranges
-        .min_by_key(ExactSizeIterator::len)
-        .map_or(Span::UNDEFINED, |range| {
-            let end = range.end.min(source.len());
-            Span::new(range.start.min(end) as u32, end as u32)
-        });
+    let ranges = spans.iter().filter_map(|span| span.to_range()).filter(|range| range.start <= source.len());
+    let span = ranges.min_by_key(ExactSizeIterator::len).map_or(Span::UNDEFINED, |range| {
+        let end = range.end.min(source.len());
+        Span::new(range.start.min(end) as u32, end as u32)
+    });
     let place = span.location(source);
-    DisplaceError::Wgsl {
-        line: place.line_number.max(1),
-        column: place.line_position.max(1),
-        message,
-    }
+    DisplaceError::Wgsl { line: place.line_number.max(1), column: place.line_position.max(1), message }
 }
 
 /// An override without a default would fail the pipeline, as nobody gives it a value.
@@ -191,31 +168,15 @@ fn check_signature(module: &Module, source: &str) -> Result<(), DisplaceError> {
         return Err(DisplaceError::Missing);
     };
     let is = |ty: naga::Handle<naga::Type>, inner: &TypeInner| &module.types[ty].inner == inner;
-    let vec3 = TypeInner::Vector {
-        size: VectorSize::Tri,
-        scalar: naga::Scalar::F32,
-    };
-    let expected = [
-        vec3.clone(),
-        TypeInner::Scalar(naga::Scalar::U32),
-        TypeInner::Scalar(naga::Scalar::F32),
-    ];
+    let vec3 = TypeInner::Vector { size: VectorSize::Tri, scalar: naga::Scalar::F32 };
+    let expected = [vec3.clone(), TypeInner::Scalar(naga::Scalar::U32), TypeInner::Scalar(naga::Scalar::F32)];
     let plain = |binding: &Option<Binding>| binding.is_none();
     let arguments_fit = function.arguments.len() == expected.len()
-        && function
-            .arguments
-            .iter()
-            .zip(&expected)
-            .all(|(given, inner)| is(given.ty, inner) && plain(&given.binding));
-    let result_fits = function
-        .result
-        .as_ref()
-        .is_some_and(|result| is(result.ty, &vec3) && plain(&result.binding));
+        && function.arguments.iter().zip(&expected).all(|(given, inner)| is(given.ty, inner) && plain(&given.binding));
+    let result_fits = function.result.as_ref().is_some_and(|result| is(result.ty, &vec3) && plain(&result.binding));
     if arguments_fit && result_fits {
         Ok(())
     } else {
-        Err(DisplaceError::Signature {
-            line: line_of(module.functions.get_span(handle), source),
-        })
+        Err(DisplaceError::Signature { line: line_of(module.functions.get_span(handle), source) })
     }
 }

@@ -53,28 +53,26 @@ macro_rules! shared_structs {
 shared_structs! {
     /// Up to 32 lights and where the positions lie.
     struct LightWord {
-        /// Homogeneous lights, scaled by a power of two; zeros past `count`.
+        /// Homogeneous lights, scaled by a power of two; those past `count` repeat the last.
         lights: [[f32; 4]; 32],
-        /// What the filter needs of each scaled light.
-        bounds: [[f32; 4]; 32],
         /// The lights as given, bit for bit.
         light_bits: [[u32; 4]; 32],
+        /// |w| of each scaled light, or 0 where it is a power of two.
+        inexact_w: [[f32; 4]; 8],
+        /// Of all scaled lights the largest |x|, |y| or |z|, and the largest |w|.
+        reach: [f32; 2],
         /// Lights in use.
         count: u32,
         /// The lowest `count` bits.
         live: u32,
-        /// Lights that scaling would change: always undecided.
+        /// Lights that scaling would change: never certain in f32.
         doubtful: u32,
         /// First word of vertex 0 in the bound positions.
         position_offset: u32,
         /// Words from a vertex to the next.
         position_stride: u32,
         /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
-        /// 0.
-        reserved_2: u32,
+        reserved: u32,
     }
 
     /// The part of the faces or edges that one dispatch works on.
@@ -175,60 +173,40 @@ shared_structs! {
 impl LightWord {
     /// The word of up to 32 `lights`.
     pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
-        let mut word = Self {
-            count: lights.len() as u32,
-            live: live_bits(lights.len()),
-            ..Self::zeroed()
-        };
-        for (slot, light) in lights.iter().take(32).enumerate() {
+        let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
+        for slot in 0..32 {
+            let Some(light) = lights.get(slot).or(lights.last()) else { break };
             let given = light.to_array();
             let scaled = ScaledLight::new(given);
+            let [x, y, z, w] = scaled.light.map(f32::abs);
             word.lights[slot] = scaled.light;
-            word.bounds[slot] = scaled.bounds;
             word.light_bits[slot] = given.map(f32::to_bits);
-            word.doubtful |= u32::from(scaled.doubtful) << slot;
+            word.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
+            word.reach = [word.reach[0].max(x).max(y).max(z), word.reach[1].max(w)];
+            word.doubtful |= u32::from(scaled.is_doubtful) << slot;
         }
-        Self {
-            position_offset,
-            position_stride,
-            ..word
-        }
+        Self { position_offset, position_stride, doubtful: word.doubtful & word.live, ..word }
     }
 }
 
 /// A light as the filter sees it; NUMERICS.md, "Filter".
 struct ScaledLight {
     light: [f32; 4],
-    bounds: [f32; 4],
-    doubtful: bool,
+    inexact_w: f32,
+    is_doubtful: bool,
 }
 
 impl ScaledLight {
     fn new(given: [f32; 4]) -> Self {
-        let largest = given
-            .iter()
-            .fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
+        let largest = given.iter().fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
         // In f64 neither the power of two nor the product can round, whatever finite f32 the light has.
-        let scale = if largest == 0.0 {
-            1.0
-        } else {
-            f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52)
-        };
+        let scale = if largest == 0.0 { 1.0 } else { f64::from_bits((2046 - (largest.to_bits() >> 52)) << 52) };
         let light = given.map(|c| (f64::from(c) * scale) as f32);
-        let [x, y, z, w] = light.map(f32::abs);
-        // A w that is a power of two makes every product w·a exact.
-        let inexact = if w == 0.0 || w.to_bits() & 0x007f_ffff == 0 {
-            0.0
-        } else {
-            w
-        };
+        let w = light[3].abs();
+        let is_power_of_two = w == 0.0 || w.to_bits() & 0x007f_ffff == 0;
         // A w so small beside x, y, z that scaling or its products could lose bits.
-        let doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
-        Self {
-            light,
-            bounds: [x.max(y).max(z), w, inexact, 0.0],
-            doubtful,
-        }
+        let is_doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
+        Self { light, inexact_w: if is_power_of_two { 0.0 } else { w }, is_doubtful }
     }
 }
 

@@ -102,10 +102,7 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
         return Err(LightError::None);
     }
     if lights.len() > limit {
-        return Err(LightError::TooMany {
-            count: lights.len(),
-            limit,
-        });
+        return Err(LightError::TooMany { count: lights.len(), limit });
     }
     for (index, light) in lights.iter().enumerate() {
         let xyzw = light.to_array();

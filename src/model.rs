@@ -81,11 +81,7 @@ impl Geometry {
         if weld == Weld::Keep {
             return (self.clone(), WeldCounts::kept(count));
         }
-        let by_position = groups(
-            count,
-            |v| hash(self.positions[v].map(bits)),
-            |a, b| self.same_position(a, b),
-        );
+        let by_position = groups(count, |v| hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         let groups = match weld {
             Weld::Position => by_position.clone(),
             // The hash covers all that is compared: vertices that share a position alone would else be searched one by
@@ -104,33 +100,18 @@ impl Geometry {
         let welded = Self {
             name: self.name.clone(),
             positions: kept.iter().map(|&v| self.positions[v]).collect(),
-            faces: self
-                .faces
-                .iter()
-                .map(|f| f.map(|v| renumbered[groups[v as usize] as usize]))
-                .collect(),
-            morph_targets: self
-                .morph_targets
-                .iter()
-                .map(|t| kept.iter().map(|&v| t[v]).collect())
-                .collect(),
+            faces: self.faces.iter().map(|f| f.map(|v| renumbered[groups[v as usize] as usize])).collect(),
+            morph_targets: self.morph_targets.iter().map(|t| kept.iter().map(|&v| t[v]).collect()).collect(),
             influences: self.influences.as_ref().map(|influences| influences.select(&kept)),
             source_vertices: kept.iter().map(|&v| self.source_vertices[v]).collect(),
         };
-        let counts = WeldCounts {
-            before: count,
-            after: kept.len(),
-            apart: kept.len() - weld::count(&by_position),
-        };
+        let counts = WeldCounts { before: count, after: kept.len(), apart: kept.len() - weld::count(&by_position) };
         (welded, counts)
     }
 
     /// Matrices that a pose's palette must have: one more than the highest joint named, or 1 where nothing is skinned.
     pub fn joints_needed(&self) -> usize {
-        let highest = self
-            .influences
-            .as_ref()
-            .map(|influences| influences.joints.iter().max());
+        let highest = self.influences.as_ref().map(|influences| influences.joints.iter().max());
         highest.map_or(1, |joint| joint.map_or(0, |&joint| joint as usize + 1))
     }
 
@@ -172,10 +153,7 @@ impl Influences {
     }
 
     fn select(&self, vertices: &[usize]) -> Self {
-        let mut selected = Self {
-            offsets: vec![0],
-            ..Self::default()
-        };
+        let mut selected = Self { offsets: vec![0], ..Self::default() };
         for &v in vertices {
             selected.joints.extend_from_slice(&self.joints[self.range(v)]);
             selected.weights.extend_from_slice(&self.weights[self.range(v)]);
@@ -188,10 +166,7 @@ impl Influences {
 impl Model {
     /// Vertices of all instances together.
     pub fn vertex_count(&self) -> usize {
-        self.instances
-            .iter()
-            .map(|instance| self.geometries[instance.geometry].positions.len())
-            .sum()
+        self.instances.iter().map(|instance| self.geometries[instance.geometry].positions.len()).sum()
     }
 
     /// The mesh that all instances make in this pose: instances in order, vertices and faces concatenated, the faces
@@ -202,10 +177,7 @@ impl Model {
     /// [`MeshError`] as for [`Mesh::from_faces`].
     pub fn mesh(&self, pose: &Pose) -> Result<Mesh, MeshError> {
         // Counted first, so that instances of a large geometry are refused before they fill the memory.
-        let geometries = self
-            .instances
-            .iter()
-            .map(|instance| &self.geometries[instance.geometry]);
+        let geometries = self.instances.iter().map(|instance| &self.geometries[instance.geometry]);
         let count = geometries.map(|geometry| geometry.faces.len()).sum();
         if count > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: count });

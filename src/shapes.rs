@@ -43,10 +43,7 @@ impl Shape {
         }
         let order = permutation(self.faces.len(), &mut random);
         let renumbered = |v: u32| new_index.get(v as usize).copied().unwrap_or(v);
-        let faces = order
-            .iter()
-            .map(|&old| self.faces[old as usize].map(renumbered))
-            .collect();
+        let faces = order.iter().map(|&old| self.faces[old as usize].map(renumbered)).collect();
         Self { positions, faces }
     }
 
@@ -96,16 +93,9 @@ pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
 pub fn sphere(subdivisions: u32) -> Shape {
     let n = subdivisions.clamp(1, MAX_COUNT) as i32;
     let mut lattice = Lattice::new(n);
-    for (x, y, z) in [
-        (1, 1, 1),
-        (1, 1, -1),
-        (1, -1, 1),
-        (1, -1, -1),
-        (-1, 1, 1),
-        (-1, 1, -1),
-        (-1, -1, 1),
-        (-1, -1, -1),
-    ] {
+    for (x, y, z) in
+        [(1, 1, 1), (1, 1, -1), (1, -1, 1), (1, -1, -1), (-1, 1, 1), (-1, 1, -1), (-1, -1, 1), (-1, -1, -1)]
+    {
         let at = |i: i32, j: i32| [x * (n - i - j), y * i, z * j];
         for i in 0..n {
             for j in 0..n - i {
@@ -130,11 +120,7 @@ struct Lattice {
 impl Lattice {
     fn new(n: i32) -> Self {
         let side = (2 * n + 1) as usize;
-        Self {
-            n,
-            numbers: [vec![u32::MAX; side * side], vec![u32::MAX; side * side]],
-            shape: Shape::default(),
-        }
+        Self { n, numbers: [vec![u32::MAX; side * side], vec![u32::MAX; side * side]], shape: Shape::default() }
     }
 
     /// A face given counter-clockwise where x·y·z is positive, mirrored elsewhere.
@@ -178,19 +164,10 @@ pub fn blob(subdivisions: u32, amplitude: f32, seed: u32) -> Shape {
 #[must_use]
 pub fn cube() -> Shape {
     let sign = |vertex: u32, bit: u32| if vertex >> bit & 1 == 1 { 1.0 } else { -1.0 };
-    let mut shape = Shape {
-        positions: (0..8).map(|v| [sign(v, 0), sign(v, 1), sign(v, 2)]).collect(),
-        faces: Vec::new(),
-    };
+    let mut shape =
+        Shape { positions: (0..8).map(|v| [sign(v, 0), sign(v, 1), sign(v, 2)]).collect(), faces: Vec::new() };
     // Vertex numbers have bit 0 for +X, bit 1 for +Y, bit 2 for +Z.
-    for corners in [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ] {
+    for corners in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
         shape.quad(corners);
     }
     shape
@@ -201,10 +178,7 @@ pub fn cube() -> Shape {
 #[must_use]
 pub fn fan(n: u32) -> Shape {
     let n = n.clamp(3, MAX_COUNT * MAX_COUNT);
-    let mut shape = Shape {
-        positions: vec![[0.0, 1.0, 0.0], [0.0; 3]],
-        faces: Vec::new(),
-    };
+    let mut shape = Shape { positions: vec![[0.0, 1.0, 0.0], [0.0; 3]], faces: Vec::new() };
     for rim in 0..n {
         let (sin, cos) = turn(rim, n);
         shape.positions.push([cos, 0.0, sin]);

@@ -16,41 +16,24 @@ macro_rules! files {
 }
 
 /// Morph, skin, displace: mesh space to world space.
-pub const DEFORM: Stage = Stage {
-    name: "deform",
-    files: files!["common", "deform"],
-    entry_points: &["deform"],
-};
+pub const DEFORM: Stage = Stage { name: "deform", files: files!["common", "deform"], entry_points: &["deform"] };
 /// Facing masks.
-pub const FACING: Stage = Stage {
-    name: "facing",
-    files: files!["common", "positions", "facing"],
-    entry_points: &["facing"],
-};
+pub const FACING: Stage =
+    Stage { name: "facing", files: files!["common", "positions", "filter", "facing"], entry_points: &["facing"] };
 /// The indirect dispatch of the exact facing stage.
-pub const EXACT_ARGUMENTS: Stage = Stage {
-    name: "exact_arguments",
-    files: files!["common", "exact_arguments"],
-    entry_points: &["exact_arguments"],
-};
+pub const EXACT_ARGUMENTS: Stage =
+    Stage { name: "exact_arguments", files: files!["common", "exact_arguments"], entry_points: &["exact_arguments"] };
 /// Exact facing of what the facing stage left undecided.
 pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
-    files: files!["common", "positions", "exact_facing"],
+    files: files!["common", "positions", "filter", "exact_facing"],
     entry_points: &["exact_facing"],
 };
 /// Silhouette and winding masks from facing masks, and unordered lists.
-pub const EDGES: Stage = Stage {
-    name: "edges",
-    files: files!["common", "emit", "edges"],
-    entry_points: &["edges"],
-};
+pub const EDGES: Stage = Stage { name: "edges", files: files!["common", "emit", "edges"], entry_points: &["edges"] };
 /// The same from positions, as published in 2003.
-pub const PER_EDGE: Stage = Stage {
-    name: "per_edge",
-    files: files!["common", "positions", "emit", "per_edge"],
-    entry_points: &["per_edge"],
-};
+pub const PER_EDGE: Stage =
+    Stage { name: "per_edge", files: files!["common", "positions", "emit", "per_edge"], entry_points: &["per_edge"] };
 /// Ordered lists from masks.
 pub const COMPACT: Stage = Stage {
     name: "compact",
@@ -58,37 +41,19 @@ pub const COMPACT: Stage = Stage {
     entry_points: &["compact_count", "compact_scan", "compact_scatter"],
 };
 /// Indirect draw arguments from counts.
-pub const ARGUMENTS: Stage = Stage {
-    name: "arguments",
-    files: files!["common", "arguments"],
-    entry_points: &["arguments"],
-};
+pub const ARGUMENTS: Stage =
+    Stage { name: "arguments", files: files!["common", "arguments"], entry_points: &["arguments"] };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 8] = [
-    DEFORM,
-    FACING,
-    EXACT_ARGUMENTS,
-    EXACT_FACING,
-    EDGES,
-    PER_EDGE,
-    COMPACT,
-    ARGUMENTS,
-];
+pub const STAGES: [Stage; 8] = [DEFORM, FACING, EXACT_ARGUMENTS, EXACT_FACING, EDGES, PER_EDGE, COMPACT, ARGUMENTS];
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
-pub const INCLUDES: [(&str, &str); 2] = [
-    ("displace", include_str!("../wgsl/displace.wgsl")),
-    ("results", include_str!("../wgsl/results.wgsl")),
-];
+pub const INCLUDES: [(&str, &str); 2] =
+    [("displace", include_str!("../wgsl/displace.wgsl")), ("results", include_str!("../wgsl/results.wgsl"))];
 
 impl Stage {
     /// The stage's whole module. The deform stage lacks its `displace`; see [`crate::displace`].
     pub fn wgsl(&self) -> String {
-        self.files
-            .iter()
-            .map(|(_, source)| *source)
-            .collect::<Vec<_>>()
-            .join("\n")
+        self.files.iter().map(|(_, source)| *source).collect::<Vec<_>>().join("\n")
     }
 }

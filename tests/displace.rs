@@ -23,19 +23,10 @@ fn wgsl_error_at(source: &str, expected_line: u32, word: &str) {
 fn good_displacements_are_taken() {
     for (source, uses_resources) in [
         (GOOD.to_owned(), false),
-        (
-            format!("// a comment to the end without a newline\n{GOOD} // and one"),
-            false,
-        ),
+        (format!("// a comment to the end without a newline\n{GOOD} // and one"), false),
         (format!("fn helper(x: f32) -> f32 {{ return sin(x); }}\n{GOOD}"), false),
-        (
-            format!("const AMPLITUDE = 0.5;\nvar<private> state: u32;\n{GOOD}"),
-            false,
-        ),
-        (
-            format!("@group(1) @binding(0) var<uniform> wind: vec4<f32>;\n{GOOD}"),
-            true,
-        ),
+        (format!("const AMPLITUDE = 0.5;\nvar<private> state: u32;\n{GOOD}"), false),
+        (format!("@group(1) @binding(0) var<uniform> wind: vec4<f32>;\n{GOOD}"), true),
         (
             format!(
                 "@group(1) @binding(0) var<storage, read> a: array<f32>;\n@group(1) @binding(1) var<storage, read_write> b: array<f32>;\n{GOOD}"
@@ -74,17 +65,7 @@ fn wgsl_errors_point_at_the_line() {
 
 #[test]
 fn names_of_the_stage_itself_collide_at_the_callers_line() {
-    for name in [
-        "chunk",
-        "rest",
-        "positions",
-        "deform",
-        "transform",
-        "pose_row",
-        "DeformChunk",
-        "LightWord",
-        "BLOCK",
-    ] {
+    for name in ["chunk", "rest", "positions", "deform", "transform", "pose_row", "DeformChunk", "LightWord", "BLOCK"] {
         wgsl_error_at(&format!("\n{GOOD}\nfn {name}(x: f32) -> f32 {{ return x; }}"), 3, name);
         wgsl_error_at(&format!("const {name} = 1u;\n{GOOD}"), 1, name);
     }
@@ -93,22 +74,10 @@ fn names_of_the_stage_itself_collide_at_the_callers_line() {
 #[test]
 fn signatures_are_checked() {
     for (source, expected_line) in [
-        (
-            "fn displace(position: vec3<f32>, vertex: u32) -> vec3<f32> { return position; }",
-            1,
-        ),
-        (
-            "\nfn displace(position: vec3<f32>, vertex: i32, time: f32) -> vec3<f32> { return position; }",
-            2,
-        ),
-        (
-            "fn displace(position: vec4<f32>, vertex: u32, time: f32) -> vec3<f32> { return position.xyz; }",
-            1,
-        ),
-        (
-            "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec4<f32> { return position.xyzz; }",
-            1,
-        ),
+        ("fn displace(position: vec3<f32>, vertex: u32) -> vec3<f32> { return position; }", 1),
+        ("\nfn displace(position: vec3<f32>, vertex: i32, time: f32) -> vec3<f32> { return position; }", 2),
+        ("fn displace(position: vec4<f32>, vertex: u32, time: f32) -> vec3<f32> { return position.xyz; }", 1),
+        ("fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec4<f32> { return position.xyzz; }", 1),
         ("fn displace(position: vec3<f32>, vertex: u32, time: f32) { }", 1),
         (
             "// two\n// lines\nfn displace(time: f32, vertex: u32, position: vec3<f32>) -> vec3<f32> { return position; }",
@@ -128,11 +97,7 @@ fn signatures_are_checked() {
 fn resources_belong_in_group_one() {
     for group in [0, 2, 3] {
         let source = format!("{GOOD}\n@group({group}) @binding(0) var<uniform> wind: vec4<f32>;");
-        let expected = DisplaceError::Group {
-            line: 2,
-            name: "wind".to_owned(),
-            group,
-        };
+        let expected = DisplaceError::Group { line: 2, name: "wind".to_owned(), group };
         assert_eq!(error(&source), expected);
     }
 }

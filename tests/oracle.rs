@@ -13,15 +13,7 @@ use rimline::{Light, Mesh, Method, Predicate, shapes};
 type Outcome = Result<(), String>;
 
 fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::CpuExtraction {
-    cpu::extract(
-        positions,
-        mesh,
-        lights,
-        Method::FaceMask,
-        Predicate::Exact,
-        Threads::ONE,
-    )
-    .expect("good lights")
+    cpu::extract(positions, mesh, lights, Method::FaceMask, Predicate::Exact, Threads::ONE).expect("good lights")
 }
 
 #[test]
@@ -54,10 +46,7 @@ fn facing_is_exact_outside_the_band() -> Outcome {
         let checked = band::check_facing(&name, &facing, &positions, mesh.faces(), &lights)?;
         println!("{name}: {checked:?}");
         if name == "unit" {
-            assert!(
-                checked.inside * 100 < checked.outside,
-                "the band is not vacuous: {checked:?}"
-            );
+            assert!(checked.inside * 100 < checked.outside, "the band is not vacuous: {checked:?}");
             facing[17] ^= 1;
             let outcome = band::check_facing(&name, &facing, &positions, mesh.faces(), &lights);
             must_fail("a flipped facing bit", &outcome)?;
@@ -138,9 +127,8 @@ fn masks_agree_with_faces_alone() -> Outcome {
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let soups = if is_long() { 2000 } else { 150 };
-    let soups: Vec<_> = (0..soups)
-        .map(|index| cases::case(format!("soup {index}"), random_soup(&mut random)))
-        .collect();
+    let soups: Vec<_> =
+        (0..soups).map(|index| cases::case(format!("soup {index}"), random_soup(&mut random))).collect();
     for (name, positions, mesh) in topologies().into_iter().chain(soups) {
         let lights = lights(&mut random, 33);
         let found = extracted(&positions, &mesh, &lights);
@@ -156,11 +144,7 @@ fn closure_and_silhouettes_notice_one_flipped_bit() -> Outcome {
         let lights = lights(&mut random, 33);
         let mut found = extracted(&positions, &mesh, &lights);
         let at = random.below(found.masks.len());
-        let light = if at < mesh.edges().len() {
-            random.below(32) as u32
-        } else {
-            0
-        };
+        let light = if at < mesh.edges().len() { random.below(32) as u32 } else { 0 };
         found.masks[at].silhouette ^= 1 << light;
         if oracle::unclosed(&mesh, &found.masks, lights.len()) == 0 {
             return Err(format!("{name}: a flipped silhouette bit left everything closed"));
@@ -211,10 +195,7 @@ fn compaction_is_a_filter_in_order() -> Outcome {
     let mut random = Random::new(seed);
     for _ in 0..50 {
         let plane: Vec<_> = (0..random.below(400))
-            .map(|_| Masks {
-                silhouette: random.next() as u32,
-                winding: random.next() as u32,
-            })
+            .map(|_| Masks { silhouette: random.next() as u32, winding: random.next() as u32 })
             .collect();
         let bit = random.below(32) as u32;
         let mut naive = Vec::new();

@@ -66,10 +66,7 @@ fn open_shapes_have_the_records_documented() {
     assert_eq!((counts(&grid).boundary, counts(&grid).inconsistent), (22, 0));
     let up = shapes::plane_grid(1, 1);
     let [a, b, c] = up.faces[0].map(|v| up.positions[v as usize]);
-    assert!(
-        (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]) > 0.0,
-        "faces +Y"
-    );
+    assert!((b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]) > 0.0, "faces +Y");
 
     for (segments, strips) in [(3, 1), (50, 4), (51, 7)] {
         let strip = shapes::moebius(segments, strips);
@@ -83,11 +80,7 @@ fn open_shapes_have_the_records_documented() {
     let sheets = shapes::three_sheets(6);
     assert_eq!(sheets.faces.len(), 36);
     // Six edges on the line; each sheet has its far side, two ends, and inner edges of its own.
-    let expected = EdgeCounts {
-        consistent: 6 + 3 * (5 + 6),
-        inconsistent: 0,
-        boundary: 6 + 3 * (6 + 2),
-    };
+    let expected = EdgeCounts { consistent: 6 + 3 * (5 + 6), inconsistent: 0, boundary: 6 + 3 * (6 + 2) };
     assert_eq!(counts(&sheets), expected);
 }
 
@@ -107,11 +100,7 @@ fn senseless_sizes_are_taken_as_the_least() {
 #[test]
 fn blobs_keep_to_their_radii_and_differ_by_seed() {
     let blob = shapes::blob(30, 0.5, 3);
-    let radii: Vec<f32> = blob
-        .positions
-        .iter()
-        .map(|[x, y, z]| (x * x + y * y + z * z).sqrt())
-        .collect();
+    let radii: Vec<f32> = blob.positions.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
     assert!(radii.iter().all(|r| (0.499..=1.501).contains(r)));
     let spread = radii.iter().fold(0.0_f32, |most, r| most.max((r - 1.0).abs()));
     assert!(spread > 0.15, "lumps of {spread}");
@@ -126,11 +115,8 @@ fn shuffling_renumbers_and_keeps_the_surface() {
     assert_eq!(shuffled, torus.shuffled(5));
     assert_closed("shuffled", &shuffled, 0, volume(&torus), 1e-9);
     let surface = |shape: &Shape| {
-        let mut faces: Vec<_> = shape
-            .faces
-            .iter()
-            .map(|face| face.map(|v| shape.positions[v as usize].map(f32::to_bits)))
-            .collect();
+        let mut faces: Vec<_> =
+            shape.faces.iter().map(|face| face.map(|v| shape.positions[v as usize].map(f32::to_bits))).collect();
         faces.sort_unstable();
         faces
     };

@@ -46,9 +46,7 @@ mod oracle {
     }
 
     fn first_pair(left: &[Traversal], allowed: fn(Traversal, Traversal) -> bool) -> Option<(usize, usize)> {
-        (0..left.len())
-            .flat_map(|i| (i + 1..left.len()).map(move |j| (i, j)))
-            .find(|&(i, j)| allowed(left[i], left[j]))
+        (0..left.len()).flat_map(|i| (i + 1..left.len()).map(move |j| (i, j))).find(|&(i, j)| allowed(left[i], left[j]))
     }
 
     fn record([low, high]: [u32; 2], first: Traversal, second: Option<Traversal>) -> ((u32, usize), Edge) {
@@ -106,10 +104,7 @@ fn difference(records: &[Edge], faces: &[[u32; 3]]) -> Option<String> {
         return Some(format!("{} records, not {}", records.len(), expected.len()));
     }
     let place = records.iter().zip(&expected).position(|(a, b)| a != b)?;
-    Some(format!(
-        "record {place}: {:?}, not {:?}",
-        records[place], expected[place]
-    ))
+    Some(format!("record {place}: {:?}, not {:?}", records[place], expected[place]))
 }
 
 fn assert_like_oracle(name: &str, shape: &Shape) {
@@ -220,18 +215,9 @@ fn every_face_edge_is_in_one_record() {
     for seed in 0..200 {
         let shape = soup(seed);
         let mesh = mesh(&shape);
-        let sides: usize = mesh
-            .edges()
-            .iter()
-            .map(|edge| 1 + usize::from(edge.face_1.is_some()))
-            .sum();
+        let sides: usize = mesh.edges().iter().map(|edge| 1 + usize::from(edge.face_1.is_some())).sum();
         assert_eq!(sides, 3 * (mesh.faces().len() - mesh.degenerate_faces()), "seed {seed}");
-        assert!(
-            mesh.edges()
-                .iter()
-                .all(|edge| edge.face_1.is_none_or(|face_1| edge.face_0 < face_1)),
-            "seed {seed}"
-        );
+        assert!(mesh.edges().iter().all(|edge| edge.face_1.is_none_or(|face_1| edge.face_0 < face_1)), "seed {seed}");
     }
 }
 

@@ -22,19 +22,11 @@ fn mesh(positions: &[Vec3]) -> Mesh {
 fn one_closed_surface_without_holes_or_handles() {
     let mesh = mesh(&FIGURE.positions);
     assert!(mesh.is_closed(), "{:?}", mesh.edges().counts());
-    assert_eq!(
-        mesh.weld_counts().after,
-        FIGURE.positions.len(),
-        "no two vertices at one place"
-    );
+    assert_eq!(mesh.weld_counts().after, FIGURE.positions.len(), "no two vertices at one place");
     assert_eq!(mesh.degenerate_faces(), 0);
     let euler = FIGURE.positions.len() as i64 - mesh.edges().len() as i64 + FIGURE.faces.len() as i64;
     assert_eq!(euler, 2);
-    assert!(
-        (10_000..=40_000).contains(&FIGURE.faces.len()),
-        "{}",
-        FIGURE.faces.len()
-    );
+    assert!((10_000..=40_000).contains(&FIGURE.faces.len()), "{}", FIGURE.faces.len());
 }
 
 #[test]
@@ -69,19 +61,13 @@ fn weights_sum_to_one_and_name_joints() {
     let mut used = [false; JOINTS.len()];
     for (joints, weights) in FIGURE.joints.iter().zip(&FIGURE.weights) {
         let sum: f32 = weights.iter().sum();
-        assert!(
-            (sum - 1.0).abs() < 1e-6 && weights.iter().all(|&weight| weight >= 0.0),
-            "{weights:?}"
-        );
+        assert!((sum - 1.0).abs() < 1e-6 && weights.iter().all(|&weight| weight >= 0.0), "{weights:?}");
         for (first, joint) in joints.iter().enumerate() {
             assert!(!joints[..first].contains(joint), "twice the same joint: {joints:?}");
             used[*joint as usize] |= weights[first] > 0.5;
         }
     }
-    let idle: Vec<_> = (0..JOINTS.len())
-        .filter(|&j| !used[j])
-        .map(|j| JOINTS[j].name)
-        .collect();
+    let idle: Vec<_> = (0..JOINTS.len()).filter(|&j| !used[j]).map(|j| JOINTS[j].name).collect();
     assert!(idle.is_empty(), "joints that move nothing: {idle:?}");
 }
 
@@ -96,13 +82,9 @@ fn the_walk_loops_and_keeps_its_feet_on_the_ground() {
             (0..4).map(|k| place(k) * FIGURE.weights[v][k]).sum()
         });
         let skinned: Vec<Vec3> = skinned.collect();
-        let (low, high) = skinned.iter().fold((f32::MAX, f32::MIN), |(low, high), point| {
-            (low.min(point.y), high.max(point.y))
-        });
-        assert!(
-            low.abs() < 0.02 && (1.6..1.8).contains(&high),
-            "key {key}: {low} to {high}"
-        );
+        let (low, high) =
+            skinned.iter().fold((f32::MAX, f32::MIN), |(low, high), point| (low.min(point.y), high.max(point.y)));
+        assert!(low.abs() < 0.02 && (1.6..1.8).contains(&high), "key {key}: {low} to {high}");
         assert!(mesh(&skinned).is_closed(), "key {key}");
         let shorter = walk::pose(walk::phase(key) + 0.01);
         let step = |joint: usize| pose.rotations[joint].angle_between(shorter.rotations[joint]);
@@ -117,10 +99,7 @@ fn chunks(file: &[u8]) -> (Value, &[u8]) {
     let json = 20..20 + word(12);
     assert_eq!((&file[16..20], word(12) % 4), (&b"JSON"[..], 0));
     let binary = json.end + 8..json.end + 8 + word(json.end);
-    assert_eq!(
-        (&file[json.end + 4..json.end + 8], binary.len() % 4),
-        (&b"BIN\0"[..], 0)
-    );
+    assert_eq!((&file[json.end + 4..json.end + 8], binary.len() % 4), (&b"BIN\0"[..], 0));
     assert_eq!(binary.end, file.len());
     (serde_json::from_slice(&file[json]).expect("JSON"), &file[binary])
 }
@@ -145,18 +124,12 @@ fn the_file_is_a_valid_gltf_binary() {
             _ => 16,
         };
         assert_eq!(number(&view["byteOffset"]), end, "views follow each other");
-        assert_eq!(
-            number(&accessor["count"]) * width * components,
-            number(&view["byteLength"])
-        );
+        assert_eq!(number(&accessor["count"]) * width * components, number(&view["byteLength"]));
         end += number(&view["byteLength"]);
     }
     assert_eq!(end, number(&document["buffers"][0]["byteLength"]));
     assert_eq!(all("skins")[0]["joints"].as_array().map(Vec::len), Some(JOINTS.len()));
-    assert_eq!(
-        all("animations")[0]["channels"].as_array().map(Vec::len),
-        Some(JOINTS.len() + 1)
-    );
+    assert_eq!(all("animations")[0]["channels"].as_array().map(Vec::len), Some(JOINTS.len() + 1));
     assert!(glb::encode(&Figure::new()) == file, "the same every time");
 }
 

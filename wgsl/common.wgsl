@@ -11,31 +11,29 @@ const BLOCK: u32 = 256u;
 // Up to 32 lights, one bit each, and where the positions lie.
 struct LightWord {
   // Homogeneous (x, y, z, w), scaled by a power of two so that the largest is between 1 and 2: that changes no side.
-  // Zeros past `count`, which face nothing.
+  // Those past `count` repeat the last.
   lights: array<vec4<f32>, 32>,
-  // Of the scaled lights: the largest of |x|, |y|, |z|; |w|; |w| once more, or 0 where w times a number is exact; unused.
-  bounds: array<vec4<f32>, 32>,
   // The lights as given, bit for bit.
   light_bits: array<vec4<u32>, 32>,
+  // Four lights each: |w| of the scaled light, or 0 where it is a power of two, so that its products are exact.
+  inexact_w: array<vec4<f32>, 8>,
+  // Of all scaled lights the largest |x|, |y| or |z|, and the largest |w|.
+  reach: vec2<f32>,
   count: u32,
   // The lowest `count` bits.
   live: u32,
-  // Lights that scaling would change: always undecided.
+  // Lights that scaling would change: never certain in f32.
   doubtful: u32,
   // First word of vertex 0 in the bound positions, and words from a vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  reserved_0: u32,
-  reserved_1: u32,
-  reserved_2: u32,
+  reserved: u32,
 }
 
-// Faces with lights that the filter of the facing stage leaves undecided.
+// Faces that the facing stage leaves undecided, counted from the chunk's first.
 struct Undecided {
   count: atomic<u32>,
-  reserved: u32,
-  // The face, counted from the chunk's first, and the lights' bits.
-  entries: array<vec2<u32>>,
+  entries: array<u32>,
 }
 
 // The part of the faces or edges that one dispatch works on; its arrays are bound from its first item on.

@@ -1,5 +1,6 @@
-// Exact facing: the sign of det[b - a, c - a, l - w a] for what the filter left undecided, in pure integer arithmetic
-// that no compiler can round, fuse or flush. Exact for every finite f32. NUMERICS.md, "Exact path".
+// Exact facing: the masks of the faces that the facing stage left undecided. A bound of each light's own decides most
+// signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in pure integer arithmetic that no
+// compiler can round, fuse or flush, exact for every finite f32 ("Exact path").
 
 @group(0) @binding(0) var<uniform> word: LightWord;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -11,8 +12,7 @@
 // `Undecided` as a stage that only reads sees it.
 struct DecidedLater {
   count: u32,
-  reserved: u32,
-  entries: array<vec2<u32>>,
+  entries: array<u32>,
 }
 
 // Digits of 24 bits; 48 of them hold every sum of products of four finite f32.
@@ -144,19 +144,79 @@ fn determinant_sign() -> i32 {
   return select(0, 1, carry > 0 || any_digit != 0);
 }
 
-// Decides the lights of `doubt` for one face.
-fn settle(face: u32, doubt: u32) {
-  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  let a = position_bits(corners.x, word.position_offset, word.position_stride);
-  let b = position_bits(corners.y, word.position_offset, word.position_stride);
-  let c = position_bits(corners.z, word.position_offset, word.position_stride);
-  if (!(is_finite(a) && is_finite(b) && is_finite(c)) ||
-    corners.x == corners.y || corners.y == corners.z || corners.z == corners.x) {
-    return;
+struct Face {
+  corners: vec3<u32>,
+  a: vec3<u32>,
+  b: vec3<u32>,
+  c: vec3<u32>,
+}
+
+// Bits of facing lights and of those in doubt.
+struct Decision {
+  facing: u32,
+  doubt: u32,
+}
+
+// By f32 where the light's own bound allows it.
+fn filter_lights(face: Face) -> Decision {
+  let largest = largest_magnitude(face.a, face.b, face.c);
+  var decision = Decision(0u, word.live);
+  if (largest >= LARGE) {
+    return decision;
   }
-  decode_vertex(0u, a);
-  decode_vertex(3u, b);
-  decode_vertex(6u, c);
+  let a = bitcast<vec3<f32>>(face.a);
+  let u = bitcast<vec3<f32>>(face.b) - a;
+  let v = bitcast<vec3<f32>>(face.c) - a;
+  let n = cross_product(u, v);
+  // The normal's components with absolute values throughout.
+  let n_abs = vec3<f32>(
+    abs(u.y) * abs(v.z) + abs(u.z) * abs(v.y),
+    abs(u.z) * abs(v.x) + abs(u.x) * abs(v.z),
+    abs(u.x) * abs(v.y) + abs(u.y) * abs(v.x),
+  );
+  let underflow = underflow_bound(bitcast<f32>(largest));
+  for (var rest = word.live & ~word.doubtful; rest != 0u; rest &= rest - 1u) {
+    let light = firstTrailingBit(rest);
+    let l = word.lights[light];
+    let to_light = l.xyz - l.w * a;
+    let d = n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
+    // The rounding of w a counts only where w is no power of two.
+    let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
+    let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
+      underflow * (1.0 + sizes.x + sizes.y + sizes.z);
+    if (abs(d) > bound) {
+      decision.doubt &= ~(1u << light);
+      decision.facing |= select(0u, 1u, d > 0.0) << light;
+    }
+  }
+  return decision;
+}
+
+// The bits of 1.0.
+const ONE: u32 = 0x3f800000u;
+
+// A point light in the plane of a face that lies along two axes is on neither side; of a face that is a line none is.
+fn leave_out_coplanar(doubt: u32, face: Face) -> u32 {
+  if (all(face.a == face.b) || all(face.a == face.c) || all(face.b == face.c)) {
+    return 0u;
+  }
+  let flat = (face.a == face.b) & (face.a == face.c);
+  var left = doubt;
+  for (var rest = select(0u, doubt, any(flat)); rest != 0u; rest &= rest - 1u) {
+    let at = firstTrailingBit(rest);
+    let light = word.light_bits[at];
+    if (light.w == ONE && any(flat & (light.xyz == face.a))) {
+      left &= ~(1u << at);
+    }
+  }
+  return left;
+}
+
+// The bits of the lights in doubt, by integers.
+fn settle(doubt: u32, face: Face) -> u32 {
+  decode_vertex(0u, face.a);
+  decode_vertex(3u, face.b);
+  decode_vertex(6u, face.c);
   mantissas[13] = 1u;
   exponents[13] = 149u;
   negatives[13] = 0u;
@@ -171,16 +231,35 @@ fn settle(face: u32, doubt: u32) {
     facing |= select(0u, 1u, sign > 0) << light;
     zeros += select(0u, 1u, sign == 0);
   }
-  facing_masks[face] = (facing_masks[face] & ~doubt) | facing;
   atomicAdd(&statistics.undecided_pairs, countOneBits(doubt));
   if (zeros != 0u) {
     atomicAdd(&statistics.exact_zeros, zeros);
   }
+  return facing;
 }
 
-// The list overflowed: every face has to be settled for every light.
-fn overflowed() -> bool {
-  return undecided.count > arrayLength(&undecided.entries);
+// The mask of one face.
+fn decide(index: u32) -> u32 {
+  var face: Face;
+  face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
+  face.a = position_bits(face.corners.x, word.position_offset, word.position_stride);
+  face.b = position_bits(face.corners.y, word.position_offset, word.position_stride);
+  face.c = position_bits(face.corners.z, word.position_offset, word.position_stride);
+  if (largest_magnitude(face.a, face.b, face.c) >= INFINITE) {
+    if (chunk.first_light == 0u) {
+      atomicAdd(&statistics.non_finite_faces, 1u);
+    }
+    return 0u;
+  }
+  if (face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x) {
+    return 0u;
+  }
+  var decision = filter_lights(face);
+  decision.doubt = leave_out_coplanar(decision.doubt, face);
+  if (decision.doubt != 0u) {
+    decision.facing |= settle(decision.doubt, face);
+  }
+  return decision.facing;
 }
 
 @compute @workgroup_size(64)
@@ -190,12 +269,13 @@ fn exact_facing(
   @builtin(local_invocation_index) local: u32,
 ) {
   let index = (group.y * groups.x + group.x) * 64u + local;
-  if (overflowed()) {
+  if (undecided.count > arrayLength(&undecided.entries)) {
+    // The list overflowed: every face is taken.
     if (index < chunk.count) {
-      settle(index, word.live);
+      facing_masks[index] = decide(index);
     }
   } else if (index < undecided.count) {
-    let entry = undecided.entries[index];
-    settle(entry.x, entry.y);
+    let face = undecided.entries[index];
+    facing_masks[face] = decide(face);
   }
 }

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use rimline::cpu::{CpuExtraction, Threads};
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh, Method, Predicate};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
 
@@ -13,35 +13,23 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
     let mut counts = vec![1, Threads::all().count()];
     counts.dedup();
     for threads in counts {
-        let mut extraction = CpuExtraction::default();
-        let twin = move || {
-            wall_ms(|| {
-                let done = extraction.update(
-                    positions,
-                    mesh,
-                    lights,
-                    Method::FaceMask,
-                    predicate,
-                    Threads::new(threads),
-                );
-                black_box(done.expect("good lights"));
-            })
-        };
-        list.push((format!("twin, {threads} threads"), Box::new(twin)));
+        for (name, predicate) in [("exact", Predicate::Exact), ("fast", Predicate::Fast)] {
+            let mut extraction = CpuExtraction::default();
+            let twin = move || {
+                let (method, threads) = (Method::FaceMask, Threads::new(threads));
+                wall_ms(|| {
+                    let done = extraction.update(positions, mesh, lights, method, predicate, threads);
+                    black_box(done.expect("good lights"));
+                })
+            };
+            list.push((format!("twin, {name}, {threads} threads"), Box::new(twin)));
+        }
         if let [light] = lights {
             let (edges, light) = (mesh.edges().packed_faces(), light.to_array());
             let (mut facing, mut silhouette) = (vec![0_u8; mesh.faces().len()], vec![0_u8; edges.len()]);
             let plain = move || {
                 wall_ms(|| {
-                    plain_loop(
-                        positions,
-                        mesh.faces(),
-                        edges,
-                        light,
-                        threads,
-                        &mut facing,
-                        &mut silhouette,
-                    );
+                    plain_loop(positions, mesh.faces(), edges, light, threads, &mut facing, &mut silhouette);
                     black_box((&facing, &silhouette));
                 })
             };
@@ -70,11 +58,7 @@ fn plain_loop(
                     let [a, b, c] = face.map(|v| positions[v as usize]);
                     let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
                     let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-                    let n = [
-                        u[1] * v[2] - u[2] * v[1],
-                        u[2] * v[0] - u[0] * v[2],
-                        u[0] * v[1] - u[1] * v[0],
-                    ];
+                    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
                     let l = [lx - w * a[0], ly - w * a[1], lz - w * a[2]];
                     *facing = u8::from(n[0] * l[0] + n[1] * l[1] + n[2] * l[2] > 0.0);
                 }

@@ -1,7 +1,7 @@
 //! GPU contenders.
 
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer, StageTimer};
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh, Method, Predicate};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
 
@@ -45,14 +45,10 @@ impl Gpu {
 
     fn run(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> f64 {
         wall_ms(|| {
-            let mut encoder = self
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             self.queue.submit([encoder.finish()]);
-            self.device
-                .poll(wgpu::PollType::wait_indefinitely())
-                .expect("the device works");
+            self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device works");
         })
     }
 
@@ -84,91 +80,38 @@ impl Gpu {
     /// Face masks and the 2003 method, with lists and with masks only.
     pub(crate) fn methods(&self, positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], rounds: usize) -> Vec<Row> {
         let buffer = self.storage(bytemuck::cast_slice(positions));
-        let lists = |ordered| {
-            Some(ListOptions {
-                ordered,
-                ..ListOptions::default()
-            })
-        };
-        let base = ExtractorOptions {
-            max_lights: lights.len(),
-            ..Default::default()
-        };
-        let per_edge = ExtractorOptions {
-            method: Method::PerEdge,
-            ..base
-        };
+        let lists = |ordered| Some(ListOptions { ordered, ..ListOptions::default() });
+        let exact = ExtractorOptions { max_lights: lights.len(), ..Default::default() };
+        let per_edge = ExtractorOptions { method: Method::PerEdge, ..exact };
+        let fast = ExtractorOptions { predicate: Predicate::Fast, ..exact };
         // What each must move an edge, if every vertex and mask is fetched once: half a vertex and two thirds of a face.
         let face = (12.0 + 4.0) * 2.0 / 3.0 + 4.0;
+        let with = |base: ExtractorOptions, lists, masks| ExtractorOptions { lists, masks, ..base };
+        let read = face + 8.0 + 4.0 * 2.0 / 3.0;
         let setups = [
-            (
-                "per-edge, list",
-                ExtractorOptions {
-                    lists: lists(false),
-                    ..per_edge
-                },
-                16.0 + 4.0,
-            ),
-            (
-                "face-mask, list",
-                ExtractorOptions {
-                    lists: lists(false),
-                    ..base
-                },
-                face + 8.0 + 4.0 * 2.0 / 3.0,
-            ),
-            (
-                "face-mask, ordered list",
-                ExtractorOptions {
-                    lists: lists(true),
-                    ..base
-                },
-                face + 8.0 + 2.7 + 24.0,
-            ),
-            (
-                "per-edge, masks",
-                ExtractorOptions {
-                    lists: None,
-                    masks: true,
-                    ..per_edge
-                },
-                16.0 + 4.0 + 8.0,
-            ),
-            (
-                "face-mask, masks",
-                ExtractorOptions {
-                    lists: None,
-                    masks: true,
-                    ..base
-                },
-                face + 8.0 + 2.7 + 8.0,
-            ),
+            ("per-edge, list", with(per_edge, lists(false), false), 16.0 + 4.0),
+            ("face-mask fast, list", with(fast, lists(false), false), read),
+            ("face-mask exact, list", with(exact, lists(false), false), read),
+            ("face-mask exact, ordered", with(exact, lists(true), false), read + 24.0),
+            ("per-edge, masks", with(per_edge, None, true), 16.0 + 4.0 + 8.0),
+            ("face-mask exact, masks", with(exact, None, true), read + 8.0),
         ];
         let mut extractors: Vec<_> = setups
             .iter()
             .map(|(_, options, _)| Extractor::new(&self.device, mesh, *options).expect("the mesh fits the device"))
             .collect();
-        let mut timers: Vec<_> = setups
-            .iter()
-            .map(|_| StageTimer::new(&self.device, &self.queue))
-            .collect();
+        let mut timers: Vec<_> = setups.iter().map(|_| StageTimer::new(&self.device, &self.queue)).collect();
         let contenders: Vec<Contender<'_>> = setups
             .iter()
             .zip(extractors.iter_mut().zip(&mut timers))
             .map(|((name, ..), (extractor, timer))| {
-                let positions = PositionBuffer {
-                    buffer: &buffer,
-                    offset: 0,
-                    stride: 12,
-                };
+                let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
                 let run = move || {
                     self.run(|encoder| {
                         if let Some(timer) = timer.as_mut() {
                             timer.clear();
                         }
-                        extractor
-                            .encode(encoder, positions, lights, timer.as_mut())
-                            .expect("good lights");
+                        extractor.encode(encoder, positions, lights, timer.as_mut()).expect("good lights");
                         if let Some(timer) = timer.as_ref() {
                             timer.resolve(encoder);
                         }
@@ -180,15 +123,8 @@ impl Gpu {
         let times = interleave(rounds, contenders);
         let rows = times.into_iter().zip(setups).zip(&timers);
         rows.map(|(((name, wall), (.., bytes_per_edge)), timer)| {
-            let stages = timer
-                .as_ref()
-                .and_then(|timer| timer.read(&self.device, &self.queue).ok());
-            Row {
-                name,
-                wall,
-                stages: stages.unwrap_or_default(),
-                bytes_per_edge,
-            }
+            let stages = timer.as_ref().and_then(|timer| timer.read(&self.device, &self.queue).ok());
+            Row { name, wall, stages: stages.unwrap_or_default(), bytes_per_edge }
         })
         .collect()
     }

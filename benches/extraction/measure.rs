@@ -15,9 +15,7 @@ impl Times {
 
     /// The lowest and the highest value.
     pub(crate) fn spread(&self) -> (f64, f64) {
-        self.0
-            .iter()
-            .fold((f64::INFINITY, 0.0), |(low, high), &ms| (low.min(ms), high.max(ms)))
+        self.0.iter().fold((f64::INFINITY, 0.0), |(low, high), &ms| (low.min(ms), high.max(ms)))
     }
 
     /// The median of the ratios to `other`, round by round.

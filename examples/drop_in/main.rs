@@ -17,24 +17,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
 
     // Once a mesh: topology, extractor, and what your shader reads the results with.
-    let positions = PositionBuffer {
-        buffer: &vertex_buffer,
-        offset: 0,
-        stride: 16,
-    };
+    let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 16 };
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
-    let lists = Some(ListOptions {
-        vertices_per_edge: 2,
-        ..ListOptions::default()
-    });
-    let mut extractor = Extractor::new(
-        device,
-        &mesh,
-        ExtractorOptions {
-            lists,
-            ..ExtractorOptions::default()
-        },
-    )?;
+    let lists = Some(ListOptions { vertices_per_edge: 2, ..ListOptions::default() });
+    let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { lists, ..ExtractorOptions::default() })?;
     let layout = gpu::results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
     let results = extractor.results_bind_group(&layout, 0, positions)?;
     let pipeline = canvas.line_pipeline(&layout, gpu::include_wgsl(0) + include_str!("lines.wgsl"));

@@ -20,11 +20,7 @@ impl Canvas {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
         let target = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("canvas"),
-            size: wgpu::Extent3d {
-                width: size,
-                height: size,
-                depth_or_array_layers: 1,
-            },
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -32,12 +28,7 @@ impl Canvas {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        Ok(Self {
-            device,
-            queue,
-            size,
-            target,
-        })
+        Ok(Self { device, queue, size, target })
     }
 
     /// A storage buffer with these contents.
@@ -49,21 +40,13 @@ impl Canvas {
 
     fn buffer(&self, size: u64) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
+        self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
     /// A pipeline that draws lines with `wgsl`'s entry points `line` and `ink`.
     pub fn line_pipeline(&self, layout: &wgpu::BindGroupLayout, wgsl: String) -> wgpu::RenderPipeline {
         let source = wgpu::ShaderSource::Wgsl(wgsl.into());
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("lines"),
-            source,
-        });
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("lines"), source });
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("lines"),
             bind_group_layouts: &[Some(layout)],
@@ -104,10 +87,7 @@ impl Canvas {
                 view: &view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store },
             })],
             ..wgpu::RenderPassDescriptor::default()
         }));
@@ -116,14 +96,8 @@ impl Canvas {
     /// Submits and writes the picture.
     pub fn save(&self, mut encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
         let pixels = self.buffer(u64::from(4 * self.size * self.size));
-        let layout = wgpu::TexelCopyBufferLayout {
-            bytes_per_row: Some(4 * self.size),
-            ..Default::default()
-        };
-        let copy = wgpu::TexelCopyBufferInfo {
-            buffer: &pixels,
-            layout,
-        };
+        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * self.size), ..Default::default() };
+        let copy = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
         encoder.copy_texture_to_buffer(self.target.as_image_copy(), copy, self.target.size());
         self.queue.submit([encoder.finish()]);
         let pixels: Vec<u8> = read_back_vec(&self.device, &self.queue, &pixels)?;

@@ -45,9 +45,7 @@ fn deform_vertex(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f3
     };
     let range = influences.range(vertex);
     let joints = influences.joints[range.clone()].iter().zip(&influences.weights[range]);
-    joints.fold([0.0; 3], |sum, (&joint, &weight)| {
-        add_scaled(sum, weight, transform(pose, joint, p))
-    })
+    joints.fold([0.0; 3], |sum, (&joint, &weight)| add_scaled(sum, weight, transform(pose, joint, p)))
 }
 
 fn add_scaled(sum: [f32; 3], weight: f32, v: [f32; 3]) -> [f32; 3] {

@@ -28,16 +28,8 @@ pub(super) fn edges_into(
     light_count: usize,
     threads: Threads,
 ) {
-    masks.resize(
-        records.len() * light::words(light_count),
-        Masks {
-            silhouette: 0,
-            winding: 0,
-        },
-    );
-    let planes = masks
-        .chunks_mut(records.len().max(1))
-        .zip(facing.chunks(face_count.max(1)));
+    masks.resize(records.len() * light::words(light_count), Masks { silhouette: 0, winding: 0 });
+    let planes = masks.chunks_mut(records.len().max(1)).zip(facing.chunks(face_count.max(1)));
     for (word, (plane, facing)) in planes.enumerate() {
         let live = live_bits(light_count - 32 * word);
         threads.share(plane, |first, masks| {

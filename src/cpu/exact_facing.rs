@@ -13,11 +13,7 @@ struct Integer {
 }
 
 impl Integer {
-    const ONE: Self = Self {
-        mantissa: 1,
-        exponent: 149,
-        negative: false,
-    };
+    const ONE: Self = Self { mantissa: 1, exponent: 149, negative: false };
 
     fn new(value: f32) -> Self {
         let bits = value.to_bits();
@@ -45,12 +41,7 @@ const TERMS: [Term; 24] = {
         let [x, y, z, factor] = DETERMINANTS[term / 6];
         let axis = term % 6 / 2;
         let turned = term % 2;
-        terms[term] = [
-            x + axis,
-            y + (axis + 1 + turned) % 3,
-            z + (axis + 2 - turned) % 3,
-            factor,
-        ];
+        terms[term] = [x + axis, y + (axis + 1 + turned) % 3, z + (axis + 2 - turned) % 3, factor];
         term += 1;
     }
     terms
@@ -67,9 +58,7 @@ pub fn determinant_sign(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) 
     let (least, most) = TERMS
         .iter()
         .filter(|term| !is_zero(term))
-        .fold((u32::MAX, 0), |(least, most), term| {
-            (least.min(exponent_of(term)), most.max(exponent_of(term)))
-        });
+        .fold((u32::MAX, 0), |(least, most), term| (least.min(exponent_of(term)), most.max(exponent_of(term))));
     if least > most {
         return 0;
     }
@@ -100,9 +89,7 @@ fn add_term(digits: &mut [i32; DIGITS], factors: [Integer; 4], turned: bool, abo
     let [low, high] = multiply(p, q);
     let [first, second, third, _] = multiply_three([low, high, 0], r);
     let product = multiply_three([first, second, third], s);
-    let negative = factors
-        .iter()
-        .fold(turned, |negative, factor| negative != factor.negative);
+    let negative = factors.iter().fold(turned, |negative, factor| negative != factor.negative);
     let (digit, shift) = ((above / 24) as usize, above % 24);
     let mut add = |at: usize, value: u32| digits[at] += if negative { -(value as i32) } else { value as i32 };
     for (part, value) in product.into_iter().enumerate() {

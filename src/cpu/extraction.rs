@@ -38,14 +38,7 @@ impl CpuExtraction {
         match method {
             Method::FaceMask => {
                 let faces = mesh.faces().len();
-                edges_into(
-                    &mut self.masks,
-                    mesh.edges(),
-                    &self.facing,
-                    faces,
-                    lights.len(),
-                    threads,
-                );
+                edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
             }
             Method::PerEdge => self.masks = per_edge(positions, mesh, lights, threads),
         }

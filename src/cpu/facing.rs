@@ -2,6 +2,7 @@
 
 use super::Threads;
 use super::exact_facing::determinant_sign;
+use super::filter;
 use crate::layout::LightWord;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
@@ -43,7 +44,7 @@ pub fn facing(
 }
 
 /// The same into a vector that may be used again.
-pub(super) fn facing_into(
+pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -52,26 +53,30 @@ pub(super) fn facing_into(
     threads: Threads,
 ) -> FacingCounts {
     masks.resize(faces.len() * crate::light::words(lights.len()), 0);
+    let largest = largest_magnitude(positions, threads);
     let mut total = FacingCounts::default();
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
         let word = LightWord::new(lights, 0, 3);
+        let filter = Filter { word: &word, largest };
         let counts = threads.share(plane, |first, masks| {
             let mut counts = FacingCounts::default();
             for (mask, &corners) in masks.iter_mut().zip(&faces[first..]) {
+                let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
+                    counts.non_finite_faces += 1;
+                    *mask = 0;
+                    continue;
+                };
+                let face = Face { corners, a, b, c };
                 *mask = match predicate {
-                    Predicate::Exact => face_mask::<true>(positions, corners, &word, &mut counts),
-                    Predicate::Fast => face_mask::<false>(positions, corners, &word, &mut counts),
+                    Predicate::Exact => filter.mask(face).unwrap_or_else(|| face.decide(&word, &mut counts)),
+                    Predicate::Fast => face.mask_by_f32(&word, &mut counts),
                 };
             }
             counts
         });
         let word = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
         // Every word sees the same faces.
-        total = FacingCounts {
-            non_finite_faces: 0,
-            ..total
-        }
-        .plus(word);
+        total = FacingCounts { non_finite_faces: 0, ..total }.plus(word);
     }
     total
 }
@@ -81,202 +86,159 @@ pub fn is_finite(position: [f32; 3]) -> bool {
     position.iter().all(|c| c.is_finite())
 }
 
-/// `(b − a) × (c − a)`, counter-clockwise outside.
-pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
-    let [u, v] = [difference(b, a), difference(c, a)];
-    [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ]
+/// The largest absolute coordinate; infinite or NaN where one is.
+fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
+    // Bits of absolute values are ordered like the values, with NaNs above all.
+    let runs = threads.map(positions, |positions| {
+        positions.iter().flatten().fold(0, |largest, c| largest.max(c.to_bits() & 0x7fff_ffff))
+    });
+    f32::from_bits(runs.into_iter().max().unwrap_or(0))
 }
 
 fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
-/// The bits of one face for a word of lights.
-#[inline]
-fn face_mask<const EXACT: bool>(
-    positions: &[[f32; 3]],
-    corners: [u32; 3],
-    word: &LightWord,
-    counts: &mut FacingCounts,
-) -> u32 {
-    let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
-        counts.non_finite_faces += 1;
-        return 0;
-    };
-    let side = Side::new(a, b, c);
-    // A non-finite coordinate makes two components of the normal non-finite, so this one test stands for nine. Finite
-    // ones may overflow it, too.
-    if !(side.n[0] + side.n[1] + side.n[2]).is_finite() && ![a, b, c].into_iter().all(is_finite) {
-        counts.non_finite_faces += 1;
-        return 0;
-    }
-    if is_degenerate(corners) {
-        return 0;
-    }
-    let Decision { facing, doubt } = side.decide::<EXACT>(word);
-    if doubt == 0 {
-        facing
-    } else {
-        settle(&side, [a, b, c], word, Decision { facing, doubt }, counts)
-    }
+/// `u × v`; of `b − a` and `c − a` it is the normal, counter-clockwise outside.
+pub(super) fn cross_product(u: [f32; 3], v: [f32; 3]) -> [f32; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
-/// Ten units of the last place, 10 · 2⁻²³.
-const RELATIVE: f32 = 10.0 / 8_388_608.0;
-/// What underflow may add, 2⁻¹¹⁵.
-const UNDERFLOW: f32 = f32::from_bits((127 - 115) << 23);
-/// A coordinate from 2⁴⁰ on could overflow the determinant, so its face is undecided.
-const LARGE: f32 = 1_099_511_627_776.0;
-
-/// A face as the filter sees it.
-struct Side {
-    a: [f32; 3],
-    n: [f32; 3],
-    /// The normal's components with absolute values throughout.
-    n_abs: [f32; 3],
-    /// Error of the determinant a unit of |l| and of |w|, and by itself: the cheap bound.
-    per_l: f32,
-    per_w: f32,
-    least: f32,
-    is_large: bool,
+/// `(b − a) × (c − a)`.
+pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
+    cross_product(difference(b, a), difference(c, a))
 }
 
-/// Bits of facing lights and of undecided ones.
-#[derive(Clone, Copy)]
-struct Decision {
-    facing: u32,
-    doubt: u32,
+/// `n · (l − w·a)`.
+fn determinant(n: [f32; 3], a: [f32; 3], [x, y, z, w]: [f32; 4]) -> f32 {
+    let to_light = [x - w * a[0], y - w * a[1], z - w * a[2]];
+    n[0] * to_light[0] + n[1] * to_light[1] + n[2] * to_light[2]
 }
 
-impl Side {
+fn absolute_sum(v: [f32; 3]) -> f32 {
+    v[0].abs() + v[1].abs() + v[2].abs()
+}
+
+/// One bound a face for all lights of a word. Where WGSL takes the face's own largest coordinate, this takes the
+/// mesh's: certain faces may differ, the bits cannot.
+struct Filter<'a> {
+    word: &'a LightWord,
+    largest: f32,
+}
+
+impl Filter<'_> {
+    /// The bits of a face, if the bound makes all of them certain.
     #[inline]
-    fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Self {
+    fn mask(&self, Face { a, b, c, .. }: Face) -> Option<u32> {
         let [u, v] = [difference(b, a), difference(c, a)];
-        let n = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
+        let n = cross_product(u, v);
+        let (mut mask, mut smallest) = (0, f32::INFINITY);
+        for (bit, &light) in self.word.lights.iter().take(self.word.count as usize).enumerate() {
+            let d = determinant(n, a, light);
+            mask |= u32::from(d > 0.0) << bit;
+            smallest = smallest.min(d.abs());
+        }
+        let bound = filter::face_bound(absolute_sum(u) * absolute_sum(v), self.largest, self.word.reach);
+        (smallest > bound && self.largest < filter::LARGE && self.word.doubtful == 0).then_some(mask)
+    }
+}
+
+/// A face and its corners' positions.
+#[derive(Clone, Copy)]
+struct Face {
+    corners: [u32; 3],
+    a: [f32; 3],
+    b: [f32; 3],
+    c: [f32; 3],
+}
+
+impl Face {
+    /// The bits as `f32` gives them.
+    fn mask_by_f32(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+        let Self { corners, a, b, c } = *self;
+        let n = normal(a, b, c);
+        // A non-finite coordinate makes two components of the normal non-finite, so this one test stands for nine.
+        // Finite ones may overflow it, too.
+        if !(n[0] + n[1] + n[2]).is_finite() && ![a, b, c].into_iter().all(is_finite) {
+            counts.non_finite_faces += 1;
+            return 0;
+        }
+        if is_degenerate(corners) {
+            return 0;
+        }
+        let lights = word.lights.iter().take(word.count as usize).enumerate();
+        lights.fold(0, |mask, (bit, &light)| mask | u32::from(determinant(n, a, light) > 0.0) << bit)
+    }
+
+    /// The bits of a face that one bound leaves uncertain, as `wgsl/exact_facing.wgsl` finds them.
+    #[cold]
+    fn decide(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+        if ![self.a, self.b, self.c].into_iter().all(is_finite) {
+            counts.non_finite_faces += 1;
+            return 0;
+        }
+        if is_degenerate(self.corners) {
+            return 0;
+        }
+        let Decision { mut facing, doubt } = self.filter_lights(word);
+        let doubt = self.leave_out_coplanar(doubt, word);
+        for light in bits(doubt) {
+            let sign = determinant_sign(self.a, self.b, self.c, word.light_bits[light].map(f32::from_bits));
+            facing |= u32::from(sign > 0) << light;
+            counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
+        }
+        counts.undecided_pairs = counts.undecided_pairs.wrapping_add(doubt.count_ones());
+        facing
+    }
+
+    /// By `f32` where the light's own bound allows it.
+    fn filter_lights(&self, word: &LightWord) -> Decision {
+        let Self { a, b, c, .. } = *self;
+        let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
+        let mut decision = Decision { facing: 0, doubt: word.live };
+        if largest >= filter::LARGE {
+            return decision;
+        }
+        let [u, v] = [difference(b, a), difference(c, a)];
+        let n = cross_product(u, v);
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
-        let n_abs = [
-            u[1] * v[2] + u[2] * v[1],
-            u[2] * v[0] + u[0] * v[2],
-            u[0] * v[1] + u[1] * v[0],
-        ];
-        let reach = largest(u).max(largest(v)).max(1.0);
-        let least = UNDERFLOW * reach * reach;
-        let per_l = RELATIVE * (n_abs[0] + n_abs[1] + n_abs[2]) + least;
-        let [a_largest, b_largest, c_largest] = [a, b, c].map(|p| largest(p.map(f32::abs)));
-        let is_large = a_largest.max(b_largest).max(c_largest) >= LARGE;
-        Self {
-            a,
-            n,
-            n_abs,
-            per_l,
-            per_w: per_l * a_largest,
-            least,
-            is_large,
-        }
-    }
-
-    fn determinant(&self, [x, y, z, w]: [f32; 4]) -> f32 {
-        let to_light = [x - w * self.a[0], y - w * self.a[1], z - w * self.a[2]];
-        self.n[0] * to_light[0] + self.n[1] * to_light[1] + self.n[2] * to_light[2]
-    }
-
-    /// All lights by the cheap bound.
-    #[inline]
-    fn decide<const EXACT: bool>(&self, word: &LightWord) -> Decision {
-        let mut decision = Decision { facing: 0, doubt: 0 };
-        let lights = word.lights.iter().zip(&word.bounds).take(word.count as usize);
-        for (bit, (&light, bounds)) in lights.enumerate() {
-            let d = self.determinant(light);
-            if EXACT {
-                let bound = self.per_l * bounds[0] + (self.per_w * bounds[1] + self.least);
-                decision.facing |= u32::from(d > bound) << bit;
-                decision.doubt |= u32::from(!(d.abs() > bound)) << bit;
-            } else {
-                decision.facing |= u32::from(d > 0.0) << bit;
-            }
-        }
-        match EXACT {
-            false => decision,
-            true if self.is_large => Decision {
-                facing: 0,
-                doubt: word.live,
-            },
-            true => Decision {
-                facing: decision.facing & !word.doubtful,
-                doubt: decision.doubt | word.doubtful,
-            },
-        }
-    }
-
-    /// Lights in doubt by the full bound, whose terms are the light's own.
-    fn decide_again(&self, word: &LightWord, before: Decision) -> Decision {
-        let mut decision = before;
-        for bit in bits(before.doubt & !word.doubtful) {
-            let (light, bounds) = (word.lights[bit], word.bounds[bit]);
-            let [x, y, z, w] = light;
-            let a = self.a;
-            let to_light = [x - w * a[0], y - w * a[1], z - w * a[2]].map(f32::abs);
-            let a_abs = a.map(|c| bounds[2] * c.abs());
-            let size = self.n_abs[0] * (to_light[0] + a_abs[0])
-                + self.n_abs[1] * (to_light[1] + a_abs[1])
-                + self.n_abs[2] * (to_light[2] + a_abs[2]);
-            let d = self.determinant(light);
-            let bound = RELATIVE * size + self.least * (1.0 + largest(to_light) + largest(a_abs));
+        let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
+        let underflow = filter::underflow_bound(largest);
+        for light in bits(word.live & !word.doubtful) {
+            let l = word.lights[light];
+            let d = determinant(n, a, l);
+            let inexact_w = word.inexact_w[light / 4][light % 4];
+            let sizes = [0, 1, 2].map(|axis| (l[axis] - l[3] * a[axis]).abs() + inexact_w * a[axis].abs());
+            let bound = filter::RELATIVE * (n_abs[0] * sizes[0] + n_abs[1] * sizes[1] + n_abs[2] * sizes[2])
+                + underflow * (1.0 + sizes[0] + sizes[1] + sizes[2]);
             if d.abs() > bound {
-                decision.doubt &= !(1 << bit);
-                decision.facing |= u32::from(d > 0.0) << bit;
+                decision.doubt &= !(1 << light);
+                decision.facing |= u32::from(d > 0.0) << light;
             }
         }
         decision
     }
-}
 
-/// Decides what the cheap bound left: by the full bound, by coplanarity along the axes, exactly.
-#[cold]
-fn settle(side: &Side, corners: [[f32; 3]; 3], word: &LightWord, before: Decision, counts: &mut FacingCounts) -> u32 {
-    let decision = if side.is_large {
-        before
-    } else {
-        side.decide_again(word, before)
-    };
-    let doubt = leave_out_coplanar(decision.doubt, corners.map(|p| p.map(f32::to_bits)), word);
-    let [a, b, c] = corners;
-    let mut facing = decision.facing;
-    for bit in bits(doubt) {
-        let sign = determinant_sign(a, b, c, word.light_bits[bit].map(f32::from_bits));
-        facing |= u32::from(sign > 0) << bit;
-        counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
+    /// A point light in the plane of a face that lies along two axes is on neither side; of a face that is a line none
+    /// is.
+    fn leave_out_coplanar(&self, doubt: u32, word: &LightWord) -> u32 {
+        let [a, b, c] = [self.a, self.b, self.c].map(|p| p.map(f32::to_bits));
+        if a == b || a == c || b == c {
+            return 0;
+        }
+        let flat = [0, 1, 2].map(|axis| a[axis] == b[axis] && a[axis] == c[axis]);
+        let is_coplanar = |bit: &usize| {
+            let light = word.light_bits[*bit];
+            light[3] == 1.0_f32.to_bits() && (0..3).any(|axis| flat[axis] && light[axis] == a[axis])
+        };
+        bits(doubt).filter(is_coplanar).fold(doubt, |left, bit| left & !(1 << bit))
     }
-    counts.undecided_pairs = counts.undecided_pairs.wrapping_add(doubt.count_ones());
-    facing
 }
 
-/// A point light in the plane of a face that lies along two axes is on neither side, nor is any of a face that is a
-/// line.
-fn leave_out_coplanar(doubt: u32, [a, b, c]: [[u32; 3]; 3], word: &LightWord) -> u32 {
-    if a == b || a == c || b == c {
-        return 0;
-    }
-    let flat = [0, 1, 2].map(|axis| a[axis] == b[axis] && a[axis] == c[axis]);
-    let is_coplanar = |bit: &usize| {
-        let light = word.light_bits[*bit];
-        light[3] == 1.0_f32.to_bits() && (0..3).any(|axis| flat[axis] && light[axis] == a[axis])
-    };
-    bits(doubt)
-        .filter(is_coplanar)
-        .fold(doubt, |left, bit| left & !(1 << bit))
-}
-
-fn largest(v: [f32; 3]) -> f32 {
-    v[0].max(v[1]).max(v[2])
+/// Bits of facing lights and of those in doubt.
+struct Decision {
+    facing: u32,
+    doubt: u32,
 }
 
 /// The set bits, lowest first.

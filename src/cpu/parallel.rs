@@ -25,21 +25,31 @@ impl Threads {
         self.0.get()
     }
 
+    /// Cuts `items` into a run a thread and calls `work` on each, at the same time. Returns what the calls returned.
+    pub(super) fn map<T: Sync, R: Send>(self, items: &[T], work: impl Fn(&[T]) -> R + Sync) -> Vec<R> {
+        let mut runs: Vec<&[T]> = items.chunks(items.len().div_ceil(self.count()).max(LEAST)).collect();
+        self.share_runs(runs.iter_mut(), |run| work(run))
+    }
+
     /// Cuts `items` into runs of at least a few thousand and calls `work(first index, run)` on each, at the same time.
     /// Returns what the calls returned, in order.
     pub(super) fn share<T: Send, R: Send>(self, items: &mut [T], work: impl Fn(usize, &mut [T]) -> R + Sync) -> Vec<R> {
-        const LEAST: usize = 4096;
         let run = items.len().div_ceil(self.count()).max(LEAST);
-        if run >= items.len() {
-            return vec![work(0, items)];
+        self.share_runs(items.chunks_mut(run).enumerate(), |(index, items)| work(index * run, items))
+    }
+
+    /// Calls `work` on each run, each on a thread of its own but the only one.
+    fn share_runs<T: Send, R: Send>(
+        self,
+        mut runs: impl ExactSizeIterator<Item = T>,
+        work: impl Fn(T) -> R + Sync,
+    ) -> Vec<R> {
+        if runs.len() <= 1 {
+            return runs.next().map(work).into_iter().collect();
         }
         std::thread::scope(|scope| {
             let work = &work;
-            let workers: Vec<_> = items
-                .chunks_mut(run)
-                .enumerate()
-                .map(|(index, items)| scope.spawn(move || work(index * run, items)))
-                .collect();
+            let workers: Vec<_> = runs.map(|run| scope.spawn(move || work(run))).collect();
             workers
                 .into_iter()
                 .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
@@ -47,6 +57,9 @@ impl Threads {
         })
     }
 }
+
+/// Items below which a thread of their own does not pay.
+const LEAST: usize = 4096;
 
 impl Default for Threads {
     fn default() -> Self {

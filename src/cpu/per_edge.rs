@@ -11,13 +11,7 @@ use crate::{Light, light};
 /// as NaN.
 pub fn per_edge(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], threads: Threads) -> Vec<Masks> {
     let corners = edge_corners(mesh);
-    let mut masks = vec![
-        Masks {
-            silhouette: 0,
-            winding: 0
-        };
-        corners.len() * light::words(lights.len())
-    ];
+    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::words(lights.len())];
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
         threads.share(plane, |first, masks| {
             for (masks, &corners) in masks.iter_mut().zip(&corners[first..]) {
@@ -40,11 +34,7 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
     packed
         .map(|(&[a, b], &[face_0, face_1])| {
             let c = opposite(face_0 & !INCONSISTENT, [a, b]);
-            let d = if face_1 == NO_FACE {
-                NO_FACE
-            } else {
-                opposite(face_1, [a, b])
-            };
+            let d = if face_1 == NO_FACE { NO_FACE } else { opposite(face_1, [a, b]) };
             [a | face_0 & INCONSISTENT, b, c, d]
         })
         .collect()

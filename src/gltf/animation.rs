@@ -65,18 +65,13 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
 }
 
 fn morph_targets(document: &Document, node: usize) -> usize {
-    document.nodes[node]
-        .mesh
-        .map_or(0, |mesh| document.meshes[mesh].targets)
+    document.nodes[node].mesh.map_or(0, |mesh| document.meshes[mesh].targets)
 }
 
 fn curve(reader: &Reader<'_>, animation: usize, target: &ChannelTarget, width: usize) -> Result<Curve, GltfError> {
     let sampler = &reader.document.animations[animation].samplers[target.sampler];
     let place = format!("animations[{animation}].samplers[{}]", target.sampler);
-    let bad = |problem: String| GltfError::Keyframes {
-        place: place.clone(),
-        problem,
-    };
+    let bad = |problem: String| GltfError::Keyframes { place: place.clone(), problem };
     let times = reader.floats(sampler.input, formats::TIMES, &format!("{place}.input"))?;
     if times.is_empty() {
         return Err(bad("there are no keyframes".to_owned()));
@@ -87,10 +82,7 @@ fn curve(reader: &Reader<'_>, animation: usize, target: &ChannelTarget, width: u
     }
     if let Some(key) = times.windows(2).position(unordered) {
         let (a, b) = (times[key], times[key + 1]);
-        return Err(bad(format!(
-            "key {} is at {b} s, not after key {key} at {a} s",
-            key + 1
-        )));
+        return Err(bad(format!("key {} is at {b} s, not after key {key} at {a} s", key + 1)));
     }
     let format = match target.property {
         Property::MorphTargetWeights => formats::MORPH_WEIGHTS,
@@ -106,12 +98,7 @@ fn curve(reader: &Reader<'_>, animation: usize, target: &ChannelTarget, width: u
     if let Some(value) = values.iter().position(|v| !v.is_finite()) {
         return Err(bad(format!("the output of key {} is not finite", value / stride)));
     }
-    let curve = Curve {
-        times,
-        values,
-        width,
-        interpolation: sampler.interpolation,
-    };
+    let curve = Curve { times, values, width, interpolation: sampler.interpolation };
     let no_rotation = |&key: &usize| {
         let value: Result<[f64; 4], _> = curve.value(key).try_into();
         value.is_ok_and(|value| unit(value).is_none())

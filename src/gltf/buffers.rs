@@ -63,11 +63,7 @@ pub(super) fn load<'a>(
 }
 
 fn resolve(uri: &str, index: usize, buffer: &Buffer, base: Option<&Path>) -> Result<Vec<u8>, GltfError> {
-    let refuse = |problem| GltfError::Uri {
-        place: format!("buffers[{index}].uri"),
-        uri: shorten(uri),
-        problem,
-    };
+    let refuse = |problem| GltfError::Uri { place: format!("buffers[{index}].uri"), uri: shorten(uri), problem };
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return data_uri(&uri[5..]).map_err(refuse);
     }
@@ -77,9 +73,7 @@ fn resolve(uri: &str, index: usize, buffer: &Buffer, base: Option<&Path>) -> Res
 }
 
 fn data_uri(rest: &str) -> Result<Vec<u8>, &'static str> {
-    let (kind, data) = rest
-        .split_once(',')
-        .ok_or("is a data URI without a comma before the data")?;
+    let (kind, data) = rest.split_once(',').ok_or("is a data URI without a comma before the data")?;
     let data: Vec<u8> = percent_decode_str(data).collect();
     if kind.to_ascii_lowercase().ends_with(";base64") {
         BASE64.decode(data).map_err(|_| "is a data URI whose base64 is damaged")
@@ -94,9 +88,7 @@ fn relative(uri: &str) -> Result<PathBuf, &'static str> {
     if scheme.contains(':') || uri.starts_with("//") {
         return Err("is an absolute URI, and only files beside the glTF are read; put the file there");
     }
-    let decoded = percent_decode_str(uri)
-        .decode_utf8()
-        .map_err(|_| "is no UTF-8 once decoded")?;
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "is no UTF-8 once decoded")?;
     let path = PathBuf::from(&*decoded);
     let mut named = false;
     for component in path.components() {
@@ -111,10 +103,7 @@ fn relative(uri: &str) -> Result<PathBuf, &'static str> {
 
 /// Reads at most `bytes` of a regular file: never a device or a pipe, which may have no end.
 fn read(path: &Path, bytes: u64) -> Result<Vec<u8>, GltfError> {
-    let failed = |source| GltfError::Read {
-        path: path.to_owned(),
-        source,
-    };
+    let failed = |source| GltfError::Read { path: path.to_owned(), source };
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(failed(std::io::Error::other("it is not a regular file")));
     }

@@ -16,17 +16,12 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     }
     let version = word(bytes, 4)?;
     if version != 2 {
-        return Err(GltfError::Version {
-            version: version.to_string(),
-        });
+        return Err(GltfError::Version { version: version.to_string() });
     }
     let length = word(bytes, 8)? as usize;
-    let content = bytes.get(..length).ok_or_else(|| {
-        damaged(
-            8,
-            format!("the header states {length} bytes, there are {}", bytes.len()),
-        )
-    })?;
+    let content = bytes
+        .get(..length)
+        .ok_or_else(|| damaged(8, format!("the header states {length} bytes, there are {}", bytes.len())))?;
     let (kind, json, mut offset) = chunk(content, HEADER_BYTES)?;
     if &kind != b"JSON" {
         return Err(damaged(HEADER_BYTES, "the first chunk is not JSON".to_owned()));
@@ -47,13 +42,10 @@ fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfE
     let length = word(content, offset)? as usize;
     let kind = word(content, offset + 4)?.to_le_bytes();
     let start = offset + CHUNK_HEADER_BYTES;
-    let data = content
-        .get(start..)
-        .and_then(|rest| rest.get(..length))
-        .ok_or_else(|| {
-            let there = content.len().saturating_sub(start);
-            damaged(offset, format!("the chunk states {length} bytes, there are {there}"))
-        })?;
+    let data = content.get(start..).and_then(|rest| rest.get(..length)).ok_or_else(|| {
+        let there = content.len().saturating_sub(start);
+        damaged(offset, format!("the chunk states {length} bytes, there are {there}"))
+    })?;
     Ok((kind, data, start + length))
 }
 

@@ -16,20 +16,11 @@ pub(super) const DRACO_ADVICE: &str =
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Read by the loader.
-const READ: &[&str] = &[
-    "KHR_mesh_quantization",
-    "KHR_lights_punctual",
-    "EXT_mesh_gpu_instancing",
-];
+const READ: &[&str] = &["KHR_mesh_quantization", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
 
 /// These touch only how surfaces look or what is known about them, never where triangles are.
-const HARMLESS_PREFIXES: &[&str] = &[
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "ADOBE_materials_",
-    "MSFT_packing_",
-];
+const HARMLESS_PREFIXES: &[&str] =
+    &["KHR_materials_", "KHR_texture_", "EXT_texture_", "ADOBE_materials_", "MSFT_packing_"];
 const HARMLESS: &[&str] = &[
     "KHR_xmp",
     "KHR_xmp_json_ld",
@@ -58,11 +49,7 @@ pub(super) fn check(root: &Json<'_>) -> Result<Vec<String>, GltfError> {
             return Err(GltfError::Extension {
                 name: shorten(name),
                 place: "the file (extensionsRequired)".to_owned(),
-                advice: if name == DRACO {
-                    DRACO_ADVICE
-                } else {
-                    "export the file without it"
-                },
+                advice: if name == DRACO { DRACO_ADVICE } else { "export the file without it" },
             });
         }
     }

@@ -5,11 +5,7 @@ use gltf::json::accessor::Type;
 
 use super::reader::Format;
 
-pub(super) const POSITION: Format = Format {
-    kind: Type::Vec3,
-    components: &[(F32, None)],
-    text: "F32 Vec3",
-};
+pub(super) const POSITION: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
 /// With `KHR_mesh_quantization`; targets too.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: Type::Vec3,
@@ -31,40 +27,17 @@ pub(super) const INDICES: Format = Format {
     components: &[(U8, Some(false)), (U16, Some(false)), (U32, Some(false))],
     text: "U8, U16 or U32 Scalar",
 };
-pub(super) const MATRICES: Format = Format {
-    kind: Type::Mat4,
-    components: &[(F32, None)],
-    text: "F32 Mat4",
-};
+pub(super) const MATRICES: Format = Format { kind: Type::Mat4, components: &[(F32, None)], text: "F32 Mat4" };
 /// Keyframe times.
-pub(super) const TIMES: Format = Format {
-    kind: Type::Scalar,
-    components: &[(F32, None)],
-    text: "F32 Scalar",
-};
+pub(super) const TIMES: Format = Format { kind: Type::Scalar, components: &[(F32, None)], text: "F32 Scalar" };
 /// Translations and scales of keyframes and instances.
-pub(super) const VECTORS: Format = Format {
-    kind: Type::Vec3,
-    components: &[(F32, None)],
-    text: "F32 Vec3",
-};
+pub(super) const VECTORS: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
 /// Rotations of keyframes and instances.
-pub(super) const ROTATIONS: Format = Format {
-    kind: Type::Vec4,
-    components: NORMALIZED,
-    text: "Vec4 of F32 or a normalised I8, U8, I16 or U16",
-};
+pub(super) const ROTATIONS: Format =
+    Format { kind: Type::Vec4, components: NORMALIZED, text: "Vec4 of F32 or a normalised I8, U8, I16 or U16" };
 /// Morph weights of keyframes.
-pub(super) const MORPH_WEIGHTS: Format = Format {
-    kind: Type::Scalar,
-    components: NORMALIZED,
-    text: "Scalar of F32 or a normalised I8, U8, I16 or U16",
-};
+pub(super) const MORPH_WEIGHTS: Format =
+    Format { kind: Type::Scalar, components: NORMALIZED, text: "Scalar of F32 or a normalised I8, U8, I16 or U16" };
 
-const NORMALIZED: &[super::reader::Component] = &[
-    (F32, None),
-    (I8, Some(true)),
-    (U8, Some(true)),
-    (I16, Some(true)),
-    (U16, Some(true)),
-];
+const NORMALIZED: &[super::reader::Component] =
+    &[(F32, None), (I8, Some(true)), (U8, Some(true)), (I16, Some(true)), (U16, Some(true))];

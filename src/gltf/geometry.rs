@@ -43,11 +43,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
             && drawn
             && primitive.influences.is_empty()
         {
-            return Err(GltfError::NotSkinned {
-                node,
-                mesh: index,
-                primitive: p,
-            });
+            return Err(GltfError::NotSkinned { node, mesh: index, primitive: p });
         }
         let first = match blocks.get(&key(primitive, position)) {
             Some(&first) if drawn => first,
@@ -62,10 +58,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
                 first
             }
         };
-        let at = Place {
-            mesh: index,
-            primitive: p,
-        };
+        let at = Place { mesh: index, primitive: p };
         let faces = triangles::read(reader, primitive, reader.count(position), at)?;
         let faces = faces.into_iter().map(|face| face.map(|v| v + first));
         merged.geometry.faces.extend(faces);
@@ -77,11 +70,7 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
 
 fn key(primitive: &Primitive, position: usize) -> Key<'_> {
     let set = |s: &InfluenceSet| (s.set, s.joints, s.weights);
-    Key {
-        position,
-        targets: &primitive.targets,
-        influences: primitive.influences.iter().map(set).collect(),
-    }
+    Key { position, targets: &primitive.targets, influences: primitive.influences.iter().map(set).collect() }
 }
 
 /// A primitive whose plain data was left out when it was compressed would read as zeros.
@@ -102,10 +91,7 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) ->
 
 impl Merged {
     fn new(mesh: &Mesh, skinned: bool) -> Self {
-        let influences = Influences {
-            offsets: vec![0],
-            ..Influences::default()
-        };
+        let influences = Influences { offsets: vec![0], ..Influences::default() };
         Self {
             geometry: Geometry {
                 name: mesh.name.clone(),

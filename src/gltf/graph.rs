@@ -22,11 +22,7 @@ impl Graph {
         for (parent, node) in document.nodes.iter().enumerate() {
             for &child in &node.children {
                 if let Some(first) = parents[child].replace(parent) {
-                    return Err(GltfError::TwoParents {
-                        node: child,
-                        first,
-                        second: parent,
-                    });
+                    return Err(GltfError::TwoParents { node: child, first, second: parent });
                 }
             }
         }

@@ -78,21 +78,13 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
             continue;
         };
         for frame in frames(reader, n, node)? {
-            let placement = Placement {
-                mesh,
-                node: Some(n),
-                frame,
-            };
+            let placement = Placement { mesh, node: Some(n), frame };
             built.place(reader, geometry_of(mesh, node), node.name.as_ref(), placement, skins)?;
         }
     }
     if document.scenes.is_empty() {
         for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.none()) {
-            let placement = Placement {
-                mesh,
-                node: None,
-                frame: Frame::Node(DAffine3::IDENTITY),
-            };
+            let placement = Placement { mesh, node: None, frame: Frame::Node(DAffine3::IDENTITY) };
             let name = document.meshes[mesh].name.as_ref();
             built.place(reader, mesh, name, placement, skins)?;
         }
@@ -154,11 +146,9 @@ fn check_joints(document: &Document, users: &[usize], merged: &Merged, skins: &[
 fn check_weights(document: &Document, n: usize, node: &Node, mesh: usize) -> Result<(), GltfError> {
     let expected = document.meshes[mesh].targets;
     match &node.weights {
-        Some(weights) if weights.len() != expected => Err(GltfError::Count {
-            place: format!("nodes[{n}].weights"),
-            count: weights.len(),
-            expected,
-        }),
+        Some(weights) if weights.len() != expected => {
+            Err(GltfError::Count { place: format!("nodes[{n}].weights"), count: weights.len(), expected })
+        }
         _ => Ok(()),
     }
 }
@@ -175,11 +165,8 @@ fn frames(reader: &Reader<'_>, n: usize, node: &Node) -> Result<Vec<Frame>, Gltf
 
 fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<Vec<Frame>, GltfError> {
     let place = format!("nodes[{n}].extensions.EXT_mesh_gpu_instancing.attributes");
-    let attributes = [
-        ("TRANSLATION", instancing.translation),
-        ("ROTATION", instancing.rotation),
-        ("SCALE", instancing.scale),
-    ];
+    let attributes =
+        [("TRANSLATION", instancing.translation), ("ROTATION", instancing.rotation), ("SCALE", instancing.scale)];
     let mut count = None;
     for (name, accessor) in attributes {
         let Some(accessor) = accessor else {
@@ -188,21 +175,13 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
         let found = reader.count(accessor);
         let expected = *count.get_or_insert(found);
         if found != expected {
-            return Err(GltfError::Count {
-                place: format!("{place}.{name}"),
-                count: found,
-                expected,
-            });
+            return Err(GltfError::Count { place: format!("{place}.{name}"), count: found, expected });
         }
     }
-    let count = count.ok_or_else(|| GltfError::Missing {
-        place: format!("{place}.TRANSLATION"),
-    })?;
+    let count = count.ok_or_else(|| GltfError::Missing { place: format!("{place}.TRANSLATION") })?;
     let vectors = |name: &str, accessor: Option<usize>| {
         let place = format!("{place}.{name}");
-        accessor
-            .map(|accessor| reader.vectors::<3>(accessor, formats::VECTORS, &place))
-            .transpose()
+        accessor.map(|accessor| reader.vectors::<3>(accessor, formats::VECTORS, &place)).transpose()
     };
     let translations = vectors("TRANSLATION", instancing.translation)?;
     let scales = vectors("SCALE", instancing.scale)?;
@@ -212,9 +191,7 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
     };
     reader.charge(count as u64, size_of::<Frame>() as u64, &|| place.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
-        vectors
-            .as_ref()
-            .map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
+        vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };
     (0..count)
         .map(|i| {
@@ -257,13 +234,8 @@ impl Built {
             Frame::Skin(skin) => skins[skin].joints.len(),
         };
         let bytes = 256 + 48 * matrices + 8 * reader.document.meshes[placement.mesh].targets;
-        reader.charge(1, bytes as u64, &|| {
-            format!("meshes[{}] (its instances)", placement.mesh)
-        })?;
-        self.model.instances.push(Instance {
-            geometry,
-            name: name.cloned(),
-        });
+        reader.charge(1, bytes as u64, &|| format!("meshes[{}] (its instances)", placement.mesh))?;
+        self.model.instances.push(Instance { geometry, name: name.cloned() });
         self.placements.push(placement);
         Ok(())
     }

@@ -29,18 +29,11 @@ impl<'a> Json<'a> {
 
     /// The path of one of its properties.
     pub(super) fn at(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     pub(super) fn keys(&self) -> impl Iterator<Item = &'a str> + use<'a> {
-        self.object
-            .as_object()
-            .into_iter()
-            .flat_map(|object| object.keys().map(String::as_str))
+        self.object.as_object().into_iter().flat_map(|object| object.keys().map(String::as_str))
     }
 
     pub(super) fn value(&self, key: &str) -> Option<&'a Value> {
@@ -74,25 +67,18 @@ impl<'a> Json<'a> {
 
     /// The objects of an array; none where it is missing.
     pub(super) fn objects(&self, key: &str) -> Result<Vec<Self>, GltfError> {
-        self.values(key)?
-            .iter()
-            .enumerate()
-            .map(|(i, v)| Self::new(v, format!("{}[{i}]", self.at(key))))
-            .collect()
+        self.values(key)?.iter().enumerate().map(|(i, v)| Self::new(v, format!("{}[{i}]", self.at(key)))).collect()
     }
 
     pub(super) fn strings(&self, key: &str) -> Result<Vec<&'a str>, GltfError> {
         let text = |(i, v): (usize, &'a Value)| {
-            v.as_str()
-                .ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a string", v))
+            v.as_str().ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a string", v))
         };
         self.values(key)?.iter().enumerate().map(text).collect()
     }
 
     pub(super) fn string(&self, key: &str) -> Result<Option<&'a str>, GltfError> {
-        self.value(key)
-            .map(|v| v.as_str().ok_or_else(|| wrong(self.at(key), "a string", v)))
-            .transpose()
+        self.value(key).map(|v| v.as_str().ok_or_else(|| wrong(self.at(key), "a string", v))).transpose()
     }
 
     pub(super) fn name(&self) -> Result<Option<String>, GltfError> {
@@ -108,16 +94,12 @@ impl<'a> Json<'a> {
     }
 
     pub(super) fn whole(&self, key: &str) -> Result<Option<u64>, GltfError> {
-        self.value(key)
-            .map(|v| whole(v).ok_or_else(|| wrong(self.at(key), WHOLE, v)))
-            .transpose()
+        self.value(key).map(|v| whole(v).ok_or_else(|| wrong(self.at(key), WHOLE, v))).transpose()
     }
 
     /// An index into an array of `count` things of the given kind.
     pub(super) fn index(&self, key: &str, kind: &'static str, count: usize) -> Result<Option<usize>, GltfError> {
-        self.value(key)
-            .map(|v| index(v, || self.at(key), kind, count))
-            .transpose()
+        self.value(key).map(|v| index(v, || self.at(key), kind, count)).transpose()
     }
 
     pub(super) fn indices(&self, key: &str, kind: &'static str, count: usize) -> Result<Vec<usize>, GltfError> {
@@ -132,16 +114,9 @@ impl<'a> Json<'a> {
         if self.value(key).is_none() {
             return Ok(None);
         }
-        let number = |(i, v): (usize, &Value)| {
-            v.as_f64()
-                .ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a number", v))
-        };
-        self.values(key)?
-            .iter()
-            .enumerate()
-            .map(number)
-            .collect::<Result<_, _>>()
-            .map(Some)
+        let number =
+            |(i, v): (usize, &Value)| v.as_f64().ok_or_else(|| wrong(format!("{}[{i}]", self.at(key)), "a number", v));
+        self.values(key)?.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
     }
 
     /// Exactly `N` numbers.
@@ -150,11 +125,7 @@ impl<'a> Json<'a> {
             return Ok(None);
         };
         let count = numbers.len();
-        let vector = numbers.try_into().map_err(|_| GltfError::Count {
-            place: self.at(key),
-            count,
-            expected: N,
-        })?;
+        let vector = numbers.try_into().map_err(|_| GltfError::Count { place: self.at(key), count, expected: N })?;
         Ok(Some(vector))
     }
 
@@ -183,12 +154,7 @@ fn index(value: &Value, place: impl Fn() -> String, kind: &'static str, count: u
         Ok(index as usize)
     } else {
         let place = place();
-        Err(GltfError::Reference {
-            place,
-            kind,
-            index,
-            count,
-        })
+        Err(GltfError::Reference { place, kind, index, count })
     }
 }
 

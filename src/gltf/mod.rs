@@ -229,12 +229,7 @@ impl Asset {
     /// The first animation of this name, else the one of this number.
     pub fn animation_index(&self, name_or_index: &str) -> Option<usize> {
         let named = |info: &AnimationInfo| info.name.as_deref() == Some(name_or_index);
-        let number = || {
-            name_or_index
-                .parse()
-                .ok()
-                .filter(|&index| index < self.animation_infos.len())
-        };
+        let number = || name_or_index.parse().ok().filter(|&index| index < self.animation_infos.len());
         self.animation_infos.iter().position(named).or_else(number)
     }
 
@@ -245,10 +240,7 @@ impl Asset {
 }
 
 fn skin_infos(document: &Document) -> Vec<SkinInfo> {
-    let info = |skin: &document::Skin| SkinInfo {
-        name: skin.name.clone(),
-        joints: skin.joints.len(),
-    };
+    let info = |skin: &document::Skin| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
     document.skins.iter().map(info).collect()
 }
 
@@ -282,11 +274,7 @@ impl Skipped {
 
     fn warn(self) {
         if self != Self::default() {
-            let Self {
-                points,
-                lines,
-                without_position,
-            } = self;
+            let Self { points, lines, without_position } = self;
             log::warn!(
                 "skipped {points} point primitives, {lines} line primitives and {without_position} primitives \
                  without positions"

@@ -45,41 +45,16 @@ pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
     let all = |key: &str| root.objects(key);
     Ok(Document {
         buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,
-        accessors: all("accessors")?
-            .iter()
-            .map(|a| accessor(a, lengths))
-            .collect::<Result<_, _>>()?,
-        views: all("bufferViews")?
-            .iter()
-            .map(|v| view(v, lengths))
-            .collect::<Result<_, _>>()?,
-        meshes: all("meshes")?
-            .iter()
-            .map(|m| parse_mesh::mesh(m, lengths))
-            .collect::<Result<_, _>>()?,
-        skins: all("skins")?
-            .iter()
-            .map(|s| parse_mesh::skin(s, lengths))
-            .collect::<Result<_, _>>()?,
-        nodes: all("nodes")?
-            .iter()
-            .map(|n| parse_scene::node(n, lengths))
-            .collect::<Result<_, _>>()?,
-        scenes: all("scenes")?
-            .iter()
-            .map(|s| s.indices("nodes", "nodes", lengths.nodes))
-            .collect::<Result<_, _>>()?,
+        accessors: all("accessors")?.iter().map(|a| accessor(a, lengths)).collect::<Result<_, _>>()?,
+        views: all("bufferViews")?.iter().map(|v| view(v, lengths)).collect::<Result<_, _>>()?,
+        meshes: all("meshes")?.iter().map(|m| parse_mesh::mesh(m, lengths)).collect::<Result<_, _>>()?,
+        skins: all("skins")?.iter().map(|s| parse_mesh::skin(s, lengths)).collect::<Result<_, _>>()?,
+        nodes: all("nodes")?.iter().map(|n| parse_scene::node(n, lengths)).collect::<Result<_, _>>()?,
+        scenes: all("scenes")?.iter().map(|s| s.indices("nodes", "nodes", lengths.nodes)).collect::<Result<_, _>>()?,
         scene: root.index("scene", "scenes", lengths.scenes)?,
-        animations: all("animations")?
-            .iter()
-            .map(|a| parse_scene::animation(a, lengths))
-            .collect::<Result<_, _>>()?,
+        animations: all("animations")?.iter().map(|a| parse_scene::animation(a, lengths)).collect::<Result<_, _>>()?,
         lights: match &punctual {
-            Some(lights) => lights
-                .objects("lights")?
-                .iter()
-                .map(parse_scene::light)
-                .collect::<Result<_, _>>()?,
+            Some(lights) => lights.objects("lights")?.iter().map(parse_scene::light).collect::<Result<_, _>>()?,
             None => Vec::new(),
         },
         quantized: used.iter().any(|name| name == "KHR_mesh_quantization"),

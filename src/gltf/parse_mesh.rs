@@ -8,11 +8,8 @@ use super::json::Json;
 use super::parse::Lengths;
 
 pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError> {
-    let primitives = json
-        .objects("primitives")?
-        .iter()
-        .map(|p| primitive(p, lengths))
-        .collect::<Result<Vec<_>, _>>()?;
+    let primitives =
+        json.objects("primitives")?.iter().map(|p| primitive(p, lengths)).collect::<Result<Vec<_>, _>>()?;
     let targets = primitives.first().map_or(0, |p| p.targets.len());
     if let Some(other) = primitives.iter().position(|p| p.targets.len() != targets) {
         return Err(GltfError::Count {
@@ -23,22 +20,15 @@ pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError>
     }
     let weights = json.numbers("weights")?;
     check_weights(json, weights.as_ref(), targets)?;
-    Ok(Mesh {
-        name: json.name()?,
-        primitives,
-        weights,
-        targets,
-    })
+    Ok(Mesh { name: json.name()?, primitives, weights, targets })
 }
 
 /// Default morph weights must be as many as there are targets.
 fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
     match weights {
-        Some(weights) if weights.len() != targets => Err(GltfError::Count {
-            place: json.at("weights"),
-            count: weights.len(),
-            expected: targets,
-        }),
+        Some(weights) if weights.len() != targets => {
+            Err(GltfError::Count { place: json.at("weights"), count: weights.len(), expected: targets })
+        }
         _ => Ok(()),
     }
 }
@@ -85,11 +75,7 @@ fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSe
             continue;
         };
         let index = |key: &str| attributes.required(key, attributes.index(key, "accessors", lengths.accessors)?);
-        sets.push(InfluenceSet {
-            set,
-            joints: index(key)?,
-            weights: index(&format!("WEIGHTS_{text}"))?,
-        });
+        sets.push(InfluenceSet { set, joints: index(key)?, weights: index(&format!("WEIGHTS_{text}"))? });
     }
     sets.sort_by_key(|set| set.set);
     Ok(sets)
@@ -98,9 +84,7 @@ fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSe
 pub(super) fn skin(json: &Json<'_>, lengths: Lengths) -> Result<Skin, GltfError> {
     let joints = json.indices("joints", "nodes", lengths.nodes)?;
     if joints.is_empty() {
-        return Err(GltfError::Missing {
-            place: json.at("joints"),
-        });
+        return Err(GltfError::Missing { place: json.at("joints") });
     }
     Ok(Skin {
         name: json.name()?,

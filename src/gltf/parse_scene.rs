@@ -10,15 +10,11 @@ use super::{GltfError, SceneLightKind};
 
 pub(super) fn node(json: &Json<'_>, lengths: Lengths) -> Result<Node, GltfError> {
     let light = match json.extension("KHR_lights_punctual")? {
-        Some(light) => light
-            .required("light", light.index("light", "lights", lengths.lights)?)
-            .map(Some)?,
+        Some(light) => light.required("light", light.index("light", "lights", lengths.lights)?).map(Some)?,
         None => None,
     };
-    let instancing = json
-        .extension("EXT_mesh_gpu_instancing")?
-        .map(|extension| instancing(&extension, lengths))
-        .transpose()?;
+    let instancing =
+        json.extension("EXT_mesh_gpu_instancing")?.map(|extension| instancing(&extension, lengths)).transpose()?;
     Ok(Node {
         name: json.name()?,
         children: json.indices("children", "nodes", lengths.nodes)?,
@@ -64,29 +60,18 @@ pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<D
     let row = matrix.row(3).to_array();
     let problem = if !matrix.is_finite() {
         "the matrix is not finite"
-    } else if row
-        .iter()
-        .zip([0.0, 0.0, 0.0, 1.0])
-        .any(|(a, b)| (a - b).abs() > TOLERANCE)
-    {
+    } else if row.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(a, b)| (a - b).abs() > TOLERANCE) {
         "the matrix's last row must be (0, 0, 0, 1)"
     } else {
         return Ok(DAffine3::from_mat4(matrix));
     };
-    Err(GltfError::Transform {
-        place: place(),
-        problem,
-    })
+    Err(GltfError::Transform { place: place(), problem })
 }
 
 fn instancing(json: &Json<'_>, lengths: Lengths) -> Result<Instancing, GltfError> {
     let attributes = json.required("attributes", json.object("attributes")?)?;
     let index = |key: &str| attributes.index(key, "accessors", lengths.accessors);
-    Ok(Instancing {
-        translation: index("TRANSLATION")?,
-        rotation: index("ROTATION")?,
-        scale: index("SCALE")?,
-    })
+    Ok(Instancing { translation: index("TRANSLATION")?, rotation: index("ROTATION")?, scale: index("SCALE")? })
 }
 
 pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
@@ -96,18 +81,11 @@ pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
         "spot" => SceneLightKind::Spot,
         _ => return Err(json.wrong("type", "directional, point or spot")),
     };
-    Ok(PunctualLight {
-        name: json.name()?,
-        kind,
-    })
+    Ok(PunctualLight { name: json.name()?, kind })
 }
 
 pub(super) fn animation(json: &Json<'_>, lengths: Lengths) -> Result<Animation, GltfError> {
-    let samplers = json
-        .objects("samplers")?
-        .iter()
-        .map(|s| sampler(s, lengths))
-        .collect::<Result<Vec<_>, _>>()?;
+    let samplers = json.objects("samplers")?.iter().map(|s| sampler(s, lengths)).collect::<Result<Vec<_>, _>>()?;
     let mut channels = Vec::new();
     for (channel, json) in json.objects("channels")?.iter().enumerate() {
         let sampler = json.required("sampler", json.index("sampler", "samplers", samplers.len())?)?;
@@ -124,25 +102,13 @@ pub(super) fn animation(json: &Json<'_>, lengths: Lengths) -> Result<Animation, 
             "weights" => Property::MorphTargetWeights,
             other => {
                 let path = super::json::shorten(other);
-                log::warn!(
-                    "{}: the path {path:?} is not supported, so the channel moves nothing",
-                    target.path()
-                );
+                log::warn!("{}: the path {path:?} is not supported, so the channel moves nothing", target.path());
                 continue;
             }
         };
-        channels.push(ChannelTarget {
-            channel,
-            sampler,
-            node,
-            property,
-        });
+        channels.push(ChannelTarget { channel, sampler, node, property });
     }
-    Ok(Animation {
-        name: json.name()?,
-        samplers,
-        channels,
-    })
+    Ok(Animation { name: json.name()?, samplers, channels })
 }
 
 fn sampler(json: &Json<'_>, lengths: Lengths) -> Result<Sampler, GltfError> {
@@ -153,9 +119,5 @@ fn sampler(json: &Json<'_>, lengths: Lengths) -> Result<Sampler, GltfError> {
         Some("CUBICSPLINE") => Interpolation::CubicSpline,
         Some(_) => return Err(json.wrong("interpolation", "LINEAR, STEP or CUBICSPLINE")),
     };
-    Ok(Sampler {
-        input: accessor("input")?,
-        output: accessor("output")?,
-        interpolation,
-    })
+    Ok(Sampler { input: accessor("input")?, output: accessor("output")?, interpolation })
 }

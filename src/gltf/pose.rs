@@ -82,10 +82,7 @@ impl Asset {
         let mut weights = HashMap::new();
         if let Some(index) = animation {
             let count = self.animations.len();
-            let animation = self
-                .animations
-                .get(index)
-                .ok_or(PoseError::NoAnimation { index, count })?;
+            let animation = self.animations.get(index).ok_or(PoseError::NoAnimation { index, count })?;
             for channel in &animation.channels {
                 apply(channel, f64::from(time_s), &mut transforms, &mut weights);
             }
@@ -110,9 +107,7 @@ impl Asset {
             Frame::Skin(skin) => {
                 let skin = &self.skins[skin];
                 let joints = skin.joints.iter().zip(&skin.inverse_binds);
-                joints
-                    .map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind)
-                    .collect()
+                joints.map(|(&joint, inverse_bind)| state.world[joint] * *inverse_bind).collect()
             }
         };
         let used = &self.used_joints[geometry_index];
@@ -135,9 +130,7 @@ impl Asset {
     fn morph_weights(&self, placement: &Placement, state: &State) -> Vec<f32> {
         let mesh = &self.document.meshes[placement.mesh];
         let animated = placement.node.and_then(|node| state.weights.get(&node));
-        let own = placement
-            .node
-            .and_then(|node| self.document.nodes[node].weights.as_ref());
+        let own = placement.node.and_then(|node| self.document.nodes[node].weights.as_ref());
         match animated.or(own).or(mesh.weights.as_ref()) {
             Some(weights) => weights.iter().map(|&w| w as f32).collect(),
             None => vec![0.0; mesh.targets],
@@ -167,30 +160,17 @@ fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &m
 /// The matrix's rows, rounded to `f32`.
 fn rows(matrix: &DAffine3) -> Matrix3x4 {
     let DAffine3 { matrix3, translation } = matrix;
-    [0, 1, 2].map(|row| {
-        [
-            matrix3.x_axis[row],
-            matrix3.y_axis[row],
-            matrix3.z_axis[row],
-            translation[row],
-        ]
-        .map(|c| c as f32)
-    })
+    [0, 1, 2]
+        .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }
 
 fn is_finite(pose: &InstancePose) -> bool {
     let matrices = pose.palette.as_flattened().as_flattened();
-    matrices
-        .iter()
-        .chain(&pose.morph_weights)
-        .all(|value| value.is_finite())
+    matrices.iter().chain(&pose.morph_weights).all(|value| value.is_finite())
 }
 
 /// The joints that a geometry's vertices follow; none where it is rigid.
 pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
-    let joints = geometry
-        .influences
-        .as_ref()
-        .map_or(&[][..], |influences| &influences.joints);
+    let joints = geometry.influences.as_ref().map_or(&[][..], |influences| &influences.joints);
     joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
 }

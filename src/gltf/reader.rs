@@ -38,23 +38,13 @@ impl<'a> Reader<'a> {
     pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], file_bytes: usize) -> Self {
         let bytes = file_bytes + buffers.iter().flatten().map(|buffer| buffer.len()).sum::<usize>();
         let limit = UNPACKED_BASE + UNPACKED_PER_BYTE * bytes as u64;
-        Self {
-            document,
-            buffers,
-            limit,
-            left: Cell::new(limit),
-        }
+        Self { document, buffers, limit, left: Cell::new(limit) }
     }
 
     /// Counts `count` elements of `size` bytes that are about to be made.
     pub(super) fn charge(&self, count: u64, size: u64, place: &dyn Fn() -> String) -> Result<(), GltfError> {
-        let left = count
-            .checked_mul(size)
-            .and_then(|bytes| self.left.get().checked_sub(bytes));
-        let left = left.ok_or_else(|| GltfError::TooMuch {
-            place: place(),
-            limit: self.limit,
-        })?;
+        let left = count.checked_mul(size).and_then(|bytes| self.left.get().checked_sub(bytes));
+        let left = left.ok_or_else(|| GltfError::TooMuch { place: place(), limit: self.limit })?;
         self.left.set(left);
         Ok(())
     }
@@ -78,9 +68,7 @@ impl<'a> Reader<'a> {
     /// All components as floats, element after element.
     pub(super) fn floats(&self, accessor: usize, format: Format, user: &str) -> Result<Vec<f32>, GltfError> {
         let bytes = self.raw(accessor, format, user)?;
-        let &Accessor {
-            component, normalized, ..
-        } = &self.document.accessors[accessor];
+        let &Accessor { component, normalized, .. } = &self.document.accessors[accessor];
         let scale = |largest: f32| if normalized { largest } else { 1.0 };
         let signed = |value: f32, largest: f32| (value / scale(largest)).max(if normalized { -1.0 } else { f32::MIN });
         Ok(match component {
@@ -147,12 +135,7 @@ impl<'a> Reader<'a> {
         };
         let needed = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
         if needed > view.bytes {
-            return Err(AccessorProblem::TooShort {
-                view: view_index,
-                needed,
-                available: view.bytes,
-            }
-            .into());
+            return Err(AccessorProblem::TooShort { view: view_index, needed, available: view.bytes }.into());
         }
         let no_data = || match view.compressed {
             Some(name) => Failure::Compressed(name, view_index),
@@ -160,9 +143,7 @@ impl<'a> Reader<'a> {
         };
         let buffer = self.buffers[view.buffer].as_deref().ok_or_else(no_data)?;
         let start = (view.offset + offset) as usize;
-        let data = buffer
-            .get(start..start + length.unwrap_or(0) as usize)
-            .ok_or_else(no_data)?;
+        let data = buffer.get(start..start + length.unwrap_or(0) as usize).ok_or_else(no_data)?;
         Ok((data, stride as usize))
     }
 
@@ -180,11 +161,7 @@ impl<'a> Reader<'a> {
         let mut least = 0;
         for (position, (&index, value)) in indices.iter().zip(values.chunks_exact(element)).enumerate() {
             if u64::from(index) < least || u64::from(index) >= elements {
-                let problem = AccessorProblem::SparseIndex {
-                    position,
-                    index,
-                    elements,
-                };
+                let problem = AccessorProblem::SparseIndex { position, index, elements };
                 return Err(problem.into());
             }
             least = u64::from(index) + 1;
@@ -216,11 +193,7 @@ impl From<GltfError> for Failure {
 impl Failure {
     fn at(self, accessor: usize, user: &str) -> GltfError {
         match self {
-            Self::Problem(problem) => GltfError::Accessor {
-                accessor,
-                user: user.to_owned(),
-                problem,
-            },
+            Self::Problem(problem) => GltfError::Accessor { accessor, user: user.to_owned(), problem },
             Self::Compressed(name, view) => GltfError::Extension {
                 name: name.to_owned(),
                 place: format!("bufferViews[{view}], used by accessors[{accessor}] as {user},"),

@@ -23,18 +23,10 @@ pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<LoadedSkin>, GltfError> {
     for (index, skin) in skins.iter().enumerate() {
         let (count, expected) = (skin.inverse_binds.map(|a| reader.count(a)), skin.joints.len());
         if let Some(count) = count.filter(|&count| count < expected) {
-            return Err(GltfError::Count {
-                place: place(index),
-                count,
-                expected,
-            });
+            return Err(GltfError::Count { place: place(index), count, expected });
         }
     }
-    skins
-        .iter()
-        .enumerate()
-        .map(|(index, skin)| load_one(reader, index, skin))
-        .collect()
+    skins.iter().enumerate().map(|(index, skin)| load_one(reader, index, skin)).collect()
 }
 
 fn place(skin: usize) -> String {
@@ -54,8 +46,5 @@ fn load_one(reader: &Reader<'_>, index: usize, skin: &Skin) -> Result<LoadedSkin
             used.map(matrix).collect::<Result<_, _>>()?
         }
     };
-    Ok(LoadedSkin {
-        joints: skin.joints.clone(),
-        inverse_binds,
-    })
+    Ok(LoadedSkin { joints: skin.joints.clone(), inverse_binds })
 }

@@ -32,11 +32,7 @@ pub(super) fn read(
     let place = format!("meshes[{mesh}].primitives[{p}].indices");
     let count = primitive.indices.map_or(vertices, |accessor| reader.count(accessor));
     if primitive.mode == Mode::Triangles && !count.is_multiple_of(3) {
-        return Err(GltfError::CornerCount {
-            mesh,
-            primitive: p,
-            corners: count,
-        });
+        return Err(GltfError::CornerCount { mesh, primitive: p, corners: count });
     }
     let faces = match primitive.mode {
         Mode::Triangles => count / 3,
@@ -56,23 +52,10 @@ pub(super) fn read(
     if let Some(position) = indices.iter().position(bad) {
         let index = indices[position];
         if index == restart {
-            return Err(GltfError::PrimitiveRestart {
-                mesh,
-                primitive: p,
-                position,
-                index,
-            });
+            return Err(GltfError::PrimitiveRestart { mesh, primitive: p, position, index });
         }
         let (face, corner) = first_use(primitive.mode, position);
-        return Err(GltfError::IndexOutOfRange {
-            mesh,
-            primitive: p,
-            position,
-            face,
-            corner,
-            index,
-            vertices,
-        });
+        return Err(GltfError::IndexOutOfRange { mesh, primitive: p, position, face, corner, index, vertices });
     }
     Ok(faces_of(primitive.mode, faces, |corner| indices[corner]))
 }

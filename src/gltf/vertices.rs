@@ -52,26 +52,14 @@ pub(super) fn read(
         });
     }
     let bindings = bindings(reader, primitive, positions.len(), place)?;
-    Ok(Vertices {
-        positions,
-        targets,
-        bindings,
-    })
+    Ok(Vertices { positions, targets, bindings })
 }
 
 fn offsets(reader: &Reader<'_>, accessor: usize, place: String) -> Result<Vec<[f32; 3]>, GltfError> {
-    let format = if reader.document.quantized {
-        formats::POSITION_QUANTIZED
-    } else {
-        formats::POSITION
-    };
+    let format = if reader.document.quantized { formats::POSITION_QUANTIZED } else { formats::POSITION };
     let vectors = reader.vectors(accessor, format, &place)?;
     match vectors.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
-        Some(vertex) => Err(GltfError::NonFinitePosition {
-            place,
-            vertex,
-            value: vectors[vertex],
-        }),
+        Some(vertex) => Err(GltfError::NonFinitePosition { place, vertex, value: vectors[vertex] }),
         None => Ok(vectors),
     }
 }
@@ -80,11 +68,7 @@ fn same_count(count: usize, expected: usize, place: &str) -> Result<(), GltfErro
     if count == expected {
         return Ok(());
     }
-    Err(GltfError::Count {
-        place: place.to_owned(),
-        count,
-        expected,
-    })
+    Err(GltfError::Count { place: place.to_owned(), count, expected })
 }
 
 struct Set {
@@ -110,19 +94,13 @@ fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: 
                 weight: weights.iter().copied().find(bad).unwrap_or(f32::NAN),
             });
         }
-        sets.push(Set {
-            joints: joints.as_chunks().0.to_vec(),
-            weights,
-            joints_place,
-        });
+        sets.push(Set { joints: joints.as_chunks().0.to_vec(), weights, joints_place });
     }
     let mut bindings = Bindings::default();
     if sets.is_empty() {
         return Ok(bindings);
     }
-    reader.charge(vertices as u64, 32 * sets.len() as u64, &|| {
-        format!("{place}.attributes")
-    })?;
+    reader.charge(vertices as u64, 32 * sets.len() as u64, &|| format!("{place}.attributes"))?;
     for vertex in 0..vertices {
         bindings.push(&sets, vertex);
     }
@@ -153,11 +131,7 @@ impl Bindings {
         self.joints.push(joint);
         self.weights.push(weight);
         if self.highest.as_ref().is_none_or(|highest| joint > highest.joint) {
-            self.highest = Some(HighestJoint {
-                joint,
-                vertex,
-                place: place.to_owned(),
-            });
+            self.highest = Some(HighestJoint { joint, vertex, place: place.to_owned() });
         }
     }
 }

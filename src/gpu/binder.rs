@@ -37,28 +37,12 @@ impl Binder<'_> {
             Method::FaceMask => {
                 let exact = ("EXACT", f64::from(u8::from(options.predicate == Predicate::Exact)));
                 let constants = [windows, exact];
-                Pipeline::new(
-                    self.device,
-                    &FACING,
-                    &FACING.wgsl(),
-                    "facing",
-                    &FACING_SLOTS,
-                    None,
-                    &constants,
-                )
+                Pipeline::new(self.device, &FACING, &FACING.wgsl(), "facing", &FACING_SLOTS, None, &constants)
             }
             Method::PerEdge => {
                 let [masks, append] = emit_constants(options);
                 let constants = [windows, masks, append];
-                Pipeline::new(
-                    self.device,
-                    &PER_EDGE,
-                    &PER_EDGE.wgsl(),
-                    "per_edge",
-                    &EDGE_SLOTS,
-                    None,
-                    &constants,
-                )
+                Pipeline::new(self.device, &PER_EDGE, &PER_EDGE.wgsl(), "per_edge", &EDGE_SLOTS, None, &constants)
             }
         }
     }
@@ -66,36 +50,17 @@ impl Binder<'_> {
     /// Exact facing, which reads positions too.
     pub(super) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
         let windows = [("WINDOW_WORDS", f64::from(window_words))];
-        Pipeline::new(
-            self.device,
-            &EXACT_FACING,
-            &EXACT_FACING.wgsl(),
-            "exact_facing",
-            &EXACT_SLOTS,
-            None,
-            &windows,
-        )
+        Pipeline::new(self.device, &EXACT_FACING, &EXACT_FACING.wgsl(), "exact_facing", &EXACT_SLOTS, None, &windows)
     }
 
     /// The indirect dispatches of exact facing.
     pub(super) fn exact_arguments(&self, mut dispatches: Vec<Dispatch>, most_workgroups: u32) -> Pass {
         let constants = [("MOST_WORKGROUPS", f64::from(most_workgroups))];
         let (stage, slots) = (&EXACT_ARGUMENTS, &EXACT_ARGUMENTS_SLOTS);
-        let pipeline = Pipeline::new(
-            self.device,
-            stage,
-            &stage.wgsl(),
-            "exact_arguments",
-            slots,
-            None,
-            &constants,
-        );
+        let pipeline = Pipeline::new(self.device, stage, &stage.wgsl(), "exact_arguments", slots, None, &constants);
         for dispatch in &mut dispatches {
-            let resources = [
-                entry::<Chunk>(self.chunks),
-                self.undecided(),
-                binding(&self.buffers.exact_dispatch, 0..12),
-            ];
+            let resources =
+                [entry::<Chunk>(self.chunks), self.undecided(), binding(&self.buffers.exact_dispatch, 0..12)];
             dispatch.group = Some(pipeline.bind(self.device, &resources));
             dispatch.offsets = vec![dispatch.chunk_offset];
             dispatch.workgroups = 1;
@@ -105,10 +70,7 @@ impl Binder<'_> {
 
     /// The list of undecided faces; its length tells the shaders its capacity.
     fn undecided(&self) -> BindingResource<'_> {
-        binding(
-            &self.buffers.undecided,
-            0..UNDECIDED_HEAD + 8 * self.shape.undecided.max(1) as u64,
-        )
+        binding(&self.buffers.undecided, 0..UNDECIDED_HEAD + 4 * self.shape.undecided.max(1) as u64)
     }
 
     /// Binds the dispatches of a pipeline to positions.
@@ -119,11 +81,7 @@ impl Binder<'_> {
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        let windows = bound
-            .windows
-            .ranges
-            .clone()
-            .map(|range| bound.base + range.start..bound.base + range.end);
+        let windows = bound.windows.ranges.clone().map(|range| bound.base + range.start..bound.base + range.end);
         for dispatch in &mut pass.dispatches {
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
             resources.extend(windows.iter().map(|window| binding(positions, window.clone())));
@@ -148,15 +106,7 @@ impl Binder<'_> {
     pub(super) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
         let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
-        let pipeline = Pipeline::new(
-            self.device,
-            &EDGES,
-            &EDGES.wgsl(),
-            "edges",
-            &EDGE_SLOTS,
-            None,
-            &constants,
-        );
+        let pipeline = Pipeline::new(self.device, &EDGES, &EDGES.wgsl(), "edges", &EDGE_SLOTS, None, &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.word];
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
@@ -172,15 +122,8 @@ impl Binder<'_> {
     /// Compaction in the order of the edges: count, scan, scatter.
     pub(super) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
         COMPACT_ENTRY_POINTS.map(|entry_point| {
-            let pipeline = Pipeline::new(
-                self.device,
-                &COMPACT,
-                &COMPACT.wgsl(),
-                entry_point,
-                &COMPACT_SLOTS,
-                None,
-                &[],
-            );
+            let pipeline =
+                Pipeline::new(self.device, &COMPACT, &COMPACT.wgsl(), entry_point, &COMPACT_SLOTS, None, &[]);
             let scans = entry_point == "compact_scan";
             // The scan goes over all blocks of a word at once, a workgroup a light.
             let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
@@ -205,29 +148,12 @@ impl Binder<'_> {
 
     /// Draw arguments of all lights, in one dispatch.
     pub(super) fn arguments(&self, vertices_per_edge: u32) -> Pass {
-        let Shape {
-            edges,
-            max_lights,
-            capacity,
-            ..
-        } = *self.shape;
+        let Shape { edges, max_lights, capacity, .. } = *self.shape;
         let mut table = UniformTable::default();
-        table.push(&DrawShape {
-            lights: max_lights as u32,
-            capacity,
-            edges: edges as u32,
-            vertices_per_edge,
-        });
+        table.push(&DrawShape { lights: max_lights as u32, capacity, edges: edges as u32, vertices_per_edge });
         let shape = table.into_buffer(self.device, "draw shape");
-        let pipeline = Pipeline::new(
-            self.device,
-            &ARGUMENTS,
-            &ARGUMENTS.wgsl(),
-            "arguments",
-            &ARGUMENTS_SLOTS,
-            None,
-            &[],
-        );
+        let pipeline =
+            Pipeline::new(self.device, &ARGUMENTS, &ARGUMENTS.wgsl(), "arguments", &ARGUMENTS_SLOTS, None, &[]);
         let resources = [
             entry::<DrawShape>(&shape),
             self.buffers.counts.as_entire_binding(),
@@ -236,16 +162,8 @@ impl Binder<'_> {
         ];
         let group = Some(pipeline.bind(self.device, &resources));
         let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));
-        let dispatch = Dispatch {
-            group,
-            offsets: vec![0],
-            workgroups,
-            ..Dispatch::over(0, 0..max_lights, 0)
-        };
-        Pass {
-            pipeline,
-            dispatches: vec![dispatch],
-        }
+        let dispatch = Dispatch { group, offsets: vec![0], workgroups, ..Dispatch::over(0, 0..max_lights, 0) };
+        Pass { pipeline, dispatches: vec![dispatch] }
     }
 
     /// `wanted` workgroups, or as many as the device lets one dispatch have: for stages whose workgroups take turns.
@@ -257,11 +175,7 @@ impl Binder<'_> {
     /// Masks, counts and list, as `emit.wgsl` binds them.
     fn emit_targets(&self, dispatch: &Dispatch) -> [BindingResource<'_>; 3] {
         let unused = self.buffers.unused.as_entire_binding();
-        let list = self
-            .buffers
-            .lists
-            .get(dispatch.word)
-            .map_or(unused, wgpu::Buffer::as_entire_binding);
+        let list = self.buffers.lists.get(dispatch.word).map_or(unused, wgpu::Buffer::as_entire_binding);
         [self.masks_of(dispatch), self.buffers.counts.as_entire_binding(), list]
     }
 
@@ -275,10 +189,7 @@ impl Binder<'_> {
 
     /// Dynamic offsets of a light word and a chunk.
     fn word_and_chunk(&self, dispatch: &Dispatch) -> Vec<u32> {
-        vec![
-            dispatch.word as u32 * UniformTable::stride::<LightWord>() as u32,
-            dispatch.chunk_offset,
-        ]
+        vec![dispatch.word as u32 * UniformTable::stride::<LightWord>() as u32, dispatch.chunk_offset]
     }
 }
 
@@ -288,8 +199,5 @@ const COMPACT_ENTRY_POINTS: [&str; 3] = ["compact_count", "compact_scan", "compa
 fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
     let ordered = options.lists.is_some_and(|lists| lists.ordered);
     let append = options.lists.is_some() && !ordered;
-    [
-        ("WRITE_MASKS", f64::from(u8::from(options.masks || ordered))),
-        ("APPEND", f64::from(u8::from(append))),
-    ]
+    [("WRITE_MASKS", f64::from(u8::from(options.masks || ordered))), ("APPEND", f64::from(u8::from(append)))]
 }

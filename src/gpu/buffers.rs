@@ -41,11 +41,7 @@ impl Shape {
         };
         if capacity > fitting {
             let bytes = u64::from(capacity) * 4 * word;
-            return Err(MemoryError::Binding {
-                what: "edge lists",
-                bytes,
-                limit: split.binding,
-            });
+            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding });
         }
         Ok(Self {
             vertices: mesh.vertex_count(),
@@ -80,17 +76,15 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
 }
 
 /// Bytes before the entries of the list of undecided faces.
-pub(super) const UNDECIDED_HEAD: u64 = 8;
+pub(super) const UNDECIDED_HEAD: u64 = 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
     if options.method == Method::PerEdge || options.predicate == Predicate::Fast {
         return 0;
     }
-    let fitting = ((split.binding - UNDECIDED_HEAD) / 8) as usize;
-    let asked = options
-        .undecided_capacity
-        .map_or(usize::MAX, |capacity| capacity.max(1) as usize);
+    let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;
+    let asked = options.undecided_capacity.map_or(usize::MAX, |capacity| capacity.max(1) as usize);
     asked.min(mesh.faces().len()).min(fitting)
 }
 
@@ -136,7 +130,7 @@ impl Buffers {
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
-        let undecided_bytes = UNDECIDED_HEAD + 8 * shape.undecided as u64;
+        let undecided_bytes = UNDECIDED_HEAD + 4 * shape.undecided as u64;
         // These are bound whole; everything else is bound by chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -148,11 +142,7 @@ impl Buffers {
             return Err(MemoryError::Binding { what, bytes, limit });
         }
 
-        let mut wanted = vec![
-            ("faces", faces * 12),
-            ("edge vertices", edges * 8),
-            ("edge faces", edges * 8),
-        ];
+        let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
         wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
@@ -161,48 +151,25 @@ impl Buffers {
         wanted.extend(bound_whole);
         wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
         wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
-        let allocations: Vec<_> = wanted
-            .iter()
-            .map(|&(label, bytes)| Allocation {
-                label,
-                bytes: padded(bytes),
-            })
-            .collect();
+        let allocations: Vec<_> =
+            wanted.iter().map(|&(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
         let bytes = check(&allocations, split.buffer, options.memory_limit)?;
 
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let result = storage | BufferUsages::COPY_DST;
         guarded(device, bytes, || Self {
             faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
-            edge_vertices: filled(
-                device,
-                "edge vertices",
-                bytemuck::cast_slice(mesh.edges().vertices()),
-                storage,
-            ),
-            edge_faces: filled(
-                device,
-                "edge faces",
-                bytemuck::cast_slice(mesh.edges().packed_faces()),
-                storage,
-            ),
-            edge_corners: per_edge.then(|| {
-                filled(
-                    device,
-                    "edge corners",
-                    bytemuck::cast_slice(&edge_corners(mesh)),
-                    storage,
-                )
-            }),
+            edge_vertices: filled(device, "edge vertices", bytemuck::cast_slice(mesh.edges().vertices()), storage),
+            edge_faces: filled(device, "edge faces", bytemuck::cast_slice(mesh.edges().packed_faces()), storage),
+            edge_corners: per_edge
+                .then(|| filled(device, "edge corners", bytemuck::cast_slice(&edge_corners(mesh)), storage)),
             facing: (0..if per_edge { 0 } else { words })
                 .map(|_| buffer(device, "facing masks", faces * 4, result))
                 .collect(),
             masks: (0..mask_planes)
                 .map(|_| buffer(device, "edge masks", edges * size_of::<Masks>() as u64, result))
                 .collect(),
-            lists: (0..lists)
-                .map(|word| buffer(device, "edge lists", list_bytes(word), result))
-                .collect(),
+            lists: (0..lists).map(|word| buffer(device, "edge lists", list_bytes(word), result)).collect(),
             places: buffer(device, "places", places_bytes, storage),
             counts: buffer(device, "counts", lights * 4, result),
             draw_arguments: buffer(

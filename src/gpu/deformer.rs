@@ -79,32 +79,14 @@ impl Deformer {
         let split = Split::new(&device.limits());
         let data = ModelData::new(model, &split)?;
         let bytes = data.check(&split, options.memory_limit)?;
-        let wgsl = options
-            .displacement
-            .map_or_else(plain_deform_wgsl, Displacement::deform_wgsl);
+        let wgsl = options.displacement.map_or_else(plain_deform_wgsl, Displacement::deform_wgsl);
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
-            Pipeline::new(
-                device,
-                &DEFORM,
-                &wgsl,
-                "deform",
-                &SLOTS,
-                options.displacement_layout,
-                &[],
-            )
+            Pipeline::new(device, &DEFORM, &wgsl, "deform", &SLOTS, options.displacement_layout, &[])
         })
         .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {
-            Self::build(
-                device,
-                model,
-                &data,
-                &split,
-                pipeline,
-                options.displacement.is_some(),
-                has_resources,
-            )
+            Self::build(device, model, &data, &split, pipeline, options.displacement.is_some(), has_resources)
         })
         .map_err(DeformError::from)
     }
@@ -155,10 +137,7 @@ impl Deformer {
             pose,
             chunks,
             layouts: data.pose_layouts.clone(),
-            plan: dispatches_planned
-                .into_iter()
-                .map(|planned| (planned.instance, planned.chunk))
-                .collect(),
+            plan: dispatches_planned.into_iter().map(|planned| (planned.instance, planned.chunk)).collect(),
             pass: Pass { pipeline, dispatches },
             displaced,
             has_resources,
@@ -167,11 +146,7 @@ impl Deformer {
 
     /// Where the positions lie once the encoder is submitted.
     pub fn positions(&self) -> PositionBuffer<'_> {
-        PositionBuffer {
-            buffer: &self.positions,
-            offset: 0,
-            stride: 12,
-        }
+        PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
     }
 
     /// Records the deformation into `pose`; `time_s` is for the displacement, and so is `resources`, the bind group of
@@ -202,8 +177,7 @@ impl Deformer {
         }
         upload(&self.device, encoder, &self.chunks, table.bytes());
         upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
-        self.pass
-            .record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
+        self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 
@@ -212,10 +186,7 @@ impl Deformer {
         let mut words = Vec::new();
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances.len() != self.layouts.len() {
-            return Err(PoseMismatch::Instances {
-                given: pose.instances.len(),
-                needed: self.layouts.len(),
-            });
+            return Err(PoseMismatch::Instances { given: pose.instances.len(), needed: self.layouts.len() });
         }
         for (instance, (layout, pose)) in self.layouts.iter().zip(&pose.instances).enumerate() {
             layout.check(instance, pose)?;

@@ -26,8 +26,7 @@ pub struct ExtractorOptions {
     pub method: Method,
     /// How a face's side is decided; the per-edge method is always fast.
     pub predicate: Predicate,
-    /// Faces that the list of those the filter leaves undecided has room for. `None`: all that one dispatch takes, 8
-    /// bytes a face. A list that overflows loses nothing: every face is then settled in integers, which is slow.
+    /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A list that overflows loses nothing: every face is then settled in integers, which is slow.
     pub undecided_capacity: Option<u32>,
     /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and word of 32 lights.
     pub masks: bool,
@@ -71,11 +70,7 @@ pub struct ListOptions {
 impl Default for ListOptions {
     /// Capacity by the mesh, unordered, 4 vertices an edge.
     fn default() -> Self {
-        Self {
-            capacity: None,
-            ordered: false,
-            vertices_per_edge: 4,
-        }
+        Self { capacity: None, ordered: false, vertices_per_edge: 4 }
     }
 }
 
@@ -141,11 +136,7 @@ impl Extractor {
         match options.max_lights {
             0 => return Err(LightError::None.into()),
             count if count > MAX_LIGHTS => {
-                return Err(LightError::TooMany {
-                    count,
-                    limit: MAX_LIGHTS,
-                }
-                .into());
+                return Err(LightError::TooMany { count, limit: MAX_LIGHTS }.into());
             }
             _ => {}
         }
@@ -155,14 +146,7 @@ impl Extractor {
         let face_chunks = split.chunks("faces", shape.faces, 12)?;
         let edge_chunks = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
         let facing_windows = split.windows("facing masks", 4 * shape.faces as u64)?;
-        let buffers = Buffers::new(
-            device,
-            mesh,
-            &shape,
-            &options,
-            &split,
-            face_chunks.len() + edge_chunks.len(),
-        )?;
+        let buffers = Buffers::new(device, mesh, &shape, &options, &split, face_chunks.len() + edge_chunks.len())?;
 
         let mut chunk_table = UniformTable::default();
         let face_dispatches = plan(&shape, &face_chunks, &mut chunk_table);
@@ -172,30 +156,17 @@ impl Extractor {
         (0..shape.words()).for_each(|_| _ = light_table.push(&LightWord::new(&[], 0, 3)));
         let light_words = light_table.into_buffer(device, "light words");
 
-        let binder = Binder {
-            device,
-            shape: &shape,
-            buffers: &buffers,
-            chunks: &chunks,
-            light_words: &light_words,
-        };
+        let binder = Binder { device, shape: &shape, buffers: &buffers, chunks: &chunks, light_words: &light_words };
         let from_positions = Pass {
             pipeline: binder.positions_pipeline(&options, 0),
-            dispatches: if per_edge {
-                edge_dispatches.clone()
-            } else {
-                face_dispatches.clone()
-            },
+            dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
         };
         let is_exact = !per_edge && options.predicate == Predicate::Exact;
         let exact = is_exact.then(|| {
             let most_workgroups = device.limits().max_compute_workgroups_per_dimension;
             [
                 binder.exact_arguments(face_dispatches.clone(), most_workgroups),
-                Pass {
-                    pipeline: binder.exact_pipeline(0),
-                    dispatches: face_dispatches,
-                },
+                Pass { pipeline: binder.exact_pipeline(0), dispatches: face_dispatches },
             ]
         });
         let mut from_facing = Vec::new();
@@ -253,15 +224,10 @@ impl Extractor {
         // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each word of lights goes
         // through all stages by itself there.
         let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
-        let runs: Vec<Range<usize>> = if by_word {
-            (0..used).map(|word| word..word + 1).collect()
-        } else {
-            std::iter::once(0..used).collect()
-        };
-        let (per_light, at_last): (Vec<_>, Vec<_>) = self
-            .from_facing
-            .iter()
-            .partition(|pass| pass.pipeline.label != ARGUMENTS.name);
+        let runs: Vec<Range<usize>> =
+            if by_word { (0..used).map(|word| word..word + 1).collect() } else { std::iter::once(0..used).collect() };
+        let (per_light, at_last): (Vec<_>, Vec<_>) =
+            self.from_facing.iter().partition(|pass| pass.pipeline.label != ARGUMENTS.name);
         for run in runs {
             match &self.exact {
                 None => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
@@ -298,29 +264,12 @@ impl Extractor {
     /// Makes the bind groups that read positions, unless they are made for this very place already.
     fn bind_positions(&mut self, positions: &PositionBuffer<'_>, bound: &BoundPositions) {
         let &PositionBuffer { buffer, offset, stride } = positions;
-        let target = BoundTo {
-            buffer: buffer.clone(),
-            offset,
-            stride,
-        };
+        let target = BoundTo { buffer: buffer.clone(), offset, stride };
         if self.bound_to.as_ref() == Some(&target) {
             return;
         }
-        let Self {
-            device,
-            shape,
-            buffers,
-            chunks,
-            light_words,
-            ..
-        } = self;
-        let binder = Binder {
-            device,
-            shape,
-            buffers,
-            chunks,
-            light_words,
-        };
+        let Self { device, shape, buffers, chunks, light_words, .. } = self;
+        let binder = Binder { device, shape, buffers, chunks, light_words };
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
@@ -339,17 +288,8 @@ impl Extractor {
 
     /// The buffers that hold the results once the encoder is submitted.
     pub fn results(&self) -> Results<'_> {
-        let Buffers {
-            edge_vertices,
-            edge_faces,
-            facing,
-            masks,
-            lists,
-            counts,
-            draw_arguments,
-            statistics,
-            ..
-        } = &self.buffers;
+        let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
+            &self.buffers;
         Results {
             edge_vertices,
             edge_faces,

@@ -33,12 +33,7 @@ impl UniformTable {
 
     /// A uniform buffer that holds the table.
     pub(super) fn into_buffer(self, device: &wgpu::Device, label: &'static str) -> wgpu::Buffer {
-        filled(
-            device,
-            label,
-            &self.bytes,
-            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        )
+        filled(device, label, &self.bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
     }
 }
 

@@ -11,10 +11,7 @@ use crate::stages::INCLUDES;
 /// WGSL that reads the results: structs and functions that begin with `rimline_`, on bind group `group`. Put it before
 /// or after your own source. See the file `wgsl/results.wgsl` for what it offers.
 pub fn include_wgsl(group: u32) -> String {
-    let source = INCLUDES
-        .iter()
-        .find(|(name, _)| *name == "results")
-        .map_or("", |(_, source)| source);
+    let source = INCLUDES.iter().find(|(name, _)| *name == "results").map_or("", |(_, source)| source);
     source.replace("GROUP", &group.to_string())
 }
 
@@ -81,17 +78,10 @@ impl Extractor {
             return Err(IncludeError::NoLists);
         }
         let (Some(list), Some(facing)) = (results.lists.get(word), results.facing.get(word)) else {
-            return Err(IncludeError::NoSuchWord {
-                word,
-                words: results.lists.len(),
-            });
+            return Err(IncludeError::NoSuchWord { word, words: results.lists.len() });
         };
         let bound = positions.bind(shape.vertices, split)?;
-        let too_large = |what, bytes| MemoryError::Binding {
-            what,
-            bytes,
-            limit: split.binding,
-        };
+        let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: split.binding };
         if bound.windows.words != 0 {
             let bytes = bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0);
             return Err(too_large("positions", bytes).into());
@@ -121,10 +111,8 @@ impl Extractor {
             list.as_entire_binding(),
             results.counts.as_entire_binding(),
         ];
-        let entries: Vec<_> = (0..)
-            .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-            .collect();
+        let entries: Vec<_> =
+            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
         Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("rimline results"),
             layout,

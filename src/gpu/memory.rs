@@ -74,17 +74,11 @@ pub(super) fn check(
     memory_limit: Option<u64>,
 ) -> Result<u64, MemoryError> {
     if let Some(&Allocation { label, bytes }) = allocations.iter().find(|allocation| allocation.bytes > buffer_limit) {
-        return Err(MemoryError::Buffer {
-            label,
-            bytes,
-            limit: buffer_limit,
-        });
+        return Err(MemoryError::Buffer { label, bytes, limit: buffer_limit });
     }
     let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
-    if let (Some(limit), Some(&largest)) = (
-        memory_limit,
-        allocations.iter().max_by_key(|allocation| allocation.bytes),
-    ) && bytes > limit
+    if let (Some(limit), Some(&largest)) = (memory_limit, allocations.iter().max_by_key(|allocation| allocation.bytes))
+        && bytes > limit
     {
         return Err(MemoryError::Total { bytes, limit, largest });
     }

@@ -73,11 +73,7 @@ impl ModelData {
             let (palette, targets) = (pose_words, pose_words + MATRIX_WORDS * joints);
             pose_words = targets + 2 * target_count;
             if pose_words * 4 > split.binding {
-                return Err(MemoryError::Binding {
-                    what: "pose",
-                    bytes: pose_words * 4,
-                    limit: split.binding,
-                });
+                return Err(MemoryError::Binding { what: "pose", bytes: pose_words * 4, limit: split.binding });
             }
             pose_layouts.push(PoseLayout {
                 palette: palette as u32,
@@ -86,10 +82,7 @@ impl ModelData {
                 target_count: target_count as u32,
             });
         }
-        let dispatches = model
-            .instances
-            .iter()
-            .map(|instance| geometries[instance.geometry].len() as u64);
+        let dispatches = model.instances.iter().map(|instance| geometries[instance.geometry].len() as u64);
         Ok(Self {
             dispatches: dispatches.sum(),
             geometries,
@@ -104,30 +97,16 @@ impl ModelData {
     pub(super) fn check(&self, split: &Split, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
         let arrays = LABELS.into_iter().zip(self.bytes);
         let uniforms = self.dispatches * UniformTable::stride::<DeformChunk>() as u64;
-        let own = [
-            ("positions", self.vertices * 12),
-            ("pose", self.pose_words * 4),
-            ("deform chunks", uniforms),
-        ];
-        let allocations: Vec<_> = arrays
-            .chain(own)
-            .map(|(label, bytes)| Allocation {
-                label,
-                bytes: padded(bytes),
-            })
-            .collect();
+        let own = [("positions", self.vertices * 12), ("pose", self.pose_words * 4), ("deform chunks", uniforms)];
+        let allocations: Vec<_> =
+            arrays.chain(own).map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
         check(&allocations, split.buffer, memory_limit)
     }
 
     /// Rest positions, morph targets, influences and source vertices as buffers.
     pub(super) fn upload(&self, device: &wgpu::Device, model: &Model) -> [wgpu::Buffer; 4] {
-        let chunks = || {
-            model
-                .geometries
-                .iter()
-                .zip(&self.geometries)
-                .flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)))
-        };
+        let chunks =
+            || model.geometries.iter().zip(&self.geometries).flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)));
         let make = |array: usize,
                     place: fn(&GeometryChunk) -> &Range<u64>,
                     words: fn(&Geometry, &Range<usize>) -> Vec<u32>| {
@@ -136,27 +115,16 @@ impl ModelData {
                 contents.resize(place(chunk).start as usize / 4, 0);
                 contents.append(&mut words(geometry, &chunk.vertices));
             }
-            filled(
-                device,
-                LABELS[array],
-                bytemuck::cast_slice(&contents),
-                BufferUsages::STORAGE,
-            )
+            contents.resize(self.bytes[array] as usize / 4, 0);
+            filled(device, LABELS[array], bytemuck::cast_slice(&contents), BufferUsages::STORAGE)
         };
         [
-            make(
-                0,
-                |chunk| &chunk.rest,
-                |g, v| bytemuck::cast_slice(&g.positions[v.clone()]).to_vec(),
-            ),
+            make(0, |chunk| &chunk.rest, |g, v| bytemuck::cast_slice(&g.positions[v.clone()]).to_vec()),
             make(
                 1,
                 |chunk| &chunk.morph,
                 |g, v| {
-                    g.morph_targets
-                        .iter()
-                        .flat_map(|t| bytemuck::cast_slice(&t[v.clone()]).iter().copied())
-                        .collect()
+                    g.morph_targets.iter().flat_map(|t| bytemuck::cast_slice(&t[v.clone()]).iter().copied()).collect()
                 },
             ),
             make(2, |chunk| &chunk.skin, skin_words),
@@ -203,22 +171,14 @@ fn chunk_geometry(geometry: &Geometry, split: &Split, ends: &mut [u64; 4]) -> Re
     // A dispatch also binds up to one alignment's worth of positions before its own.
     let morph_bytes = 12 * geometry.morph_targets.len() as u64;
     let most_influences = geometry.influences.as_ref().map_or(0, |influences| {
-        influences
-            .offsets
-            .windows(2)
-            .map(|pair| u64::from(pair[1] - pair[0]))
-            .max()
-            .unwrap_or(0)
+        influences.offsets.windows(2).map(|pair| u64::from(pair[1] - pair[0])).max().unwrap_or(0)
     });
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
-    let runs = split.chunks(
-        "vertices of a deforming mesh",
-        geometry.positions.len(),
-        bytes_per_vertex,
-    )?;
+    let runs = split.chunks("vertices of a deforming mesh", geometry.positions.len(), bytes_per_vertex)?;
     let mut place = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
-        ends[array] = begin + bytes;
+        // Never empty: a geometry without morph targets, say, is still bound, and past those that have some.
+        ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
     let chunks = runs.into_iter().map(|vertices| GeometryChunk {
@@ -244,16 +204,10 @@ fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
         return Vec::new();
     };
     let first = influences.offsets[vertices.start];
-    let offsets = influences.offsets[vertices.start..=vertices.end]
-        .iter()
-        .map(|offset| offset - first);
+    let offsets = influences.offsets[vertices.start..=vertices.end].iter().map(|offset| offset - first);
     let entries = first as usize..influences.offsets[vertices.end] as usize;
-    let pairs = influences.joints[entries.clone()]
-        .iter()
-        .zip(&influences.weights[entries]);
-    offsets
-        .chain(pairs.flat_map(|(&joint, weight)| [joint, weight.to_bits()]))
-        .collect()
+    let pairs = influences.joints[entries.clone()].iter().zip(&influences.weights[entries]);
+    offsets.chain(pairs.flat_map(|(&joint, weight)| [joint, weight.to_bits()])).collect()
 }
 
 impl PoseLayout {
@@ -261,19 +215,11 @@ impl PoseLayout {
     pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseMismatch> {
         let (given, needed) = (pose.palette.len(), self.joints as usize);
         if given < needed {
-            return Err(PoseMismatch::Palette {
-                instance,
-                given,
-                needed,
-            });
+            return Err(PoseMismatch::Palette { instance, given, needed });
         }
         let (given, needed) = (pose.morph_weights.len(), self.target_count as usize);
         if given != needed {
-            return Err(PoseMismatch::MorphWeights {
-                instance,
-                given,
-                needed,
-            });
+            return Err(PoseMismatch::MorphWeights { instance, given, needed });
         }
         Ok(())
     }

@@ -35,15 +35,7 @@ impl Dispatch {
     /// A dispatch of one invocation an item, not bound yet.
     pub(super) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
-        Self {
-            word,
-            items,
-            chunk_offset,
-            group: None,
-            offsets: Vec::new(),
-            workgroups,
-            indirect: None,
-        }
+        Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups, indirect: None }
     }
 
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
@@ -104,10 +96,8 @@ impl Pass {
     ) -> wgpu::ComputePass<'encoder> {
         let label = self.pipeline.label;
         let timestamp_writes = timer.and_then(|timer| timer.writes(label));
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(label),
-            timestamp_writes,
-        });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes });
         pass.set_pipeline(&self.pipeline.pipeline);
         pass
     }

@@ -32,10 +32,7 @@ pub(super) fn layout(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> wg
             count: None,
         })
         .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(stage.name),
-        entries: &entries,
-    })
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries })
 }
 
 /// One pipeline of a stage, with its bind group layout.
@@ -59,10 +56,8 @@ impl Pipeline {
         further: Option<&wgpu::BindGroupLayout>,
         constants: &[(&str, f64)],
     ) -> Self {
-        let window_words = constants
-            .iter()
-            .find(|(name, _)| *name == "WINDOW_WORDS")
-            .map_or(0, |(_, words)| *words as u32);
+        let window_words =
+            constants.iter().find(|(name, _)| *name == "WINDOW_WORDS").map_or(0, |(_, words)| *words as u32);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(stage.name),
             source: wgpu::ShaderSource::Wgsl(wgsl.into()),
@@ -80,28 +75,17 @@ impl Pipeline {
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants,
-                ..Default::default()
-            },
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
-        Self {
-            label: entry_point,
-            pipeline,
-            layout,
-            window_words,
-        }
+        Self { label: entry_point, pipeline, layout, window_words }
     }
 
     /// A bind group with `resources` numbered from 0.
     pub(super) fn bind(&self, device: &wgpu::Device, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
         let entries: Vec<_> = (0..)
             .zip(resources)
-            .map(|(binding, resource)| wgpu::BindGroupEntry {
-                binding,
-                resource: resource.clone(),
-            })
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
             .collect();
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.label),

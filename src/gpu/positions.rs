@@ -70,23 +70,12 @@ impl PositionBuffer<'_> {
         let span = u128::from(vertices.max(1) - 1) * u128::from(stride) + 12 + u128::from(offset);
         if span > u128::from(buffer.size()) {
             let needed = u64::try_from(span).unwrap_or(u64::MAX);
-            return Err(PositionError::TooShort {
-                vertices,
-                offset,
-                stride,
-                needed,
-                bytes: buffer.size(),
-            });
+            return Err(PositionError::TooShort { vertices, offset, stride, needed, bytes: buffer.size() });
         }
         let base = split.align_down(offset);
         let bytes = span as u64 - base;
         if bytes / 4 > u64::from(u32::MAX) {
-            return Err(MemoryError::Gathered {
-                what: "positions",
-                bytes,
-                limit: 4 * u64::from(u32::MAX),
-            }
-            .into());
+            return Err(MemoryError::Gathered { what: "positions", bytes, limit: 4 * u64::from(u32::MAX) }.into());
         }
         let windows = split.windows("positions", bytes)?;
         Ok(BoundPositions {

@@ -41,9 +41,7 @@ pub fn read_back(
     while begin < buffer.size() {
         let bytes = (buffer.size() - begin).min(PIECE);
         let failed = |message: String| ReadError::Device { bytes, message };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("read_back"),
-        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read_back") });
         encoder.copy_buffer_to_buffer(buffer, begin, &staging, 0, bytes);
         queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
@@ -51,17 +49,10 @@ pub fn read_back(
             // The receiver is there until the answer came.
             let _ = sender.send(result);
         });
-        device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| failed(error.to_string()))?;
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
         let mapped = receiver.recv().map_err(|error| failed(error.to_string()))?;
         mapped.map_err(|error| failed(error.to_string()))?;
-        take(
-            &staging
-                .slice(..bytes)
-                .get_mapped_range()
-                .map_err(|error| failed(error.to_string()))?,
-        );
+        take(&staging.slice(..bytes).get_mapped_range().map_err(|error| failed(error.to_string()))?);
         staging.unmap();
         begin += bytes;
     }
@@ -80,11 +71,7 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     let mut items: Vec<T> = Vec::with_capacity(buffer.size() as usize / size_of::<T>());
     let mut rest: Vec<u8> = Vec::new();
     read_back(device, queue, buffer, |bytes| {
-        let begin = if rest.is_empty() {
-            0
-        } else {
-            (size_of::<T>() - rest.len()).min(bytes.len())
-        };
+        let begin = if rest.is_empty() { 0 } else { (size_of::<T>() - rest.len()).min(bytes.len()) };
         rest.extend_from_slice(&bytes[..begin]);
         if rest.len() == size_of::<T>() {
             items.push(bytemuck::pod_read_unaligned(&rest));

@@ -42,17 +42,10 @@ impl Split {
         let fitting = (self.binding / bytes_per_item.max(1)).min(self.workgroups * workgroup);
         let run = fitting / workgroup * workgroup;
         if run == 0 {
-            return Err(MemoryError::Binding {
-                what,
-                bytes: bytes_per_item * workgroup,
-                limit: self.binding,
-            });
+            return Err(MemoryError::Binding { what, bytes: bytes_per_item * workgroup, limit: self.binding });
         }
         let run = run as usize;
-        Ok((0..items)
-            .step_by(run)
-            .map(|first| first..(first + run).min(items))
-            .collect())
+        Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
     }
 
     /// Cuts `bytes` into [`WINDOWS`] bindings of equal length but the last; unused ones repeat the first. Also says how
@@ -65,16 +58,9 @@ impl Split {
         let single = bytes <= self.binding;
         let ranges = std::array::from_fn(|window| {
             let begin = self.binding * window as u64;
-            if begin < bytes {
-                begin..bytes.min(begin + self.binding)
-            } else {
-                0..bytes.min(self.binding)
-            }
+            if begin < bytes { begin..bytes.min(begin + self.binding) } else { 0..bytes.min(self.binding) }
         });
-        Ok(Windows {
-            ranges,
-            words: if single { 0 } else { (self.binding / 4) as u32 },
-        })
+        Ok(Windows { ranges, words: if single { 0 } else { (self.binding / 4) as u32 } })
     }
 
     /// The last place at or before `offset` at which a binding may begin.

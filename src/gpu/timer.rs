@@ -17,24 +17,21 @@ pub struct StageTimer {
 impl StageTimer {
     /// A timer, or `None` where the device has no timestamp queries.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
-        device
-            .features()
-            .contains(wgpu::Features::TIMESTAMP_QUERY)
-            .then(|| Self {
-                set: device.create_query_set(&wgpu::QuerySetDescriptor {
-                    label: Some("stages"),
-                    ty: wgpu::QueryType::Timestamp,
-                    count: 2 * MOST,
-                }),
-                resolved: device.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("stage timestamps"),
-                    size: u64::from(2 * MOST) * 8,
-                    usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                    mapped_at_creation: false,
-                }),
-                period_ns: f64::from(queue.get_timestamp_period()),
-                names: Vec::new(),
-            })
+        device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Self {
+            set: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("stages"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * MOST,
+            }),
+            resolved: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("stage timestamps"),
+                size: u64::from(2 * MOST) * 8,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            period_ns: f64::from(queue.get_timestamp_period()),
+            names: Vec::new(),
+        })
     }
 
     /// Forgets what was timed, for the next encoder.
@@ -67,9 +64,7 @@ impl StageTimer {
     /// [`ReadError`] when the device is lost.
     pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, ReadError> {
         let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
-        let spans = ticks
-            .chunks_exact(2)
-            .map(|pair| pair[1].saturating_sub(pair[0]) as f64 * self.period_ns / 1e6);
+        let spans = ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * self.period_ns / 1e6);
         Ok(self.names.iter().copied().zip(spans).collect())
     }
 }

@@ -1,8 +1,10 @@
 //! Triangle meshes as the extraction sees them: faces, welded vertices, edge records.
 
+mod survey;
 mod topology;
 pub(crate) mod weld;
 
+pub use survey::{Bounds, Survey};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 
@@ -52,12 +54,7 @@ impl Mesh {
 
     fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
         let edges = EdgeRecords::build(vertex_count, &faces);
-        Self {
-            vertex_count: vertex_count as u32,
-            faces,
-            edges,
-            weld,
-        }
+        Self { vertex_count: vertex_count as u32, faces, edges, weld }
     }
 
     /// Source vertices, welded away or not: what a position buffer must hold.
@@ -82,9 +79,7 @@ impl Mesh {
 
     /// Every record is of kind [`EdgeKind::Consistent`]: closed and consistently oriented.
     pub fn is_closed(&self) -> bool {
-        let EdgeCounts {
-            inconsistent, boundary, ..
-        } = self.edges.counts();
+        let EdgeCounts { inconsistent, boundary, .. } = self.edges.counts();
         inconsistent == 0 && boundary == 0
     }
 
@@ -116,12 +111,7 @@ fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
     }
     for (face, corners) in faces.iter().enumerate() {
         if let Some(corner) = corners.iter().position(|&v| v as usize >= vertex_count) {
-            return Err(MeshError::IndexOutOfRange {
-                face,
-                corner,
-                index: corners[corner],
-                vertices: vertex_count,
-            });
+            return Err(MeshError::IndexOutOfRange { face, corner, index: corners[corner], vertices: vertex_count });
         }
     }
     Ok(())

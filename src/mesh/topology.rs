@@ -81,10 +81,7 @@ impl EdgeRecords {
 
     /// All records, in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Edge> + '_ {
-        self.vertices
-            .iter()
-            .zip(&self.faces)
-            .map(|(&vertices, &faces)| unpack(vertices, faces))
+        self.vertices.iter().zip(&self.faces).map(|(&vertices, &faces)| unpack(vertices, faces))
     }
 
     /// `(a, b)` of each record, as the GPU reads them.
@@ -106,11 +103,7 @@ impl EdgeRecords {
     /// Builds the records of `faces`, whose indices are below `vertex_count`.
     pub(super) fn build(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
         let mates = pair_half_edges(vertex_count, faces);
-        let count = mates
-            .iter()
-            .enumerate()
-            .filter(|&(half_edge, &mate)| is_first(half_edge, mate))
-            .count();
+        let count = mates.iter().enumerate().filter(|&(half_edge, &mate)| is_first(half_edge, mate)).count();
         let (mut vertices, mut packed) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut counts = EdgeCounts::default();
         for (face, (corners, mates)) in faces.iter().zip(mates.chunks_exact(3)).enumerate() {
@@ -132,11 +125,7 @@ impl EdgeRecords {
                 }
             }
         }
-        Self {
-            vertices,
-            faces: packed,
-            counts,
-        }
+        Self { vertices, faces: packed, counts }
     }
 }
 
@@ -146,12 +135,7 @@ fn unpack(vertices: [u32; 2], [face_0, face_1]: [u32; 2]) -> Edge {
         (0, _) => EdgeKind::Consistent,
         _ => EdgeKind::Inconsistent,
     };
-    Edge {
-        vertices,
-        face_0: face_0 & !INCONSISTENT,
-        face_1: (face_1 != NO_FACE).then_some(face_1),
-        kind,
-    }
+    Edge { vertices, face_0: face_0 & !INCONSISTENT, face_1: (face_1 != NO_FACE).then_some(face_1), kind }
 }
 
 /// The corner after each corner of a face.
@@ -195,13 +179,7 @@ fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
             let (a, b) = (corners[corner], corners[next]);
             let half_edge = (3 * face + corner) as u32;
             let tagged = if a < b { half_edge | Entry::FORWARD } else { half_edge };
-            visit(
-                a.min(b),
-                Entry {
-                    upper: a.max(b),
-                    tagged,
-                },
-            );
+            visit(a.min(b), Entry { upper: a.max(b), tagged });
         }
     }
 }
@@ -302,9 +280,7 @@ fn pair_run(run: &[Entry], mates: &mut [u32]) {
             // Traversals taken in order: the i-th of one direction meets the i-th of the other.
             let forward = || run.iter().copied().filter(|entry| !entry.is_opposite(run[0]));
             let backward = || run.iter().copied().filter(|entry| entry.is_opposite(run[0]));
-            forward()
-                .zip(backward())
-                .for_each(|(first, second)| record(first, Some(second)));
+            forward().zip(backward()).for_each(|(first, second)| record(first, Some(second)));
             let paired = forward().count().min(backward().count());
             let mut rest = forward().skip(paired).chain(backward().skip(paired));
             while let Some(first) = rest.next() {

@@ -26,11 +26,7 @@ pub struct WeldCounts {
 impl WeldCounts {
     /// Counts of a mesh whose vertices stay as they are.
     pub(crate) fn kept(vertices: usize) -> Self {
-        Self {
-            before: vertices,
-            after: vertices,
-            apart: 0,
-        }
+        Self { before: vertices, after: vertices, apart: 0 }
     }
 }
 
@@ -39,20 +35,10 @@ pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, W
     if weld == Weld::Keep {
         return (Vec::new(), WeldCounts::kept(positions.len()));
     }
-    let groups = groups(
-        positions.len(),
-        |v| hash(positions[v].map(bits)),
-        |a, b| same_bits(positions[a], positions[b]),
-    );
+    let groups =
+        groups(positions.len(), |v| hash(positions[v].map(bits)), |a, b| same_bits(positions[a], positions[b]));
     let after = count(&groups);
-    (
-        groups,
-        WeldCounts {
-            before: positions.len(),
-            after,
-            apart: 0,
-        },
-    )
+    (groups, WeldCounts { before: positions.len(), after, apart: 0 })
 }
 
 /// A float's bits, with one zero.
@@ -67,18 +53,14 @@ pub(crate) fn same_bits(a: [f32; 3], b: [f32; 3]) -> bool {
 
 /// Groups, of which each goes by its lowest member.
 pub(crate) fn count(groups: &[u32]) -> usize {
-    groups
-        .iter()
-        .enumerate()
-        .filter(|&(v, &group)| v == group as usize)
-        .count()
+    groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }
 
 /// A hash of words; multiply and rotate, as in FxHash, with a final mix so that the low bits serve as a table index.
 pub(crate) fn hash(words: impl IntoIterator<Item = u32>) -> u64 {
-    let mixed = words.into_iter().fold(0_u64, |hash, word| {
-        (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95)
-    });
+    let mixed = words
+        .into_iter()
+        .fold(0_u64, |hash, word| (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95));
     mixed ^ (mixed >> 32)
 }
 

@@ -36,19 +36,13 @@ pub fn moebius(segments: u32, strips: u32) -> Shape {
         for j in 0..row {
             let across = 0.8 * (j as f32 / strips as f32 - 0.5);
             let radius = 1.0 + across * cos_half;
-            shape
-                .positions
-                .push([radius * cos_u, across * sin_half, radius * sin_u]);
+            shape.positions.push([radius * cos_u, across * sin_half, radius * sin_u]);
         }
     }
     for i in 0..segments {
         // Past the seam a row meets the first one end for end.
         let next = |j: u32| {
-            if i + 1 < segments {
-                (i + 1) * row + j
-            } else {
-                strips - j
-            }
+            if i + 1 < segments { (i + 1) * row + j } else { strips - j }
         };
         for j in 0..strips {
             shape.quad([i * row + j, i * row + j + 1, next(j + 1), next(j)]);
@@ -64,10 +58,7 @@ pub fn three_sheets(segments: u32) -> Shape {
     let segments = segments.clamp(1, MAX_COUNT);
     let row = segments + 1;
     let height = |step: u32| 2.0 * step as f32 / segments as f32 - 1.0;
-    let mut shape = Shape {
-        positions: (0..row).map(|step| [0.0, height(step), 0.0]).collect(),
-        faces: Vec::new(),
-    };
+    let mut shape = Shape { positions: (0..row).map(|step| [0.0, height(step), 0.0]).collect(), faces: Vec::new() };
     for sheet in 1..=3 {
         let (sin, cos) = turn(sheet, 3);
         shape.positions.extend((0..row).map(|step| [cos, height(step), sin]));

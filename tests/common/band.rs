@@ -33,13 +33,7 @@ impl Terms {
     fn new(corners: [[f32; 3]; 3], [x, y, z, w]: [f64; 4]) -> Self {
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
         let (l, wa) = ([x, y, z], a.map(|c| w * c));
-        let mut terms = Self {
-            determinant: 0.0,
-            p: 0.0,
-            q: 0.0,
-            l: 0.0,
-            largest: w.abs(),
-        };
+        let mut terms = Self { determinant: 0.0, p: 0.0, q: 0.0, l: 0.0, largest: w.abs() };
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             let [first, second] = [(b[j] - a[j]) * (c[k] - a[k]), (b[k] - a[k]) * (c[j] - a[j])];
@@ -163,9 +157,7 @@ pub(crate) fn check_facing(
             }
         }
         for (word, lights) in lights.chunks(32).enumerate() {
-            let past = facing[word * faces.len() + index]
-                .checked_shr(lights.len() as u32)
-                .unwrap_or(0);
+            let past = facing[word * faces.len() + index].checked_shr(lights.len() as u32).unwrap_or(0);
             if past != 0 {
                 return Err(format!("{what}: face {index} has bits past the lights of word {word}"));
             }

@@ -38,9 +38,7 @@ pub(crate) fn random_soup(random: &mut Random) -> Shape {
     let faces = 1 + random.below(200);
     let mut shape = Shape {
         positions: (0..vertices).map(|_| random.direction()).collect(),
-        faces: (0..faces)
-            .map(|_| std::array::from_fn(|_| random.below(vertices) as u32))
-            .collect(),
+        faces: (0..faces).map(|_| std::array::from_fn(|_| random.below(vertices) as u32)).collect(),
     };
     for _ in 0..random.below(8) {
         let face = shape.faces[random.below(faces)];
@@ -72,9 +70,7 @@ pub(crate) fn hard_positions(random: &mut Random) -> Vec<(String, Case, Vec<Ligh
             }
             let lights = (0..33)
                 .map(|index| {
-                    let near = random
-                        .direction()
-                        .map(|c| c * random.between(0.1, 3.0) * scale + offset);
+                    let near = random.direction().map(|c| c * random.between(0.1, 3.0) * scale + offset);
                     let w = random.between(0.2, 5.0);
                     match index % 4 {
                         0 => Light::directional(random.direction()),

@@ -25,12 +25,7 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| error.to_string())?;
-        Ok(Self {
-            instance,
-            device,
-            queue,
-            name: format!("{} ({:?})", info.name, info.backend),
-        })
+        Ok(Self { instance, device, queue, name: format!("{} ({:?})", info.name, info.backend) })
     }
 
     /// One device of `Limits::default()` that tests share.
@@ -79,9 +74,7 @@ impl Gpu {
         &self,
         record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>,
     ) -> Result<(), String> {
-        let mut encoder = self
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         record(&mut encoder)?;
         self.queue.submit([encoder.finish()]);
         Ok(())

@@ -15,10 +15,8 @@ use rimline::Light;
 
 /// The folder of model files beside the checkout, if it is there.
 pub(crate) fn assets() -> Option<PathBuf> {
-    let folder = std::env::var_os("RIMLINE_ASSETS").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/assets"),
-        PathBuf::from,
-    );
+    let folder = std::env::var_os("RIMLINE_ASSETS")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/assets"), PathBuf::from);
     folder.is_dir().then_some(folder)
 }
 

@@ -30,14 +30,9 @@ pub(crate) fn random_geometry(
 ) -> Geometry {
     let mut offset = |scale: f32| random.direction().map(|c| c * scale);
     let positions: Vec<_> = (0..vertices).map(|_| offset(1.5)).collect();
-    let morph_targets = (0..targets)
-        .map(|_| (0..vertices).map(|_| offset(0.4)).collect())
-        .collect();
+    let morph_targets = (0..targets).map(|_| (0..vertices).map(|_| offset(0.4)).collect()).collect();
     let influences = most_influences.map(|most| {
-        let mut influences = Influences {
-            offsets: vec![0],
-            ..Default::default()
-        };
+        let mut influences = Influences { offsets: vec![0], ..Default::default() };
         for _ in 0..vertices {
             let count = random.below(most + 1);
             let weights: Vec<_> = (0..count).map(|_| random.between(0.0, 1.0)).collect();
@@ -52,9 +47,7 @@ pub(crate) fn random_geometry(
     random.shuffle(&mut source_vertices);
     Geometry {
         name: None,
-        faces: (0..vertices as u32 / 3)
-            .map(|f| [3 * f, 3 * f + 1, 3 * f + 2])
-            .collect(),
+        faces: (0..vertices as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
         positions,
         morph_targets,
         influences,
@@ -72,10 +65,7 @@ pub(crate) fn random_model(random: &mut Random, vertices: usize) -> Model {
         random_geometry(random, 3, Some(0), 1),
     ];
     let instances = [3, 0, 1, 2, 3, 4, 0].map(|geometry| Instance { geometry, name: None });
-    Model {
-        geometries,
-        instances: instances.to_vec(),
-    }
+    Model { geometries, instances: instances.to_vec() }
 }
 
 /// Random matrices; morph weights zero, small, negative or large.
@@ -92,8 +82,5 @@ pub(crate) fn random_pose(random: &mut Random, model: &Model) -> Pose {
             turned: false,
         }
     });
-    Pose {
-        instances: instances.collect(),
-        mixed_determinants: 0,
-    }
+    Pose { instances: instances.collect(), mixed_determinants: 0 }
 }

@@ -55,11 +55,7 @@ impl ExactFace {
             edge(1, y) * edge(2, z) - edge(1, z) * edge(2, y)
         });
         let [a, b, c, ..] = all;
-        Some(Self {
-            normal,
-            a: [a, b, c],
-            exponent,
-        })
+        Some(Self { normal, a: [a, b, c], exponent })
     }
 
     /// The sign of `det[b − a, c − a, l − w·a]`: 1, 0 or −1.
@@ -189,12 +185,7 @@ pub(crate) fn record_silhouettes(
     let found = mesh.edges().iter().zip(plane);
     found
         .filter(|(_, masks)| masks.silhouette >> (light % 32) & 1 != 0)
-        .map(|(edge, _)| {
-            (
-                edge.vertices[0].min(edge.vertices[1]),
-                edge.vertices[0].max(edge.vertices[1]),
-            )
-        })
+        .map(|(edge, _)| (edge.vertices[0].min(edge.vertices[1]), edge.vertices[0].max(edge.vertices[1])))
         .filter(|key| edges[key].len() <= 2)
         .collect()
 }

@@ -30,11 +30,7 @@ impl Random {
     /// A unit vector.
     pub(crate) fn direction(&mut self) -> [f32; 3] {
         loop {
-            let v = [
-                self.between(-1.0, 1.0),
-                self.between(-1.0, 1.0),
-                self.between(-1.0, 1.0),
-            ];
+            let v = [self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0)];
             let length = v.iter().map(|c| c * c).sum::<f32>().sqrt();
             if (0.1..=1.0).contains(&length) {
                 return v.map(|c| c / length);

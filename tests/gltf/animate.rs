@@ -28,11 +28,7 @@ pub(crate) fn tests() -> Vec<Trial> {
 fn animated(path: &str, interpolation: &str, times: &[f32], kind: &str, output: &[f32]) -> Maker {
     let mut maker = Maker::square();
     let (input, output) = (maker.floats("SCALAR", times), maker.floats(kind, output));
-    add(
-        &mut maker,
-        path,
-        &json!({ "input": input, "output": output, "interpolation": interpolation }),
-    );
+    add(&mut maker, path, &json!({ "input": input, "output": output, "interpolation": interpolation }));
     maker
 }
 
@@ -49,16 +45,7 @@ fn at(asset: &Asset, time: f32, point: [f32; 3]) -> Result<[f64; 3], PoseError> 
 fn step() -> Outcome {
     let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
     let asset = animated("translation", "STEP", &[0.5, 1.0, 2.0], "VEC3", &values).load()?;
-    let cases = [
-        (-1.0, 0),
-        (0.5, 0),
-        (0.99, 0),
-        (1.0, 1),
-        (1.99, 1),
-        (2.0, 2),
-        (9.0, 2),
-        (f32::INFINITY, 2),
-    ];
+    let cases = [(-1.0, 0), (0.5, 0), (0.99, 0), (1.0, 1), (1.99, 1), (2.0, 2), (9.0, 2), (f32::INFINITY, 2)];
     for (time, key) in cases {
         let expected: Vec<f64> = values[3 * key..][..3].iter().map(|&v| f64::from(v)).collect();
         close(&at(&asset, time, [0.0; 3])?, &expected, 0.0, &format!("at {time}"))?;
@@ -85,26 +72,16 @@ fn linear() -> Outcome {
 
 /// A Hermite segment is the Bézier segment with inner points a third of the tangents away.
 fn de_casteljau(start: f64, out_tangent: f64, in_tangent: f64, end: f64, interval: f64, t: f64) -> f64 {
-    let mut points = vec![
-        start,
-        start + out_tangent * interval / 3.0,
-        end - in_tangent * interval / 3.0,
-        end,
-    ];
+    let mut points = vec![start, start + out_tangent * interval / 3.0, end - in_tangent * interval / 3.0, end];
     while points.len() > 1 {
-        points = points
-            .windows(2)
-            .map(|pair| pair[0] + (pair[1] - pair[0]) * t)
-            .collect();
+        points = points.windows(2).map(|pair| pair[0] + (pair[1] - pair[0]) * t).collect();
     }
     points[0]
 }
 
 fn cubic_spline() -> Outcome {
     // In-tangent, value, out-tangent of two keys 2 s apart.
-    let keys = [
-        9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, -1.0, 0.5, -2.0, 3.0, 0.25, 7.0, 1.0, -3.0, 9.0, 9.0, 9.0,
-    ];
+    let keys = [9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 4.0, -1.0, 0.5, -2.0, 3.0, 0.25, 7.0, 1.0, -3.0, 9.0, 9.0, 9.0];
     let asset = animated("translation", "CUBICSPLINE", &[1.0, 3.0], "VEC3", &keys).load()?;
     let exact = |k: usize| f64::from(keys[k]);
     for time in [1.0_f32, 1.25, 1.5, 2.0, 2.875] {
@@ -112,18 +89,8 @@ fn cubic_spline() -> Outcome {
         let expected = [0, 1, 2].map(|c| de_casteljau(exact(3 + c), exact(6 + c), exact(9 + c), exact(12 + c), 2.0, t));
         close(&at(&asset, time, [0.0; 3])?, &expected, 1e-6, &format!("at {time}"))?;
     }
-    close(
-        &at(&asset, 0.0, [0.0; 3])?,
-        &[1.0, 2.0, 3.0],
-        0.0,
-        "before the first key",
-    )?;
-    close(
-        &at(&asset, 5.0, [0.0; 3])?,
-        &[7.0, 1.0, -3.0],
-        0.0,
-        "after the last key",
-    )
+    close(&at(&asset, 0.0, [0.0; 3])?, &[1.0, 2.0, 3.0], 0.0, "before the first key")?;
+    close(&at(&asset, 5.0, [0.0; 3])?, &[7.0, 1.0, -3.0], 0.0, "after the last key")
 }
 
 /// From 20° to 110° about z, the second quaternion negated, so that the long way would go through 200°.
@@ -134,21 +101,9 @@ fn shorter_arc() -> Outcome {
     };
     let output = [quaternion(20.0, 1.0), quaternion(110.0, -1.0), quaternion(110.0, -1.0)].concat();
     let asset = animated("rotation", "LINEAR", &[0.0, 1.0, 2.0], "VEC4", &output).load()?;
-    for (time, degrees) in [
-        (0.0, 20.0_f64),
-        (0.25, 42.5),
-        (0.5, 65.0),
-        (0.75, 87.5),
-        (1.0, 110.0),
-        (1.5, 110.0),
-    ] {
+    for (time, degrees) in [(0.0, 20.0_f64), (0.25, 42.5), (0.5, 65.0), (0.75, 87.5), (1.0, 110.0), (1.5, 110.0)] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        close(
-            &at(&asset, time, [1.0, 0.0, 0.0])?,
-            &[cos, sin, 0.0],
-            1e-6,
-            &format!("at {time}"),
-        )?;
+        close(&at(&asset, time, [1.0, 0.0, 0.0])?, &[cos, sin, 0.0], 1e-6, &format!("at {time}"))?;
     }
     Ok(())
 }
@@ -159,25 +114,14 @@ fn rotation_spline() -> Outcome {
     keys[7] = 1.0;
     keys[12 + 4 + 2] = 1.0;
     let asset = animated("rotation", "CUBICSPLINE", &[0.0, 1.0], "VEC4", &keys).load()?;
-    close(
-        &at(&asset, 0.5, [1.0, 0.0, 0.0])?,
-        &[0.0, 1.0, 0.0],
-        1e-6,
-        "a quarter turn",
-    )
+    close(&at(&asset, 0.5, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "a quarter turn")
 }
 
 fn integers() -> Outcome {
     // 90 degrees about z as two equal components, then 180 with the lowest number, which counts as −1.
     for (component, data) in [
         (5120, [0_i16, 0, 90, 90, 0, 0, -128, 0].map(|v| v as i8 as u8).to_vec()),
-        (
-            5122,
-            [0_i16, 0, 23170, 23170, 0, 0, -32768, 0]
-                .iter()
-                .flat_map(|v| v.to_le_bytes())
-                .collect(),
-        ),
+        (5122, [0_i16, 0, 23170, 23170, 0, 0, -32768, 0].iter().flat_map(|v| v.to_le_bytes()).collect()),
         (5121, vec![0, 0, 180, 180, 0, 0, 255, 0]),
     ] {
         let mut maker = Maker::square();
@@ -186,18 +130,8 @@ fn integers() -> Outcome {
         maker.json["accessors"][output]["normalized"] = json!(true);
         add(&mut maker, "rotation", &json!({ "input": input, "output": output }));
         let asset = maker.load()?;
-        close(
-            &at(&asset, 0.0, [1.0, 0.0, 0.0])?,
-            &[0.0, 1.0, 0.0],
-            1e-6,
-            "a quarter turn",
-        )?;
-        close(
-            &at(&asset, 1.0, [1.0, 0.0, 0.0])?,
-            &[-1.0, 0.0, 0.0],
-            1e-6,
-            "half a turn",
-        )?;
+        close(&at(&asset, 0.0, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "a quarter turn")?;
+        close(&at(&asset, 1.0, [1.0, 0.0, 0.0])?, &[-1.0, 0.0, 0.0], 1e-6, "half a turn")?;
     }
     Ok(())
 }
@@ -233,15 +167,10 @@ fn untargeted() -> Outcome {
         json!({ "node": 0, "path": "EXT_other" }),
         json!({ "node": 0, "path": "weights" }),
     ] {
-        channels
-            .as_array_mut()
-            .expect("a list")
-            .push(json!({ "sampler": 0, "target": target }));
+        channels.as_array_mut().expect("a list").push(json!({ "sampler": 0, "target": target }));
     }
     let asset = maker.load()?;
-    ensure(asset.animations()[0].channels == 1, || {
-        format!("{:?}", asset.animations())
-    })?;
+    ensure(asset.animations()[0].channels == 1, || format!("{:?}", asset.animations()))?;
     close(&at(&asset, 0.0, [0.0; 3])?, &[1.0, 2.0, 3.0], 0.0, "the one channel")
 }
 
@@ -250,9 +179,7 @@ fn bad_times() -> Outcome {
     let nan = asset.pose(None, f32::NAN);
     ensure(nan == Err(PoseError::Time), || format!("{nan:?}"))?;
     let missing = asset.pose(Some(3), 0.0);
-    ensure(missing == Err(PoseError::NoAnimation { index: 3, count: 0 }), || {
-        format!("{missing:?}")
-    })
+    ensure(missing == Err(PoseError::NoAnimation { index: 3, count: 0 }), || format!("{missing:?}"))
 }
 
 fn overflow() -> Outcome {

@@ -22,9 +22,7 @@ pub(crate) fn model(model: &Model) -> Outcome {
         ensure(finite(&geometry.positions), || format!("geometry {g}: position"))?;
         let in_range = geometry.faces.as_flattened().iter().all(|&v| (v as usize) < vertices);
         ensure(in_range, || format!("geometry {g}: face index"))?;
-        ensure(geometry.source_vertices.len() == vertices, || {
-            format!("geometry {g}: source vertices")
-        })?;
+        ensure(geometry.source_vertices.len() == vertices, || format!("geometry {g}: source vertices"))?;
         for target in &geometry.morph_targets {
             let good = target.len() == vertices && finite(target);
             ensure(good, || format!("geometry {g}: morph target"))?;
@@ -39,21 +37,13 @@ pub(crate) fn model(model: &Model) -> Outcome {
                 && influences.weights.len() == entries;
             ensure(good, || format!("geometry {g}: influence offsets"))?;
             for v in 0..vertices {
-                let total: f64 = influences.weights[influences.range(v)]
-                    .iter()
-                    .map(|&w| f64::from(w))
-                    .sum();
-                ensure((total - 1.0).abs() < 1e-5, || {
-                    format!("geometry {g}: vertex {v} weighs {total}")
-                })?;
+                let total: f64 = influences.weights[influences.range(v)].iter().map(|&w| f64::from(w)).sum();
+                ensure((total - 1.0).abs() < 1e-5, || format!("geometry {g}: vertex {v} weighs {total}"))?;
             }
         }
     }
     for (i, instance) in model.instances.iter().enumerate() {
-        let drawn = model
-            .geometries
-            .get(instance.geometry)
-            .is_some_and(|g| !g.faces.is_empty());
+        let drawn = model.geometries.get(instance.geometry).is_some_and(|g| !g.faces.is_empty());
         ensure(drawn, || format!("instance {i}: geometry"))?;
     }
     Ok(())
@@ -69,9 +59,7 @@ pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
             Some(influences) => influences.joints.iter().all(|&j| (j as usize) < pose.palette.len()),
         };
         ensure(enough, || format!("instance {i}: palette of {}", pose.palette.len()))?;
-        ensure(pose.morph_weights.len() == geometry.morph_targets.len(), || {
-            format!("instance {i}: weights")
-        })?;
+        ensure(pose.morph_weights.len() == geometry.morph_targets.len(), || format!("instance {i}: weights"))?;
         let mut values = pose.palette.iter().flatten().flatten().chain(&pose.morph_weights);
         ensure(values.all(|v| v.is_finite()), || format!("instance {i}: not finite"))?;
     }
@@ -85,9 +73,7 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
     let check = |animation, time| match asset.pose(animation, time) {
         Ok(found) => {
             pose(asset.model(), &found)?;
-            ensure(lenient || asset.lights(animation, time).is_ok(), || {
-                format!("lights at {time}")
-            })
+            ensure(lenient || asset.lights(animation, time).is_ok(), || format!("lights at {time}"))
         }
         Err(PoseError::NotFinite { .. }) if lenient => Ok(()),
         Err(error) => Err(format!("animation {animation:?} at {time}: {error}").into()),
@@ -105,10 +91,7 @@ pub(crate) fn asset(asset: &Asset, animations: usize, lenient: bool) -> Outcome 
 /// The same up to a tolerance.
 pub(crate) fn close(found: &[f64], expected: &[f64], tolerance: f64, what: &str) -> Outcome {
     let near = found.len() == expected.len()
-        && found
-            .iter()
-            .zip(expected)
-            .all(|(a, b)| (a - b).abs() <= tolerance * b.abs().max(1.0));
+        && found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance * b.abs().max(1.0));
     ensure(near, || format!("{what}: {found:?}, expected {expected:?}"))
 }
 
@@ -174,22 +157,14 @@ fn pose_control() -> Outcome {
     for (s, spoil) in spoilers.iter().enumerate() {
         let mut bad = good.clone();
         spoil(&mut bad);
-        ensure(pose(asset.model(), &bad).is_err(), || {
-            format!("spoiler {s} went unnoticed")
-        })?;
+        ensure(pose(asset.model(), &bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
     }
     Ok(())
 }
 
 fn close_control() -> Outcome {
     close(&[1.0, 2.0], &[1.0, 2.0 + 1e-9], 1e-8, "near")?;
-    ensure(close(&[1.0, 2.0], &[1.0, 2.0 + 1e-7], 1e-8, "").is_err(), || {
-        "1e-7 went unnoticed".to_owned()
-    })?;
-    ensure(close(&[f64::NAN], &[1.0], 1.0, "").is_err(), || {
-        "NaN went unnoticed".to_owned()
-    })?;
-    ensure(close(&[1.0], &[1.0, 1.0], 1.0, "").is_err(), || {
-        "a short list went unnoticed".to_owned()
-    })
+    ensure(close(&[1.0, 2.0], &[1.0, 2.0 + 1e-7], 1e-8, "").is_err(), || "1e-7 went unnoticed".to_owned())?;
+    ensure(close(&[f64::NAN], &[1.0], 1.0, "").is_err(), || "NaN went unnoticed".to_owned())?;
+    ensure(close(&[1.0], &[1.0, 1.0], 1.0, "").is_err(), || "a short list went unnoticed".to_owned())
 }

@@ -32,101 +32,29 @@ type Row = (&'static str, [usize; 10], [usize; 4]);
 const ROWS: &[Row] = &[
     ("22_vertex_color.glb", [5, 13, 13, 13, 0, 0, 0, 0, 0, 3], [3, 0, 0, 0]),
     ("AnimatedMorphCube.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 2, 1]),
-    (
-        "AntiqueCamera.glb",
-        [20_066, 21_178, 10_227, 206, 83, 10, 0, 0, 0, 2],
-        [2, 0, 0, 0],
-    ),
+    ("AntiqueCamera.glb", [20_066, 21_178, 10_227, 206, 83, 10, 0, 0, 0, 2], [2, 0, 0, 0]),
     ("Box.glb", [12, 24, 8, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
     ("CesiumMan.glb", [4672, 3273, 2338, 0, 0, 0, 0, 0, 1, 1], [1, 19, 0, 1]),
-    (
-        "CesiumMan_8influences_morph.glb",
-        [4672, 3273, 2338, 0, 0, 0, 0, 0, 1, 1],
-        [1, 19, 1, 1],
-    ),
-    (
-        "CesiumMilkTruck_quantized.glb",
-        [2856, 2978, 1452, 8, 0, 0, 0, 0, 1, 2],
-        [3, 0, 0, 1],
-    ),
-    (
-        "FlightHelmet.glb",
-        [94_722, 60_366, 47_561, 296, 0, 0, 0, 0, 3, 5],
-        [5, 0, 0, 0],
-    ),
+    ("CesiumMan_8influences_morph.glb", [4672, 3273, 2338, 0, 0, 0, 0, 0, 1, 1], [1, 19, 1, 1]),
+    ("CesiumMilkTruck_quantized.glb", [2856, 2978, 1452, 8, 0, 0, 0, 0, 1, 2], [3, 0, 0, 1]),
+    ("FlightHelmet.glb", [94_722, 60_366, 47_561, 296, 0, 0, 0, 0, 3, 5], [5, 0, 0, 0]),
     ("Fox.glb", [576, 1728, 290, 0, 0, 0, 0, 0, 1, 1], [1, 24, 0, 3]),
-    (
-        "InfiniteSkinnedTentacle.glb",
-        [76, 40, 40, 0, 0, 0, 0, 0, 1, 1],
-        [84, 840, 0, 1],
-    ),
-    (
-        "InterpolationTest.glb",
-        [110, 220, 76, 4, 0, 0, 0, 0, 9, 10],
-        [10, 0, 0, 9],
-    ),
-    (
-        "Knight.glb",
-        [6952, 7024, 3665, 278, 0, 0, 0, 0, 4, 15],
-        [15, 41, 0, 76],
-    ),
-    (
-        "MorphStressTest.gltf",
-        [2412, 1528, 1224, 0, 0, 0, 0, 0, 1, 1],
-        [1, 0, 8, 3],
-    ),
-    (
-        "RobotExpressive.glb",
-        [3237, 7214, 1820, 232, 0, 0, 3, 0, 9, 14],
-        [14, 86, 3, 14],
-    ),
-    (
-        "SheenCloth.glb",
-        [115_200, 58_081, 58_081, 960, 0, 0, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
-    (
-        "SimpleSparseAccessor.gltf",
-        [12, 14, 14, 14, 0, 0, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
+    ("InfiniteSkinnedTentacle.glb", [76, 40, 40, 0, 0, 0, 0, 0, 1, 1], [84, 840, 0, 1]),
+    ("InterpolationTest.glb", [110, 220, 76, 4, 0, 0, 0, 0, 9, 10], [10, 0, 0, 9]),
+    ("Knight.glb", [6952, 7024, 3665, 278, 0, 0, 0, 0, 4, 15], [15, 41, 0, 76]),
+    ("MorphStressTest.gltf", [2412, 1528, 1224, 0, 0, 0, 0, 0, 1, 1], [1, 0, 8, 3]),
+    ("RobotExpressive.glb", [3237, 7214, 1820, 232, 0, 0, 3, 0, 9, 14], [14, 86, 3, 14]),
+    ("SheenCloth.glb", [115_200, 58_081, 58_081, 960, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0]),
+    ("SimpleSparseAccessor.gltf", [12, 14, 14, 14, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0]),
     ("moebius.glb", [448, 280, 280, 112, 0, 4, 0, 0, 0, 1], [1, 0, 0, 0]),
-    (
-        "primitive_modes/Mesh_PrimitiveMode_04.gltf",
-        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
-    (
-        "primitive_modes/Mesh_PrimitiveMode_05.gltf",
-        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
-    (
-        "primitive_modes/Mesh_PrimitiveMode_14.gltf",
-        [2, 4, 4, 4, 0, 0, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
-    (
-        "scallop.glb",
-        [120_000, 60_002, 60_002, 0, 0, 0, 0, 0, 1, 1],
-        [1, 0, 0, 0],
-    ),
+    ("primitive_modes/Mesh_PrimitiveMode_04.gltf", [2, 4, 4, 4, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0]),
+    ("primitive_modes/Mesh_PrimitiveMode_05.gltf", [2, 4, 4, 4, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0]),
+    ("primitive_modes/Mesh_PrimitiveMode_14.gltf", [2, 4, 4, 4, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0]),
+    ("scallop.glb", [120_000, 60_002, 60_002, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
     ("spot.glb", [5856, 3225, 2930, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
-    (
-        "spot_catmull_big.glb",
-        [374_784, 187_394, 187_394, 0, 0, 0, 0, 0, 1, 1],
-        [1, 0, 0, 0],
-    ),
-    (
-        "subpass_scene_opaque.gltf",
-        [11_132, 15_719, 3145, 0, 897, 0, 4100, 0, 9, 12],
-        [70, 0, 0, 0],
-    ),
-    (
-        "triple_vierbein.glb",
-        [108, 75, 75, 60, 20, 3, 0, 0, 0, 1],
-        [1, 0, 0, 0],
-    ),
+    ("spot_catmull_big.glb", [374_784, 187_394, 187_394, 0, 0, 0, 0, 0, 1, 1], [1, 0, 0, 0]),
+    ("subpass_scene_opaque.gltf", [11_132, 15_719, 3145, 0, 897, 0, 4100, 0, 9, 12], [70, 0, 0, 0]),
+    ("triple_vierbein.glb", [108, 75, 75, 60, 20, 3, 0, 0, 0, 1], [1, 0, 0, 0]),
 ];
 
 pub(crate) fn tests() -> Vec<Trial> {
@@ -137,10 +65,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         asset_test("good::all_subpass_instances_are_turned", subpass),
         asset_test("good::counts_control", control),
     ];
-    tests.extend(
-        ROWS.iter()
-            .map(|row| asset_test(format!("good::{}", row.0), || file(row))),
-    );
+    tests.extend(ROWS.iter().map(|row| asset_test(format!("good::{}", row.0), || file(row))));
     tests
 }
 
@@ -169,18 +94,8 @@ fn file(&(name, counts, [instances, joints, targets, animations]): &Row) -> Outc
 
 fn compare(name: &str, asset: &Asset, expected: [usize; 10]) -> Outcome {
     let found = counts(asset);
-    let [
-        triangles,
-        vertices,
-        welded,
-        boundary,
-        non_manifold,
-        misoriented,
-        degenerate,
-        duplicate,
-        closed,
-        meshes,
-    ] = expected;
+    let [triangles, vertices, welded, boundary, non_manifold, misoriented, degenerate, duplicate, closed, meshes] =
+        expected;
     let expected = Counts {
         triangles,
         vertices,
@@ -193,9 +108,7 @@ fn compare(name: &str, asset: &Asset, expected: [usize; 10]) -> Outcome {
         closed,
         meshes,
     };
-    ensure(found == expected, || {
-        format!("{name}:\n{found:?}, expected\n{expected:?}")
-    })
+    ensure(found == expected, || format!("{name}:\n{found:?}, expected\n{expected:?}"))
 }
 
 /// Counted anew from the faces, not by the library's edge records.
@@ -262,39 +175,24 @@ fn table_is_complete() -> Outcome {
             let name = entry?.file_name().to_string_lossy().into_owned();
             let extension = Path::new(&name).extension();
             if extension == Some("glb".as_ref()) || extension == Some("gltf".as_ref()) {
-                files.push(if folder.is_empty() {
-                    name
-                } else {
-                    format!("{folder}/{name}")
-                });
+                files.push(if folder.is_empty() { name } else { format!("{folder}/{name}") });
             }
         }
     }
-    let missing: Vec<_> = files
-        .iter()
-        .filter(|file| !ROWS.iter().any(|row| row.0 == **file))
-        .collect();
+    let missing: Vec<_> = files.iter().filter(|file| !ROWS.iter().any(|row| row.0 == **file)).collect();
     ensure(missing.is_empty(), || format!("no row for {missing:?}"))
 }
 
 /// The weights of the second file are the first's, spread over two sets and normalised; its morph target is switched
 /// off here.
 fn two_sets() -> Outcome {
-    let (one, two) = (
-        open("CesiumMan.glb", Weld::Keep)?,
-        open("CesiumMan_8influences_morph.glb", Weld::Keep)?,
-    );
+    let (one, two) = (open("CesiumMan.glb", Weld::Keep)?, open("CesiumMan_8influences_morph.glb", Weld::Keep)?);
     let (a, b) = (&one.model().geometries[0], &two.model().geometries[0]);
     ensure(a.faces == b.faces, || "faces differ".to_owned())?;
     for time in [0.0, 0.7, 1.9] {
         let (pose_a, mut pose_b) = (one.pose(Some(0), time)?, two.pose(Some(0), time)?);
-        ensure(pose_b.instances[0].morph_weights == [0.5], || {
-            "default weight is not 0.5".to_owned()
-        })?;
-        let (expected, morphed) = (
-            check::posed(a, &pose_a.instances[0]),
-            check::posed(b, &pose_b.instances[0]),
-        );
+        ensure(pose_b.instances[0].morph_weights == [0.5], || "default weight is not 0.5".to_owned())?;
+        let (expected, morphed) = (check::posed(a, &pose_a.instances[0]), check::posed(b, &pose_b.instances[0]));
         let same = |found: &[[f64; 3]]| check::close(found.as_flattened(), expected.as_flattened(), 1e-6, "posed");
         ensure(same(&morphed).is_err(), || "the morph target moved nothing".to_owned())?;
         pose_b.instances[0].morph_weights = vec![0.0];
@@ -310,11 +208,7 @@ fn fox() -> Outcome {
     let unwelded = open("Fox.glb", Weld::Keep)?;
     let mesh = unwelded.model().mesh(&unwelded.pose(None, 0.0)?)?;
     ensure(!mesh.is_closed(), || "closed without welding".to_owned())?;
-    let names: Vec<_> = asset
-        .animations()
-        .iter()
-        .map(|a| a.name.as_deref().unwrap_or(""))
-        .collect();
+    let names: Vec<_> = asset.animations().iter().map(|a| a.name.as_deref().unwrap_or("")).collect();
     ensure(asset.animation_index(names[2]) == Some(2), || format!("{names:?}"))?;
     ensure(asset.animation_index("1") == Some(1), || "by number".to_owned())?;
     ensure(asset.animation_index("3").is_none(), || "past the end".to_owned())
@@ -323,11 +217,7 @@ fn fox() -> Outcome {
 fn subpass() -> Outcome {
     let asset = open("subpass_scene_opaque.gltf", Weld::Data)?;
     let pose = asset.pose(None, 0.0)?;
-    ensure(pose.instances.iter().all(|instance| instance.turned), || {
-        "not all are turned".to_owned()
-    })?;
+    ensure(pose.instances.iter().all(|instance| instance.turned), || "not all are turned".to_owned())?;
     let upright = open("Knight.glb", Weld::Data)?.pose(None, 0.0)?;
-    ensure(!upright.instances.iter().any(|instance| instance.turned), || {
-        "the knight is turned".to_owned()
-    })
+    ensure(!upright.instances.iter().any(|instance| instance.turned), || "the knight is turned".to_owned())
 }

@@ -42,10 +42,8 @@ fn main() {
 
 /// The folder of the shared test models, there or not.
 fn assets() -> PathBuf {
-    std::env::var_os("RIMLINE_ASSETS").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")),
-        PathBuf::from,
-    )
+    std::env::var_os("RIMLINE_ASSETS")
+        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")), PathBuf::from)
 }
 
 /// A test that runs everywhere.

@@ -21,10 +21,7 @@ pub(crate) struct Maker {
 
 impl Maker {
     pub(crate) fn new() -> Self {
-        Self {
-            json: json!({ "asset": { "version": "2.0" } }),
-            bytes: Vec::new(),
-        }
+        Self { json: json!({ "asset": { "version": "2.0" } }), bytes: Vec::new() }
     }
 
     /// Appends to one of the file's lists and gives the index there.
@@ -42,18 +39,12 @@ impl Maker {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(data);
-        self.push(
-            "bufferViews",
-            json!({ "buffer": 0, "byteOffset": offset, "byteLength": data.len() }),
-        )
+        self.push("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": data.len() }))
     }
 
     pub(crate) fn accessor(&mut self, component: u32, kind: &str, count: usize, data: &[u8]) -> usize {
         let view = self.view(data);
-        self.push(
-            "accessors",
-            json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }),
-        )
+        self.push("accessors", json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }))
     }
 
     pub(crate) fn floats(&mut self, kind: &str, data: &[f32]) -> usize {
@@ -198,11 +189,7 @@ pub(crate) fn everything() -> Maker {
         }),
     );
     maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "lamp" }] } });
-    maker.json["extensionsUsed"] = json!([
-        "EXT_mesh_gpu_instancing",
-        "KHR_lights_punctual",
-        "KHR_mesh_quantization"
-    ]);
+    maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_mesh_quantization"]);
     maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
 
     let times = maker.floats("SCALAR", &[0.5, 1.0, 2.5]);

@@ -49,11 +49,7 @@ pub(crate) fn tests() -> Vec<Trial> {
 
 /// Of both tests together.
 fn cases() -> usize {
-    if std::env::var_os("RIMLINE_LONG").is_some() {
-        100_000
-    } else {
-        2_000
-    }
+    if std::env::var_os("RIMLINE_LONG").is_some() { 100_000 } else { 2_000 }
 }
 
 struct Seed {
@@ -73,11 +69,7 @@ fn run(small: &[Seed], large: &[Seed], cases: usize) -> Outcome {
     let mut accepted = 0;
     for case in 0..cases {
         let mut random = Random(first.wrapping_add(case as u64));
-        let seeds = if !large.is_empty() && random.below(50) == 0 {
-            large
-        } else {
-            small
-        };
+        let seeds = if !large.is_empty() && random.below(50) == 0 { large } else { small };
         let seed = &seeds[random.below(seeds.len())];
         let bytes = mutated(&seed.bytes, &mut random);
         match holds(&bytes, seed.base.as_deref()) {
@@ -87,21 +79,13 @@ fn run(small: &[Seed], large: &[Seed], cases: usize) -> Outcome {
     }
     println!("mutate: {accepted} of {cases} cases were accepted");
     // Were nothing accepted, the checks on what loads would never have run.
-    ensure(accepted * 20 > cases, || {
-        format!("only {accepted} of {cases} were accepted")
-    })?;
-    ensure(accepted * 20 < cases * 19, || {
-        format!("{accepted} of {cases} were accepted: hardly mutated")
-    })
+    ensure(accepted * 20 > cases, || format!("only {accepted} of {cases} were accepted"))?;
+    ensure(accepted * 20 < cases * 19, || format!("{accepted} of {cases} were accepted: hardly mutated"))
 }
 
 /// Whether the file loads; an error for a panic or an unsound model.
 fn holds(bytes: &[u8], base: Option<&Path>) -> Result<bool, String> {
-    let weld = if bytes.len().is_multiple_of(2) {
-        Weld::Data
-    } else {
-        Weld::Position
-    };
+    let weld = if bytes.len().is_multiple_of(2) { Weld::Data } else { Weld::Position };
     guarded(|| match Asset::from_slice(bytes, base, weld) {
         Ok(asset) => check::asset(&asset, 2, true).map(|()| true),
         Err(error) => ensure(error.to_string().len() < 500, || "a long message".to_owned()).map(|()| false),
@@ -240,11 +224,7 @@ fn control() -> Outcome {
     let unsound = guarded(|| Err("on purpose".into()));
     ensure(unsound.is_err(), || "an unsound model went unnoticed".to_owned())?;
     let file = everything().glb();
-    ensure(holds(&file, None) == Ok(true), || {
-        "the unmutated file is not sound".to_owned()
-    })?;
-    let same = (0..200)
-        .filter(|&seed| mutated(&file, &mut Random(seed)) == file)
-        .count();
+    ensure(holds(&file, None) == Ok(true), || "the unmutated file is not sound".to_owned())?;
+    let same = (0..200).filter(|&seed| mutated(&file, &mut Random(seed)) == file).count();
     ensure(same < 20, || format!("{same} of 200 mutations changed nothing"))
 }

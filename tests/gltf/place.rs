@@ -41,12 +41,7 @@ fn instances() -> Outcome {
     same(&pose.instances.len(), &3, "instances")?;
     let ends = [[2.0, 0.0, 10.0], [0.0, 4.0, 10.0], [1.0, 0.0, 10.0]];
     for (instance, end) in pose.instances.iter().zip(ends) {
-        close(
-            &map(&instance.palette[0], [1.0, 0.0, 0.0]),
-            &end,
-            1e-6,
-            "the point (1, 0, 0)",
-        )?;
+        close(&map(&instance.palette[0], [1.0, 0.0, 0.0]), &end, 1e-6, "the point (1, 0, 0)")?;
     }
     let turned: Vec<bool> = pose.instances.iter().map(|instance| instance.turned).collect();
     same(&turned, &vec![false, false, true], "turned")
@@ -65,12 +60,7 @@ fn mirrored() -> Outcome {
 }
 
 fn names(asset: &Asset) -> Vec<&str> {
-    asset
-        .model()
-        .instances
-        .iter()
-        .map(|instance| instance.name.as_deref().unwrap_or("-"))
-        .collect()
+    asset.model().instances.iter().map(|instance| instance.name.as_deref().unwrap_or("-")).collect()
 }
 
 fn scenes() -> Outcome {
@@ -95,21 +85,14 @@ fn scenes() -> Outcome {
     same(&names(&maker.load()?), &vec!["root", "leaf"], "the default scene")?;
     maker.json["scene"] = json!(2);
     same(&names(&maker.load()?), &vec![], "a scene without nodes")?;
-    same(
-        &maker.load()?.model().geometries.len(),
-        &2,
-        "geometries, whatever the scene",
-    )
+    same(&maker.load()?.model().geometries.len(), &2, "geometries, whatever the scene")
 }
 
 fn weights() -> Outcome {
     for (given, expected) in [
         ([1.0, 3.0, 0.0, 0.0], vec![(0, 0.25), (1, 0.75)]),
         ([0.0, 1e-30, 0.0, 0.0], vec![(1, 1.0)]),
-        (
-            [3e38, 3e38, 3e38, 3e38],
-            vec![(0, 0.25), (1, 0.25), (0, 0.25), (0, 0.25)],
-        ),
+        ([3e38, 3e38, 3e38, 3e38], vec![(0, 0.25), (1, 0.25), (0, 0.25), (0, 0.25)]),
     ] {
         let asset = Maker::skinned([0, 1, 0, 0], given).load()?;
         let influences = asset.model().geometries[0].influences.clone().ok_or("rigid")?;
@@ -120,18 +103,10 @@ fn weights() -> Outcome {
     // The second set comes first in the file, but not in the list.
     let asset = everything().load()?;
     let influences = asset.model().geometries[0].influences.clone().ok_or("rigid")?;
-    same(
-        &influences.joints[influences.range(1)].to_vec(),
-        &vec![0, 1, 1],
-        "two sets",
-    )?;
+    same(&influences.joints[influences.range(1)].to_vec(), &vec![0, 1, 1], "two sets")?;
     let total: f32 = 1.75;
     let expected: Vec<f32> = [0.5, 0.25, 1.0].iter().map(|w| w / total).collect();
-    same(
-        &influences.weights[influences.range(1)].to_vec(),
-        &expected,
-        "their weights",
-    )
+    same(&influences.weights[influences.range(1)].to_vec(), &expected, "their weights")
 }
 
 fn zero_weights() -> Outcome {
@@ -157,12 +132,7 @@ fn skin_ignores_its_node() -> Outcome {
         Ok(posed(&asset.model().geometries[0], &pose.instances[0])[1])
     };
     // The corner (1, 0, 0) by joints at (1, 0, 0) and, doubled, at (0, 10, 0).
-    close(
-        &corner(&maker)?,
-        &[0.5 * 2.0 + 0.5 * 2.0, 5.0, 0.0],
-        1e-6,
-        "no inverse bind matrices",
-    )?;
+    close(&corner(&maker)?, &[0.5 * 2.0 + 0.5 * 2.0, 5.0, 0.0], 1e-6, "no inverse bind matrices")?;
     maker.json["skins"][0]["inverseBindMatrices"] = json!(binds);
     close(&corner(&maker)?, &[0.5 * 5.0 + 0.5 * 8.0, 5.0, 0.0], 1e-6, "with them")
 }
@@ -195,12 +165,7 @@ fn both_ways() -> Outcome {
     check::pose(model, &pose)?;
     let used: Vec<usize> = model.instances.iter().map(|instance| instance.geometry).collect();
     same(&used, &vec![0, 1], "instances")?;
-    close(
-        &map(&pose.instances[1].palette[0], [0.0; 3]),
-        &[0.0, 0.0, 7.0],
-        0.0,
-        "the rigid one",
-    )
+    close(&map(&pose.instances[1].palette[0], [0.0; 3]), &[0.0, 0.0, 7.0], 0.0, "the rigid one")
 }
 
 fn lights() -> Outcome {
@@ -232,10 +197,7 @@ fn lights() -> Outcome {
         (Some("torch"), SceneLightKind::Spot),
     ];
     same(&kinds, &expected, "names and kinds")?;
-    for (light, expected) in found
-        .iter()
-        .zip([[0.0, -1.0, 0.0, 0.0], [1.0, 2.0, 3.0, 1.0], [1.0, 2.0, 3.0, 1.0]])
-    {
+    for (light, expected) in found.iter().zip([[0.0, -1.0, 0.0, 0.0], [1.0, 2.0, 3.0, 1.0], [1.0, 2.0, 3.0, 1.0]]) {
         close(&light.light.to_array().map(f64::from), &expected, 1e-7, "the light")?;
     }
     Ok(())

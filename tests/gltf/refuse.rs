@@ -24,16 +24,12 @@ pub(crate) fn tests() -> Vec<Trial> {
     ];
     let bases: [(_, _, fn() -> Maker); 3] = [
         ("square", SQUARE, Maker::square),
-        ("skinned", SKINNED, || {
-            Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0])
-        }),
+        ("skinned", SKINNED, || Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0])),
         ("animated", ANIMATED, everything),
     ];
     for (base, rows, make) in bases {
         for &(name, spoil, says) in rows {
-            tests.push(test(format!("refuse::{base}::{name}"), move || {
-                refused(make, spoil, says)
-            }));
+            tests.push(test(format!("refuse::{base}::{name}"), move || refused(make, spoil, says)));
         }
     }
     tests
@@ -52,13 +48,9 @@ fn refused(make: fn() -> Maker, spoil: fn(&mut Maker), says: &[&str]) -> Outcome
 }
 
 fn control() -> Outcome {
-    ensure(refused(Maker::square, |_| {}, &[]).is_err(), || {
-        "a good file passed as bad".to_owned()
-    })?;
+    ensure(refused(Maker::square, |_| {}, &[]).is_err(), || "a good file passed as bad".to_owned())?;
     let (_, spoil, _) = SQUARE[0];
-    ensure(refused(Maker::square, spoil, &["nodes[3]"]).is_err(), || {
-        "a wrong place passed".to_owned()
-    })
+    ensure(refused(Maker::square, spoil, &["nodes[3]"]).is_err(), || "a wrong place passed".to_owned())
 }
 
 pub(crate) fn primitive(maker: &mut Maker) -> &mut Value {
@@ -66,10 +58,7 @@ pub(crate) fn primitive(maker: &mut Maker) -> &mut Value {
 }
 
 pub(crate) fn bare(maker: &mut Maker, count: u64) -> usize {
-    maker.push(
-        "accessors",
-        json!({ "componentType": F32, "type": "VEC3", "count": count }),
-    )
+    maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
 }
 
 pub(crate) fn uri(maker: &mut Maker, uri: &str) {
@@ -87,15 +76,9 @@ pub(crate) fn instanced(maker: &mut Maker, scales: &[f32]) {
 fn devices() -> Outcome {
     let folder = tempfile::tempdir()?;
     std::fs::create_dir(folder.path().join("folder"))?;
-    for path in [
-        folder.path().join("folder"),
-        folder.path().join("none"),
-        "/dev/zero".into(),
-    ] {
+    for path in [folder.path().join("folder"), folder.path().join("none"), "/dev/zero".into()] {
         let result = Asset::open(&path, Weld::Keep);
-        ensure(matches!(result, Err(GltfError::Read { .. })), || {
-            format!("{}: {result:?}", path.display())
-        })?;
+        ensure(matches!(result, Err(GltfError::Read { .. })), || format!("{}: {result:?}", path.display()))?;
     }
     #[cfg(unix)]
     {
@@ -115,27 +98,18 @@ fn amplified() -> Outcome {
     let mesh = json!({ "primitives": [{ "attributes": { "POSITION": zeros } }] });
     maker.json["meshes"] = json!(vec![mesh; 5000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
-        format!("meshes: {many:?}")
-    })?;
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("meshes: {many:?}"))?;
     let mut maker = Maker::square();
     let indices = maker.indices(U8, &vec![0; 30_000]);
     let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": indices });
     maker.json["meshes"][0]["primitives"] = json!(vec![primitive; 5000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
-        format!("primitives: {many:?}")
-    })?;
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("primitives: {many:?}"))?;
     let mut maker = Maker::skinned([0; 4], [1.0; 4]);
     maker.json["skins"][0]["joints"] = json!(vec![1; 20_000]);
-    maker.json["nodes"]
-        .as_array_mut()
-        .expect("a list")
-        .extend(vec![json!({ "mesh": 0, "skin": 0 }); 2000]);
+    maker.json["nodes"].as_array_mut().expect("a list").extend(vec![json!({ "mesh": 0, "skin": 0 }); 2000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || {
-        format!("palettes: {many:?}")
-    })
+    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("palettes: {many:?}"))
 }
 
 fn deep() -> Outcome {
@@ -154,17 +128,7 @@ fn deep() -> Outcome {
 }
 
 fn not_gltf() -> Outcome {
-    for bytes in [
-        &b""[..],
-        b"glT",
-        b"glTF",
-        b"glTF\x02\0\0\0\0\0\0\0",
-        b"{}",
-        b"[]",
-        b"\xff\xfe",
-        b"ply\n",
-        b"null",
-    ] {
+    for bytes in [&b""[..], b"glT", b"glTF", b"glTF\x02\0\0\0\0\0\0\0", b"{}", b"[]", b"\xff\xfe", b"ply\n", b"null"] {
         let result = Asset::from_slice(bytes, None, Weld::Keep);
         ensure(result.is_err(), || format!("{bytes:?} was accepted"))?;
     }

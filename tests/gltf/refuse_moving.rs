@@ -6,135 +6,39 @@ use crate::maker::Maker;
 use crate::refuse::{Row, instanced, primitive};
 
 pub(crate) const SKINNED: &[Row] = &[
-    (
-        "no_weights",
-        |m| remove(m, "WEIGHTS_0"),
-        &["meshes[0].primitives[0].attributes.WEIGHTS_0 is missing"],
-    ),
-    (
-        "no_joints",
-        |m| remove(m, "JOINTS_0"),
-        &["meshes[0].primitives[0].attributes.JOINTS_0 is missing"],
-    ),
-    (
-        "unskinned",
-        |m| remove_both(m),
-        &["nodes[0]", "meshes[0].primitives[0]", "JOINTS_0"],
-    ),
-    (
-        "joints_count",
-        |m| m.json["accessors"][2]["count"] = json!(3),
-        &["JOINTS_0 has 3 elements, expected 4"],
-    ),
+    ("no_weights", |m| remove(m, "WEIGHTS_0"), &["meshes[0].primitives[0].attributes.WEIGHTS_0 is missing"]),
+    ("no_joints", |m| remove(m, "JOINTS_0"), &["meshes[0].primitives[0].attributes.JOINTS_0 is missing"]),
+    ("unskinned", |m| remove_both(m), &["nodes[0]", "meshes[0].primitives[0]", "JOINTS_0"]),
+    ("joints_count", |m| m.json["accessors"][2]["count"] = json!(3), &["JOINTS_0 has 3 elements, expected 4"]),
     (
         "joints_type",
         |m| m.json["accessors"][2]["componentType"] = json!(5120),
         &["accessors[2]", "JOINTS_0", "I8 Vec4"],
     ),
-    (
-        "no_skin_joints",
-        |m| m.json["skins"][0]["joints"] = json!([]),
-        &["skins[0].joints is missing"],
-    ),
-    (
-        "joint_range",
-        joint_range,
-        &["JOINTS_0, vertex 0 names joint 1", "skins[0] of nodes[0] has 1 joints"],
-    ),
-    (
-        "negative_weight",
-        |m| set_weights(m, -0.5),
-        &["WEIGHTS_0, vertex 3", "-0.5"],
-    ),
-    (
-        "infinite_weight",
-        |m| set_weights(m, f32::INFINITY),
-        &["WEIGHTS_0, vertex 3", "inf"],
-    ),
-    (
-        "nan_weight",
-        |m| set_weights(m, f32::NAN),
-        &["WEIGHTS_0, vertex 3", "NaN"],
-    ),
-    (
-        "binds_count",
-        |m| binds(m, &[0.0; 16]),
-        &["skins[0].inverseBindMatrices", "1 elements, expected 2"],
-    ),
-    (
-        "binds_row",
-        |m| binds(m, &[1.0; 32]),
-        &["skins[0].inverseBindMatrices, matrix 0", "last row"],
-    ),
-    (
-        "binds_nan",
-        |m| binds(m, &[f32::NAN; 32]),
-        &["skins[0].inverseBindMatrices, matrix 0", "not finite"],
-    ),
-    (
-        "instanced",
-        instanced_skin,
-        &["nodes[0]", "EXT_mesh_gpu_instancing", "skin"],
-    ),
+    ("no_skin_joints", |m| m.json["skins"][0]["joints"] = json!([]), &["skins[0].joints is missing"]),
+    ("joint_range", joint_range, &["JOINTS_0, vertex 0 names joint 1", "skins[0] of nodes[0] has 1 joints"]),
+    ("negative_weight", |m| set_weights(m, -0.5), &["WEIGHTS_0, vertex 3", "-0.5"]),
+    ("infinite_weight", |m| set_weights(m, f32::INFINITY), &["WEIGHTS_0, vertex 3", "inf"]),
+    ("nan_weight", |m| set_weights(m, f32::NAN), &["WEIGHTS_0, vertex 3", "NaN"]),
+    ("binds_count", |m| binds(m, &[0.0; 16]), &["skins[0].inverseBindMatrices", "1 elements, expected 2"]),
+    ("binds_row", |m| binds(m, &[1.0; 32]), &["skins[0].inverseBindMatrices, matrix 0", "last row"]),
+    ("binds_nan", |m| binds(m, &[f32::NAN; 32]), &["skins[0].inverseBindMatrices, matrix 0", "not finite"]),
+    ("instanced", instanced_skin, &["nodes[0]", "EXT_mesh_gpu_instancing", "skin"]),
 ];
 
 /// What spoils the animation of [`everything`]: samplers are rotation, cubic translation, step weights.
 pub(crate) const ANIMATED: &[Row] = &[
-    (
-        "sampler",
-        |m| animation(m)["channels"][0]["sampler"] = json!(3),
-        &["animations[0].channels[0].sampler is 3"],
-    ),
-    (
-        "path",
-        |m| animation(m)["channels"][0]["target"] = json!({}),
-        &["channels[0].target.path is missing"],
-    ),
-    (
-        "interpolation",
-        |m| animation(m)["samplers"][0]["interpolation"] = json!("X"),
-        &["samplers[0].interpolation"],
-    ),
-    (
-        "times_order",
-        |m| times(m, &[0.0, 1.0, 1.0]),
-        &["animations[0].samplers[0]", "key 2 is at 1 s"],
-    ),
-    (
-        "times_nan",
-        |m| times(m, &[0.0, f32::NAN, 1.0]),
-        &["animations[0].samplers[0]", "time of key 1"],
-    ),
-    (
-        "times_none",
-        |m| times(m, &[]),
-        &["animations[0].samplers[0]", "no keyframes"],
-    ),
-    (
-        "few_values",
-        |m| times(m, &[0.0, 1.0]),
-        &["animations[0].samplers[0]", "12 output values for 2 keys"],
-    ),
-    (
-        "values_nan",
-        values_nan,
-        &["animations[0].samplers[0]", "output of key 1 is not finite"],
-    ),
-    (
-        "values_type",
-        |m| animation(m)["samplers"][1]["output"] = json!(0),
-        &["animations[0].samplers[1]"],
-    ),
-    (
-        "no_rotation",
-        no_rotation,
-        &["animations[0].samplers[0]", "rotation of key 2 has no length"],
-    ),
-    (
-        "on_matrix",
-        on_matrix,
-        &["animations[0].channels[0]", "nodes[1]", "matrix"],
-    ),
+    ("sampler", |m| animation(m)["channels"][0]["sampler"] = json!(3), &["animations[0].channels[0].sampler is 3"]),
+    ("path", |m| animation(m)["channels"][0]["target"] = json!({}), &["channels[0].target.path is missing"]),
+    ("interpolation", |m| animation(m)["samplers"][0]["interpolation"] = json!("X"), &["samplers[0].interpolation"]),
+    ("times_order", |m| times(m, &[0.0, 1.0, 1.0]), &["animations[0].samplers[0]", "key 2 is at 1 s"]),
+    ("times_nan", |m| times(m, &[0.0, f32::NAN, 1.0]), &["animations[0].samplers[0]", "time of key 1"]),
+    ("times_none", |m| times(m, &[]), &["animations[0].samplers[0]", "no keyframes"]),
+    ("few_values", |m| times(m, &[0.0, 1.0]), &["animations[0].samplers[0]", "12 output values for 2 keys"]),
+    ("values_nan", values_nan, &["animations[0].samplers[0]", "output of key 1 is not finite"]),
+    ("values_type", |m| animation(m)["samplers"][1]["output"] = json!(0), &["animations[0].samplers[1]"]),
+    ("no_rotation", no_rotation, &["animations[0].samplers[0]", "rotation of key 2 has no length"]),
+    ("on_matrix", on_matrix, &["animations[0].channels[0]", "nodes[1]", "matrix"]),
 ];
 
 fn animation(maker: &mut Maker) -> &mut Value {
@@ -146,10 +50,7 @@ fn instanced_skin(maker: &mut Maker) {
 }
 
 fn remove(maker: &mut Maker, attribute: &str) {
-    primitive(maker)["attributes"]
-        .as_object_mut()
-        .expect("an object")
-        .remove(attribute);
+    primitive(maker)["attributes"].as_object_mut().expect("an object").remove(attribute);
 }
 
 fn remove_both(maker: &mut Maker) {

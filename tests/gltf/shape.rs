@@ -10,9 +10,7 @@ use crate::{Outcome, check, ensure, test};
 
 pub(crate) fn tests() -> Vec<Trial> {
     vec![
-        test("shape::everything_loads", || {
-            check::asset(&everything().load()?, 9, false)
-        }),
+        test("shape::everything_loads", || check::asset(&everything().load()?, 9, false)),
         test("shape::strips_and_fans", strips_and_fans),
         test("shape::index_types", index_types),
         test("shape::primitives_share_vertices", sharing),
@@ -29,35 +27,22 @@ pub(crate) fn tests() -> Vec<Trial> {
 }
 
 pub(crate) fn same<T: PartialEq + std::fmt::Debug>(found: &T, expected: &T, what: &str) -> Outcome {
-    ensure(found == expected, || {
-        format!("{what}: {found:?}, expected {expected:?}")
-    })
+    ensure(found == expected, || format!("{what}: {found:?}, expected {expected:?}"))
 }
 
 fn strips_and_fans() -> Outcome {
     let points: Vec<f32> = (0..5).flat_map(|i| [(i / 2) as f32, (i % 2) as f32, 0.0]).collect();
-    for (mode, expected) in [
-        (5, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]),
-        (6, [[1, 2, 0], [2, 3, 0], [3, 4, 0]]),
-    ] {
+    for (mode, expected) in [(5, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]), (6, [[1, 2, 0], [2, 3, 0], [3, 4, 0]])] {
         let mut maker = Maker::new();
         let positions = maker.floats("VEC3", &points);
         maker.mesh(&json!({ "attributes": { "POSITION": positions }, "mode": mode }));
         let plain = maker.load()?;
-        same(
-            &plain.model().geometries[0].faces,
-            &expected.to_vec(),
-            "faces without indices",
-        )?;
+        same(&plain.model().geometries[0].faces, &expected.to_vec(), "faces without indices")?;
         let indices = maker.indices(U8, &[4, 3, 2, 1, 0, 0]);
         maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         let mut reversed: Vec<_> = expected.iter().map(|face| face.map(|v| 4 - v)).collect();
         reversed.push(if mode == 5 { [1, 0, 0] } else { [0, 0, 4] });
-        same(
-            &maker.load()?.model().geometries[0].faces,
-            &reversed,
-            "faces with indices",
-        )?;
+        same(&maker.load()?.model().geometries[0].faces, &reversed, "faces with indices")?;
         maker.json["accessors"][indices]["count"] = json!(2);
         same(&maker.load()?.model().instances.len(), &0, "instances of two corners")?;
     }
@@ -88,11 +73,7 @@ fn sharing() -> Outcome {
     let asset = maker.load()?;
     let geometry = &asset.model().geometries[0];
     same(&geometry.positions.len(), &8, "vertices")?;
-    same(
-        &geometry.faces,
-        &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]],
-        "faces",
-    )?;
+    same(&geometry.faces, &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]], "faces")?;
     same(&geometry.source_vertices, &(0..8).collect(), "source vertices")
 }
 
@@ -104,11 +85,7 @@ fn skipping() -> Outcome {
     maker.push("meshes", json!({ "primitives": primitives }));
     maker.push("nodes", json!({ "mesh": 1 }));
     let asset = maker.load()?;
-    let expected = Skipped {
-        points: 2,
-        lines: 3,
-        without_position: 1,
-    };
+    let expected = Skipped { points: 2, lines: 3, without_position: 1 };
     same(&asset.skipped(), &expected, "skipped")?;
     same(&asset.model().instances.len(), &1, "instances")?;
     same(&asset.meshes()[1].primitives, &6, "primitives")
@@ -117,10 +94,7 @@ fn skipping() -> Outcome {
 /// Replaces vertices 1 and 3.
 fn make_sparse(maker: &mut Maker, accessor: usize) {
     let indices = maker.view(&[1, 0, 3, 0]);
-    let values: Vec<u8> = [7.0_f32, 8.0, 9.0, -7.0, -8.0, -9.0]
-        .iter()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let values: Vec<u8> = [7.0_f32, 8.0, 9.0, -7.0, -8.0, -9.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let values = maker.view(&values);
     maker.json["accessors"][accessor]["sparse"] = json!({
         "count": 2,
@@ -133,11 +107,7 @@ fn sparse() -> Outcome {
     let mut maker = Maker::square();
     make_sparse(&mut maker, 0);
     let expected = vec![[0.0, 0.0, 0.0], [7.0, 8.0, 9.0], [1.0, 1.0, 0.0], [-7.0, -8.0, -9.0]];
-    same(
-        &maker.load()?.model().geometries[0].positions,
-        &expected,
-        "over a buffer view",
-    )?;
+    same(&maker.load()?.model().geometries[0].positions, &expected, "over a buffer view")?;
 
     let mut maker = Maker::square();
     let bare = json!({ "componentType": 5126, "type": "VEC3", "count": 4 });
@@ -215,11 +185,7 @@ fn uris() -> Outcome {
     std::fs::create_dir(folder.path().join("some data"))?;
     std::fs::write(folder.path().join("some data/ä.bin"), &maker.bytes)?;
     let percent = percent_encoding::percent_encode(&maker.bytes, percent_encoding::NON_ALPHANUMERIC);
-    for uri in [
-        "some%20data/%C3%A4.bin",
-        "./some data/ä.bin",
-        &format!("data:,{percent}"),
-    ] {
+    for uri in ["some%20data/%C3%A4.bin", "./some data/ä.bin", &format!("data:,{percent}")] {
         let mut maker = maker.clone();
         maker.json["buffers"] = json!([{ "byteLength": maker.bytes.len(), "uri": uri }]);
         let path = folder.path().join("model.whatever");
@@ -257,11 +223,7 @@ fn welding() -> Outcome {
     for (weld, after, apart) in [(Weld::Keep, 4, 0), (Weld::Position, 1, 0), (Weld::Data, 2, 1)] {
         let asset = Asset::from_slice(&maker.glb(), None, weld)?;
         let counts = asset.weld_counts(0).ok_or("no counts")?;
-        same(
-            &(counts.before, counts.after, counts.apart),
-            &(4, after, apart),
-            "counts",
-        )?;
+        same(&(counts.before, counts.after, counts.apart), &(4, after, apart), "counts")?;
         check::asset(&asset, 0, false)?;
     }
     Ok(())

@@ -21,12 +21,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
 ];
 
 fn masks(gpu: &Gpu, positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> Result<Found, String> {
-    let options = ExtractorOptions {
-        max_lights: lights.len(),
-        masks: true,
-        lists: None,
-        ..Default::default()
-    };
+    let options = ExtractorOptions { max_lights: lights.len(), masks: true, lists: None, ..Default::default() };
     extract(gpu, positions, mesh, lights, options)
 }
 
@@ -88,9 +83,7 @@ fn soups() -> Result<(), String> {
         for light in 0..lights.len() {
             let expected = oracle::multiplicities(&edges, &found.facing, mesh.faces().len(), light);
             if oracle::record_multiplicities(&mesh, &found.masks, light) != expected {
-                return Err(format!(
-                    "{name}, light {light}: multiplicities differ from the faces' own"
-                ));
+                return Err(format!("{name}, light {light}: multiplicities differ from the faces' own"));
             }
             let expected = oracle::plain_silhouettes(&edges, &found.facing, mesh.faces().len(), light);
             if oracle::record_silhouettes(&mesh, &edges, &found.masks, light) != expected {
@@ -123,10 +116,7 @@ fn by_place(positions: &[[f32; 3]], mesh: &Mesh, found: &Found, light: usize) ->
     });
     let edges = oracle::edge_faces(mesh.faces());
     let silhouettes = oracle::record_silhouettes(mesh, &edges, &found.masks, light);
-    (
-        signed.collect(),
-        silhouettes.into_iter().map(|key| place(key).0).collect(),
-    )
+    (signed.collect(), silhouettes.into_iter().map(|key| place(key).0).collect())
 }
 
 fn shuffled() -> Result<(), String> {
@@ -139,10 +129,7 @@ fn shuffled() -> Result<(), String> {
         let lights = lights(&mut random, 33);
         let found = masks(gpu, &positions, &mesh, &lights)?;
         for seed in [1, 2] {
-            let shape = Shape {
-                positions: positions.clone(),
-                faces: mesh.faces().to_vec(),
-            };
+            let shape = Shape { positions: positions.clone(), faces: mesh.faces().to_vec() };
             // Each face keeps its first corner, so its facing is computed alike to the last bit.
             let (_, moved, other) = case(name.clone(), shape.shuffled(seed));
             let again = masks(gpu, &moved, &other, &lights)?;
@@ -150,9 +137,7 @@ fn shuffled() -> Result<(), String> {
                 let before = by_place(&positions, &mesh, &found, light);
                 let mut after = by_place(&moved, &other, &again, light);
                 if before != after {
-                    return Err(format!(
-                        "{name}, seed {seed}, light {light}: edges differ after shuffling"
-                    ));
+                    return Err(format!("{name}, seed {seed}, light {light}: edges differ after shuffling"));
                 }
                 if let Some(sum) = after.0.values_mut().next() {
                     *sum += 1;

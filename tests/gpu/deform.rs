@@ -67,10 +67,7 @@ fn random_models() -> Result<(), String> {
             let pose = random_pose(&mut random, &model);
             let mut found = deformed(gpu, &deformer, &model, &pose)?;
             let differ = check_deform(&found, &model, &pose)?;
-            println!(
-                "seed {seed}: {differ} of {} coordinates differ from the twin",
-                3 * found.len()
-            );
+            println!("seed {seed}: {differ} of {} coordinates differ from the twin", 3 * found.len());
             let vertex = random.below(found.len());
             found[vertex][1] += 1e-4 * (1.0 + found[vertex][1].abs());
             must_fail("a moved vertex", &check_deform(&found, &model, &pose))?;
@@ -94,10 +91,7 @@ fn displaced() -> Result<(), String> {
     if displacement.uses_resources() {
         return Err("a displacement without resources says it has some".to_owned());
     }
-    let options = DeformerOptions {
-        displacement: Some(&displacement),
-        ..Default::default()
-    };
+    let options = DeformerOptions { displacement: Some(&displacement), ..Default::default() };
     let deformer = Deformer::new(&gpu.device, &model, options).map_err(text)?;
     let sources: Vec<u32> = model
         .instances
@@ -117,11 +111,8 @@ fn displaced() -> Result<(), String> {
             0 => position,
             _ => [vertex as f32, time, position[2]],
         };
-        let expected: Vec<_> = undisplaced
-            .iter()
-            .zip(&sources)
-            .map(|(&position, &vertex)| function(position, vertex, time))
-            .collect();
+        let expected: Vec<_> =
+            undisplaced.iter().zip(&sources).map(|(&position, &vertex)| function(position, vertex, time)).collect();
         same(&format!("time {time}"), &found, &expected)?;
         // The twin hands the closure the same vertex and time.
         let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all());
@@ -158,17 +149,12 @@ fn resources() -> Result<(), String> {
             count: None,
         }],
     });
-    let offsets: Vec<[f32; 4]> = (0..4000)
-        .map(|v| [v as f32, random.between(-9.0, 9.0), 0.5, 7.0])
-        .collect();
+    let offsets: Vec<[f32; 4]> = (0..4000).map(|v| [v as f32, random.between(-9.0, 9.0), 0.5, 7.0]).collect();
     let buffer = gpu.storage(&offsets);
     let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("offsets"),
         layout: &layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 3,
-            resource: buffer.as_entire_binding(),
-        }],
+        entries: &[wgpu::BindGroupEntry { binding: 3, resource: buffer.as_entire_binding() }],
     });
     let with = |displacement_layout| DeformerOptions {
         displacement: Some(&displacement),
@@ -177,20 +163,11 @@ fn resources() -> Result<(), String> {
     };
     let error = Deformer::new(&gpu.device, &model, with(None)).err();
     same("no layout", &[error], &[Some(DeformError::Resources)])?;
-    let unasked = DeformerOptions {
-        displacement_layout: Some(&layout),
-        ..Default::default()
-    };
+    let unasked = DeformerOptions { displacement_layout: Some(&layout), ..Default::default() };
     let error = Deformer::new(&gpu.device, &model, unasked).err();
-    same(
-        "a layout and no displacement",
-        &[error],
-        &[Some(DeformError::Resources)],
-    )?;
-    let empty = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("another"),
-        entries: &[],
-    });
+    same("a layout and no displacement", &[error], &[Some(DeformError::Resources)])?;
+    let empty =
+        gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("another"), entries: &[] });
     match Deformer::new(&gpu.device, &model, with(Some(&empty))) {
         Err(DeformError::Pipeline { .. }) => {}
         other => return Err(format!("another layout: {:?}", other.err())),
@@ -239,19 +216,11 @@ fn refused() -> Result<(), String> {
         ),
         (
             |pose| pose.instances[3].morph_weights.truncate(4),
-            PoseMismatch::MorphWeights {
-                instance: 3,
-                given: 4,
-                needed: 5,
-            },
+            PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 },
         ),
         (
             |pose| pose.instances[2].morph_weights.push(0.0),
-            PoseMismatch::MorphWeights {
-                instance: 2,
-                given: 1,
-                needed: 0,
-            },
+            PoseMismatch::MorphWeights { instance: 2, given: 1, needed: 0 },
         ),
     ];
     for (perturb, expected) in perturbations {
@@ -262,15 +231,8 @@ fn refused() -> Result<(), String> {
             same("pose", &[error], &[Some(DeformError::Pose(expected))])
         })?;
     }
-    same(
-        "positions stay",
-        &gpu.read(deformer.positions().buffer, before.len())?,
-        &before,
-    )?;
-    let limited = DeformerOptions {
-        memory_limit: Some(1000),
-        ..Default::default()
-    };
+    same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
+    let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
     match Deformer::new(&gpu.device, &model, limited) {
         Err(DeformError::Memory(MemoryError::Total { limit: 1000, .. })) => Ok(()),
         other => Err(format!("memory limit: {:?}", other.err())),

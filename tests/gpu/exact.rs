@@ -19,12 +19,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
 ];
 
 fn exact(max_lights: usize) -> ExtractorOptions {
-    ExtractorOptions {
-        max_lights,
-        masks: true,
-        lists: None,
-        ..Default::default()
-    }
+    ExtractorOptions { max_lights, masks: true, lists: None, ..Default::default() }
 }
 
 /// Every bit of GPU and twin is the oracle's.
@@ -121,9 +116,7 @@ fn any_magnitude() -> Result<(), String> {
                 })
             })
             .collect();
-        let faces: Vec<[u32; 3]> = (0..300)
-            .map(|_| std::array::from_fn(|_| random.below(40) as u32))
-            .collect();
+        let faces: Vec<[u32; 3]> = (0..300).map(|_| std::array::from_fn(|_| random.below(40) as u32)).collect();
         let mesh = Mesh::new(&positions, &faces, Weld::Keep).map_err(|e| e.to_string())?;
         let mut lights: Vec<Light> = (0..33)
             .map(|index| {
@@ -136,14 +129,7 @@ fn any_magnitude() -> Result<(), String> {
             })
             .collect();
         lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));
-        check(
-            gpu,
-            &format!("round {round}"),
-            &positions,
-            &mesh,
-            &lights,
-            exact(lights.len()),
-        )?;
+        check(gpu, &format!("round {round}"), &positions, &mesh, &lights, exact(lights.len()))?;
     }
     Ok(())
 }
@@ -151,10 +137,7 @@ fn any_magnitude() -> Result<(), String> {
 fn overflow() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(44)) {
-        let options = ExtractorOptions {
-            undecided_capacity: Some(3),
-            ..exact(lights.len())
-        };
+        let options = ExtractorOptions { undecided_capacity: Some(3), ..exact(lights.len()) };
         check(gpu, &name, &positions, &mesh, &lights, options)?;
     }
     Ok(())

@@ -21,13 +21,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
 ];
 
 fn masks_only(max_lights: usize) -> ExtractorOptions {
-    ExtractorOptions {
-        max_lights,
-        masks: true,
-        predicate: Predicate::Fast,
-        lists: None,
-        ..Default::default()
-    }
+    ExtractorOptions { max_lights, masks: true, predicate: Predicate::Fast, lists: None, ..Default::default() }
 }
 
 fn hard() -> Result<(), String> {
@@ -41,18 +35,11 @@ fn hard() -> Result<(), String> {
             let twin = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Fast, Threads::all());
             let on_cpu = check_facing(&name, &twin, &positions, mesh.faces(), &lights)?;
             // Both are right outside the band, so they can differ inside only.
-            let differ = found
-                .facing
-                .iter()
-                .zip(&twin)
-                .map(|(a, b)| (a ^ b).count_ones() as usize);
+            let differ = found.facing.iter().zip(&twin).map(|(a, b)| (a ^ b).count_ones() as usize);
             let differ: usize = differ.sum();
             println!("{name}: GPU {on_gpu:?}, twin {on_cpu:?}, {differ} bits differ");
             if differ > on_gpu.inside {
-                return Err(format!(
-                    "{name}: {differ} bits differ, {} lie in the band",
-                    on_gpu.inside
-                ));
+                return Err(format!("{name}: {differ} bits differ, {} lie in the band", on_gpu.inside));
             }
             if name == "unit" {
                 found.facing[5] ^= 1 << 7;
@@ -82,11 +69,8 @@ fn subnormal() -> Result<(), String> {
     let tiny = 1e-40;
     let positions = [[tiny, 0.0, 0.0], [1e6, -tiny, 0.0], [0.0, 1e6, tiny], [0.0, 0.0, tiny]];
     let mesh = Mesh::new(&positions, &[[0, 1, 2], [2, 1, 0], [0, 1, 3]], Weld::Keep).map_err(|e| e.to_string())?;
-    let lights = [
-        Light::directional([0.0, 0.0, 1.0]),
-        Light::directional([0.0, tiny, -1.0]),
-        Light::point([0.0, tiny, 1.0]),
-    ];
+    let lights =
+        [Light::directional([0.0, 0.0, 1.0]), Light::directional([0.0, tiny, -1.0]), Light::point([0.0, tiny, 1.0])];
     let found = extract(gpu, &positions, &mesh, &lights, masks_only(3))?;
     let checked = check_facing("subnormal", &found.facing, &positions, mesh.faces(), &lights)?;
     println!("{checked:?}");
@@ -104,13 +88,7 @@ fn non_finite() -> Result<(), String> {
     let shape = shapes::torus(20, 14, 1.0, 0.4);
     let mesh = shape.mesh().map_err(|e| e.to_string())?;
     let lights = lights(&mut random, 70);
-    let poison = [
-        f32::NAN,
-        f32::INFINITY,
-        f32::NEG_INFINITY,
-        f32::from_bits(0xffff_ffff),
-        f32::from_bits(0x7f80_0001),
-    ];
+    let poison = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::from_bits(0xffff_ffff), f32::from_bits(0x7f80_0001)];
     let mut positions = shape.positions;
     for value in poison {
         let vertex = random.below(positions.len());
@@ -121,29 +99,15 @@ fn non_finite() -> Result<(), String> {
     if positions[largest].iter().all(|c| c.is_finite()) {
         positions[largest][0] = f32::MAX;
     }
-    let is_poisoned = |face: &[u32; 3]| {
-        face.iter()
-            .any(|&v| positions[v as usize].iter().any(|c| !c.is_finite()))
-    };
+    let is_poisoned = |face: &[u32; 3]| face.iter().any(|&v| positions[v as usize].iter().any(|c| !c.is_finite()));
     let poisoned = mesh.faces().iter().filter(|face| is_poisoned(face)).count();
     let found = extract(gpu, &positions, &mesh, &lights, masks_only(70))?;
     check_facing("poisoned", &found.facing, &positions, mesh.faces(), &lights)?;
     let counted = [found.statistics.non_finite_faces as usize];
     same("non-finite faces", &counted, &[poisoned])?;
-    let twin = cpu::extract(
-        &positions,
-        &mesh,
-        &lights,
-        rimline::Method::FaceMask,
-        Predicate::Exact,
-        Threads::ONE,
-    );
+    let twin = cpu::extract(&positions, &mesh, &lights, rimline::Method::FaceMask, Predicate::Exact, Threads::ONE);
     let twin = twin.map_err(|e| e.to_string())?;
-    same(
-        "the twin's count",
-        &[twin.counts.non_finite_faces as usize],
-        &[poisoned],
-    )?;
+    same("the twin's count", &[twin.counts.non_finite_faces as usize], &[poisoned])?;
     for (index, face) in mesh.faces().iter().enumerate() {
         let words = found.facing.iter().skip(index).step_by(mesh.faces().len());
         if is_poisoned(face) && words.into_iter().any(|&mask| mask != 0) {
@@ -160,10 +124,7 @@ fn non_finite() -> Result<(), String> {
 fn per_edge() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(24)) {
-        let options = ExtractorOptions {
-            method: rimline::Method::PerEdge,
-            ..masks_only(lights.len())
-        };
+        let options = ExtractorOptions { method: rimline::Method::PerEdge, ..masks_only(lights.len()) };
         let found = extract(gpu, &positions, &mesh, &lights, options)?;
         let exact = oracle::facing(&positions, mesh.faces(), &lights);
         let expected = cpu::edges(mesh.edges(), &exact, mesh.faces().len(), lights.len(), Threads::all());
@@ -183,16 +144,11 @@ fn per_edge() -> Result<(), String> {
                 }
                 outside += 1;
                 let bits = |masks: rimline::layout::Masks| {
-                    (
-                        masks.silhouette >> (number % 32) & 1,
-                        masks.winding >> (number % 32) & 1,
-                    )
+                    (masks.silhouette >> (number % 32) & 1, masks.winding >> (number % 32) & 1)
                 };
                 let (got, right) = (bits(found.masks[at + index]), bits(expected[at + index]));
                 if got != right {
-                    return Err(format!(
-                        "{name}, light {number}, edge {index}: {got:?}, exactly {right:?}"
-                    ));
+                    return Err(format!("{name}, light {number}, edge {index}: {got:?}, exactly {right:?}"));
                 }
             }
         }

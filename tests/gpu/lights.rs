@@ -31,11 +31,7 @@ fn options(max_lights: usize, masks: bool, ordered: bool) -> ExtractorOptions {
     ExtractorOptions {
         max_lights,
         masks,
-        lists: Some(ListOptions {
-            capacity: Some(u32::MAX),
-            ordered,
-            vertices_per_edge: 4,
-        }),
+        lists: Some(ListOptions { capacity: Some(u32::MAX), ordered, vertices_per_edge: 4 }),
         ..Default::default()
     }
 }
@@ -49,11 +45,7 @@ fn same_lists(what: &str, found: &Found, alone: &Found, count: usize) -> Result<
         }
         lists
     };
-    same(
-        &format!("{what}, counts"),
-        &found.counts[..count],
-        &alone.counts[..count],
-    )?;
+    same(&format!("{what}, counts"), &found.counts[..count], &alone.counts[..count])?;
     same(&format!("{what}, draws"), &found.draws[..count], &alone.draws[..count])?;
     same(&format!("{what}, lists"), &sorted(&found.lists), &sorted(&alone.lists))
 }
@@ -63,11 +55,7 @@ fn fewer() -> Result<(), String> {
     let mut random = Random::new(41);
     let (_, positions, mesh) = torus();
     let buffer = gpu.storage(&positions);
-    let bound = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     for ordered in [false, true] {
         let mut extractor = Extractor::new(&gpu.device, &mesh, options(100, true, ordered)).map_err(text)?;
         // First all of them, so that something could be left over.
@@ -78,16 +66,8 @@ fn fewer() -> Result<(), String> {
             let what = format!("{count} of 100 lights, ordered {ordered}");
             let alone = extract(gpu, &positions, &mesh, &lights, options(count, true, ordered))?;
             same_lists(&what, &found, &alone, count)?;
-            same(
-                &format!("{what}, masks"),
-                &found.masks[..alone.masks.len()],
-                &alone.masks,
-            )?;
-            same(
-                &format!("{what}, facing"),
-                &found.facing[..alone.facing.len()],
-                &alone.facing,
-            )?;
+            same(&format!("{what}, masks"), &found.masks[..alone.masks.len()], &alone.masks)?;
+            same(&format!("{what}, facing"), &found.facing[..alone.facing.len()], &alone.facing)?;
             for (light, draw) in found.draws.iter().enumerate().skip(count) {
                 if draw.instance_count != 0 || found.counts[light] != 0 || draw.vertex_count != 4 {
                     return Err(format!("{what}: light {light} draws {draw:?}"));
@@ -107,24 +87,13 @@ fn several_encodes() -> Result<(), String> {
     let [first_buffer, second_buffer] = [gpu.storage(&positions), gpu.storage(&moved)];
     for ordered in [false, true] {
         let mut extractor = Extractor::new(&gpu.device, &mesh, options(40, true, ordered)).map_err(text)?;
-        let runs = [
-            (&first_buffer, &positions, 40),
-            (&second_buffer, &moved, 7),
-            (&first_buffer, &positions, 33),
-        ];
+        let runs = [(&first_buffer, &positions, 40), (&second_buffer, &moved, 7), (&first_buffer, &positions, 33)];
         let runs = runs.map(|(buffer, positions, count)| (buffer, positions, lights(&mut random, count)));
         let zeros = vec![0_u8; mesh.edges().len() * size_of::<Masks>()];
-        let copies: Vec<_> = runs
-            .iter()
-            .map(|_| [gpu.storage(&zeros), gpu.storage(&[0_u32; 40])])
-            .collect();
+        let copies: Vec<_> = runs.iter().map(|_| [gpu.storage(&zeros), gpu.storage(&[0_u32; 40])]).collect();
         gpu.submit(|encoder| {
             for ((buffer, _, lights), [masks, counts]) in runs.iter().zip(&copies) {
-                let positions = PositionBuffer {
-                    buffer,
-                    offset: 0,
-                    stride: 12,
-                };
+                let positions = PositionBuffer { buffer, offset: 0, stride: 12 };
                 extractor.encode(encoder, positions, lights, None).map_err(text)?;
                 let results = extractor.results();
                 encoder.copy_buffer_to_buffer(&results.masks[0], 0, masks, 0, masks.size());
@@ -168,16 +137,7 @@ fn thousand() -> Result<(), String> {
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
-    for (max_lights, expected) in [
-        (0, LightError::None),
-        (
-            1025,
-            LightError::TooMany {
-                count: 1025,
-                limit: 1024,
-            },
-        ),
-    ] {
+    for (max_lights, expected) in [(0, LightError::None), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
         let error = Extractor::new(&gpu.device, &mesh, options(max_lights, false, false)).err();
         same("max_lights", &[error], &[Some(ExtractorError::Light(expected))])?;
     }
@@ -186,24 +146,14 @@ fn refused() -> Result<(), String> {
     let cases = [
         (vec![], LightError::None),
         (vec![good; 3], LightError::TooMany { count: 3, limit: 2 }),
-        (
-            vec![good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])],
-            LightError::Zero { index: 1 },
-        ),
+        (vec![good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])], LightError::Zero { index: 1 }),
         (
             vec![Light::point([f32::INFINITY, 0.0, 0.0])],
-            LightError::NotFinite {
-                index: 0,
-                xyzw: [f32::INFINITY, 0.0, 0.0, 1.0],
-            },
+            LightError::NotFinite { index: 0, xyzw: [f32::INFINITY, 0.0, 0.0, 1.0] },
         ),
     ];
     let buffer = gpu.storage(&positions);
-    let bound = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
+    let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     gpu.submit(|encoder| {
         for (lights, expected) in cases {
             let error = extractor.encode(encoder, bound, &lights, None).err();
@@ -219,22 +169,9 @@ fn refused() -> Result<(), String> {
         }
         Ok(())
     })?;
-    same(
-        "no faces",
-        &[Mesh::new(&positions, &[], Weld::Data).err()],
-        &[Some(MeshError::NoFaces)],
-    )?;
-    let expected = MeshError::IndexOutOfRange {
-        face: 1,
-        corner: 2,
-        index: 3,
-        vertices: 3,
-    };
+    same("no faces", &[Mesh::new(&positions, &[], Weld::Data).err()], &[Some(MeshError::NoFaces)])?;
+    let expected = MeshError::IndexOutOfRange { face: 1, corner: 2, index: 3, vertices: 3 };
     let faces = [[0, 1, 2], [0, 1, 3]];
-    same(
-        "index",
-        &[Mesh::new(&positions[..3], &faces, Weld::Data).err()],
-        &[Some(expected)],
-    )?;
+    same("index", &[Mesh::new(&positions[..3], &faces, Weld::Data).err()], &[Some(expected)])?;
     same("index", &[Mesh::from_faces(3, faces.to_vec()).err()], &[Some(expected)])
 }

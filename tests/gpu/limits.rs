@@ -52,11 +52,7 @@ impl Run<'_> {
     fn on(&self, gpu: &Gpu, mesh: &Mesh) -> Result<Found, String> {
         let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
         let mut extractor = Extractor::new(&gpu.device, mesh, self.options).map_err(text)?;
-        let bound = PositionBuffer {
-            buffer: &buffer,
-            offset: self.offset,
-            stride: self.stride,
-        };
+        let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
         gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
         read(gpu, &extractor, mesh, self.options.max_lights)
     }
@@ -67,11 +63,7 @@ fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: 
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
     same(&format!("{what}, draws"), &found.draws, &expected.draws)?;
-    same(
-        &format!("{what}, statistics"),
-        &[found.statistics],
-        &[expected.statistics],
-    )?;
+    same(&format!("{what}, statistics"), &[found.statistics], &[expected.statistics])?;
     for (light, (list, whole)) in found.lists.iter().zip(&expected.lists).enumerate() {
         let sorted = |list: &[u32]| {
             let mut list = list.to_vec();
@@ -156,9 +148,7 @@ fn unchanged() -> Result<(), String> {
     if spans == [all, [1, 2, 3, 4].into()] {
         Ok(())
     } else {
-        Err(format!(
-            "bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"
-        ))
+        Err(format!("bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"))
     }
 }
 
@@ -178,11 +168,7 @@ fn deform_unchanged() -> Result<(), String> {
         let deformer = Deformer::new(&small.device, &model, DeformerOptions::default()).map_err(text)?;
         let found = crate::deform::deformed(&small, &deformer, &model, &pose)?;
         check_deform(&found, &model, &pose)?;
-        same(
-            &format!("{binding} bytes a binding, {workgroups} workgroups"),
-            &found,
-            &expected,
-        )?;
+        same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
     }
     Ok(())
 }

@@ -24,10 +24,7 @@ fn options() -> ExtractorOptions {
     ExtractorOptions {
         max_lights: 33,
         masks: true,
-        lists: Some(ListOptions {
-            ordered: true,
-            ..Default::default()
-        }),
+        lists: Some(ListOptions { ordered: true, ..Default::default() }),
         ..Default::default()
     }
 }
@@ -52,11 +49,7 @@ fn places() -> Result<(), String> {
         for offset in [0, 4, 252, 256, 260, 1000, 65_536 + 12] {
             for stride in [12, 16, 20, 32, 48] {
                 let buffer = gpu.storage(&interleaved(&positions, offset, stride));
-                let bound = PositionBuffer {
-                    buffer: &buffer,
-                    offset,
-                    stride,
-                };
+                let bound = PositionBuffer { buffer: &buffer, offset, stride };
                 gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
                 let found = read(gpu, &extractor, &mesh, lights.len())?;
                 let what = format!("{name}, offset {offset}, stride {stride}");
@@ -77,13 +70,7 @@ fn refused() -> Result<(), String> {
     let mut extractor = Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?;
     let lights = lights(&mut Random::new(52), 1);
     let alignment = |offset, stride| PositionError::Alignment { offset, stride };
-    let too_short = |offset, stride, needed| PositionError::TooShort {
-        vertices: 8,
-        offset,
-        stride,
-        needed,
-        bytes: 96,
-    };
+    let too_short = |offset, stride, needed| PositionError::TooShort { vertices: 8, offset, stride, needed, bytes: 96 };
     let mut cases = vec![
         (0, 12, None),
         (1, 12, Some(alignment(1, 12))),
@@ -99,11 +86,7 @@ fn refused() -> Result<(), String> {
     ];
     gpu.submit(|encoder| {
         for (offset, stride, expected) in cases.drain(..) {
-            let bound = PositionBuffer {
-                buffer: &buffer,
-                offset,
-                stride,
-            };
+            let bound = PositionBuffer { buffer: &buffer, offset, stride };
             let error = extractor.encode(encoder, bound, &lights, None).err();
             let what = format!("offset {offset}, stride {stride}");
             same(&what, &[error], &[expected.map(EncodeError::Positions)])?;
@@ -114,17 +97,9 @@ fn refused() -> Result<(), String> {
             usage: wgpu::BufferUsages::VERTEX,
             mapped_at_creation: false,
         });
-        let bound = PositionBuffer {
-            buffer: &buffer,
-            offset: 0,
-            stride: 12,
-        };
+        let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
         let error = extractor.encode(encoder, bound, &lights, None).err();
-        same(
-            "no STORAGE",
-            &[error],
-            &[Some(EncodeError::Positions(PositionError::NotStorage))],
-        )
+        same("no STORAGE", &[error], &[Some(EncodeError::Positions(PositionError::NotStorage))])
     })
 }
 
@@ -134,9 +109,7 @@ fn lowest_source_index() -> Result<(), String> {
     let lights = lights(&mut Random::new(53), 33);
     for (name, positions, mesh) in topologies() {
         let split: Vec<_> = mesh.faces().iter().flatten().map(|&v| positions[v as usize]).collect();
-        let faces: Vec<_> = (0..mesh.faces().len() as u32)
-            .map(|f| [3 * f, 3 * f + 1, 3 * f + 2])
-            .collect();
+        let faces: Vec<_> = (0..mesh.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
         let welded = Mesh::new(&split, &faces, Weld::Data).map_err(text)?;
         for (face, &corner) in welded.faces().iter().flatten().enumerate() {
             let lowest = split.iter().position(|p| p == &split[face]).ok_or("not found")?;

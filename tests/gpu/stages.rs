@@ -38,16 +38,8 @@ pub(crate) fn extract(
 ) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
     let mut extractor = Extractor::new(&gpu.device, mesh, options).map_err(|error| error.to_string())?;
-    let positions = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
-    gpu.submit(|encoder| {
-        extractor
-            .encode(encoder, positions, lights, None)
-            .map_err(|error| error.to_string())
-    })?;
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| error.to_string()))?;
     read(gpu, &extractor, mesh, options.max_lights)
 }
 
@@ -90,12 +82,7 @@ fn edges() -> Result<(), String> {
     for (name, positions, mesh) in topologies() {
         for count in LIGHT_COUNTS {
             let lights = lights(&mut random, count);
-            let options = ExtractorOptions {
-                max_lights: count,
-                masks: true,
-                lists: None,
-                ..Default::default()
-            };
+            let options = ExtractorOptions { max_lights: count, masks: true, lists: None, ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             let what = format!("{name}, {count} lights");
             check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
@@ -131,10 +118,7 @@ fn ordered_lists() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2);
     for (name, positions, mesh) in topologies() {
-        for (count, masks) in LIGHT_COUNTS
-            .into_iter()
-            .flat_map(|count| [(count, false), (count, true)])
-        {
+        for (count, masks) in LIGHT_COUNTS.into_iter().flat_map(|count| [(count, false), (count, true)]) {
             let lights = lights(&mut random, count);
             let options = ExtractorOptions {
                 max_lights: count,
@@ -173,10 +157,7 @@ fn unordered_lists() -> Result<(), String> {
             };
             let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
             let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
-            found
-                .lists
-                .iter_mut()
-                .for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
+            found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
             same(&format!("{name}, {count} lights, lists"), &found.lists, &expected.lists)?;
             same(&format!("{name}, {count} lights, draws"), &found.draws, &expected.draws)?;
         }
@@ -203,19 +184,10 @@ fn overflow() -> Result<(), String> {
             };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
-            let shape = DrawShape {
-                lights: 40,
-                capacity: 20,
-                edges: mesh.edges().len() as u32,
-                vertices_per_edge: 6,
-            };
+            let shape = DrawShape { lights: 40, capacity: 20, edges: mesh.edges().len() as u32, vertices_per_edge: 6 };
             let (draws, overflowed) = cpu::arguments(shape, &whole.counts);
             same(&format!("{name}, draws"), &found.draws, &draws)?;
-            same(
-                &format!("{name}, overflowed"),
-                &[found.statistics.overflowed_lists],
-                &[overflowed],
-            )?;
+            same(&format!("{name}, overflowed"), &[found.statistics.overflowed_lists], &[overflowed])?;
             for (list, whole) in found.lists.iter().zip(&whole.lists) {
                 if ordered {
                     same(&format!("{name}, list"), list, &whole[..whole.len().min(20)])?;

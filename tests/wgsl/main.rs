@@ -24,10 +24,8 @@ fn main() {
         ("layouts_cover_every_bound_struct", layouts::bound_structs),
         ("perturbed_layouts_are_noticed", layouts::perturbed_layouts),
     ];
-    let mut trials: Vec<_> = tests
-        .into_iter()
-        .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
-        .collect();
+    let mut trials: Vec<_> =
+        tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from))).collect();
     let tint = Trial::test("tint_accepts_every_module", || tint().map_err(Failed::from));
     let has_tint = Command::new("tint").arg("--help").output().is_ok();
     trials.push(tint.with_ignored_flag(!has_tint));
@@ -44,17 +42,13 @@ fn text<E: std::fmt::Display>(error: E) -> String {
 
 fn check_files(found: &BTreeSet<String>) -> Outcome {
     let in_stages = STAGES.iter().flat_map(|stage| stage.files).map(|(name, _)| *name);
-    let known: BTreeSet<String> = in_stages
-        .chain(INCLUDES.iter().map(|(name, _)| *name))
-        .map(|name| format!("{name}.wgsl"))
-        .collect();
+    let known: BTreeSet<String> =
+        in_stages.chain(INCLUDES.iter().map(|(name, _)| *name)).map(|name| format!("{name}.wgsl")).collect();
     if *found == known {
         return Ok(());
     }
     let stray: Vec<_> = found.symmetric_difference(&known).collect();
-    Err(format!(
-        "in the folder or in the list of stages, not in both: {stray:?}"
-    ))
+    Err(format!("in the folder or in the list of stages, not in both: {stray:?}"))
 }
 
 /// A WGSL file outside the list of stages would be dead, untested code.
@@ -77,10 +71,7 @@ fn names() -> Outcome {
         let (module, _) = validated(&composed_stage(&stage))?;
         let found: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         if found != stage.entry_points {
-            return Err(format!(
-                "{}: entry points {found:?}, listed {:?}",
-                stage.name, stage.entry_points
-            ));
+            return Err(format!("{}: entry points {found:?}, listed {:?}", stage.name, stage.entry_points));
         }
         let carries_name = |entry: &&str| **entry == *stage.name || entry.starts_with(&format!("{}_", stage.name));
         if !found.iter().all(carries_name) {
@@ -99,11 +90,7 @@ fn names() -> Outcome {
 }
 
 fn composed_stage(stage: &rimline::stages::Stage) -> String {
-    if *stage == DEFORM {
-        rimline::displace::plain_deform_wgsl()
-    } else {
-        stage.wgsl()
-    }
+    if *stage == DEFORM { rimline::displace::plain_deform_wgsl() } else { stage.wgsl() }
 }
 
 const DISPLACE: &str = "
@@ -127,10 +114,7 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// Every module that a pipeline may be made of, by name.
 fn modules() -> Result<Vec<(String, String)>, String> {
-    let mut modules: Vec<_> = STAGES
-        .iter()
-        .map(|stage| (stage.name.to_owned(), composed_stage(stage)))
-        .collect();
+    let mut modules: Vec<_> = STAGES.iter().map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
     let displaced = Displacement::new(DISPLACE).map_err(text)?.deform_wgsl();
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);
@@ -142,13 +126,9 @@ fn modules() -> Result<Vec<(String, String)>, String> {
 /// Parses and validates with naga's default capabilities, as a browser would.
 fn validated(source: &str) -> Result<(Module, naga::valid::ModuleInfo), String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = naga::valid::Validator::new(
-        naga::valid::ValidationFlags::all(),
-        naga::valid::Capabilities::default(),
-    );
-    let info = validator
-        .validate(&module)
-        .map_err(|error| error.emit_to_string(source))?;
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+    let info = validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
     Ok((module, info))
 }
 
@@ -184,12 +164,7 @@ fn composes() -> Outcome {
 }
 
 fn run_tint(path: &Path) -> Outcome {
-    let output = Command::new("tint")
-        .arg("--format")
-        .arg("wgsl")
-        .arg(path)
-        .output()
-        .map_err(text)?;
+    let output = Command::new("tint").arg("--format").arg("wgsl").arg(path).output().map_err(text)?;
     let message = String::from_utf8_lossy(&output.stderr);
     if output.status.success() && !message.contains("error:") && !message.contains("warning:") {
         Ok(())

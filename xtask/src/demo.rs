@@ -6,10 +6,8 @@ use std::process::Command;
 use crate::{process, vulkan};
 
 /// Models made by code: the file, and the example with the arguments that writes it.
-const MODELS: [(&str, &str, &[&str]); 2] = [
-    ("walking_figure.glb", "walking_figure", &[]),
-    ("blob.glb", "shape", &["blob"]),
-];
+const MODELS: [(&str, &str, &[&str]); 2] =
+    [("walking_figure.glb", "walking_figure", &[]), ("blob.glb", "shape", &["blob"])];
 
 /// A picture: its file, the model, and how `rimline draw` shows it, words apart by spaces.
 struct Picture {
@@ -35,11 +33,7 @@ const PICTURES: [Picture; 4] = [
         model: "walking_figure.glb",
         view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
     },
-    Picture {
-        file: "blob.png",
-        model: "blob.glb",
-        view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36",
-    },
+    Picture { file: "blob.png", model: "blob.glb", view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36" },
 ];
 
 /// Makes the models, draws the pictures, and names them at the end.
@@ -53,20 +47,14 @@ pub(crate) fn run() -> Result<(), String> {
     let demo = process::root().join("demo");
     std::fs::create_dir_all(&demo).map_err(|error| format!("cannot make {}: {error}", demo.display()))?;
     for (file, example, arguments) in MODELS {
-        process::run(
-            program(&format!("examples/{example}"))
-                .args(arguments)
-                .arg(demo.join(file)),
-        )?;
+        process::run(program(&format!("examples/{example}")).args(arguments).arg(demo.join(file)))?;
     }
     let mut written = Vec::new();
     for picture in PICTURES {
         let out = demo.join(picture.file);
         remove_old(&out)?;
         let mut draw = program("rimline");
-        draw.arg("draw")
-            .arg(demo.join(picture.model))
-            .args(picture.view.split(' '));
+        draw.arg("draw").arg(demo.join(picture.model)).args(picture.view.split(' '));
         process::run(draw.args(["--size", "960x1200", "--out"]).arg(&out))?;
         if !out.is_file() {
             return Err(format!("`rimline draw` succeeded, but there is no {}", out.display()));

@@ -6,13 +6,7 @@ use crate::process;
 const OF_THE_COMMAND: [&str; 5] = ["clap", "indicatif", "npyz", "png", "zip"];
 
 pub(crate) fn library_alone() -> Result<(), String> {
-    process::run(&mut process::cargo([
-        "build",
-        "--package",
-        "rimline",
-        "--lib",
-        "--no-default-features",
-    ]))
+    process::run(&mut process::cargo(["build", "--package", "rimline", "--lib", "--no-default-features"]))
 }
 
 pub(crate) fn no_command_dependencies() -> Result<(), String> {
@@ -28,11 +22,7 @@ pub(crate) fn no_command_dependencies() -> Result<(), String> {
         "{p}",
     ]))?;
     let found = forbidden(&tree);
-    if found.is_empty() {
-        Ok(())
-    } else {
-        Err(format!("it depends on {}", found.join(", ")))
-    }
+    if found.is_empty() { Ok(()) } else { Err(format!("it depends on {}", found.join(", "))) }
 }
 
 /// The command's dependencies in a list of packages, one `NAME VERSION` a line.
@@ -45,13 +35,7 @@ fn forbidden(tree: &str) -> Vec<&'static str> {
 mod tests {
     #[test]
     fn dependencies_are_found_by_their_whole_name() {
-        assert_eq!(
-            super::forbidden("rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"),
-            [""; 0]
-        );
-        assert_eq!(
-            super::forbidden("wgpu v30.0.1\npng v0.18.0\nclap v4.5.0 (*)\n"),
-            ["clap", "png"]
-        );
+        assert_eq!(super::forbidden("rimline v0.1.0 (here)\nwgpu v30.0.1\nclap_lex v1.0.0 (*)\n"), [""; 0]);
+        assert_eq!(super::forbidden("wgpu v30.0.1\npng v0.18.0\nclap v4.5.0 (*)\n"), ["clap", "png"]);
     }
 }

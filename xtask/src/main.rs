@@ -41,10 +41,9 @@ fn main() -> ExitCode {
         ["test"] => test::run().finish(),
         ["ci"] => ci::run().finish(),
         [] => misused("no command given"),
-        [command @ ("demo" | "test" | "ci"), rest @ ..] => misused(&format!(
-            "`{command}` takes no arguments, but was given `{}`",
-            rest.join(" ")
-        )),
+        [command @ ("demo" | "test" | "ci"), rest @ ..] => {
+            misused(&format!("`{command}` takes no arguments, but was given `{}`", rest.join(" ")))
+        }
         [command, ..] => misused(&format!("unknown command `{command}`")),
     }
 }

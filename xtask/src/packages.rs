@@ -16,17 +16,14 @@ pub(crate) enum Manager {
 impl Manager {
     /// The one that this system's `os-release` speaks for.
     pub(crate) fn of_this_system() -> Option<Self> {
-        let release = ["/etc/os-release", "/usr/lib/os-release"]
-            .iter()
-            .find_map(|path| fs::read_to_string(path).ok())?;
+        let release =
+            ["/etc/os-release", "/usr/lib/os-release"].iter().find_map(|path| fs::read_to_string(path).ok())?;
         Self::of_release(&release)
     }
 
     fn of_release(release: &str) -> Option<Self> {
         let value = |key: &str| {
-            let line = release
-                .lines()
-                .find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
+            let line = release.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
             line.unwrap_or_default().trim_matches(['"', '\'']).to_lowercase()
         };
         // Its own name first, then those of the distributions that it descends from, nearest first.
@@ -44,24 +41,10 @@ impl Manager {
         match self {
             Self::Apt => &[
                 &["apt-get", "update"],
-                &[
-                    "apt-get",
-                    "install",
-                    "-y",
-                    "--no-install-recommends",
-                    "mesa-vulkan-drivers",
-                    "libvulkan1",
-                ],
+                &["apt-get", "install", "-y", "--no-install-recommends", "mesa-vulkan-drivers", "libvulkan1"],
             ],
             Self::Dnf => &[&["dnf", "install", "-y", "mesa-vulkan-drivers", "vulkan-loader"]],
-            Self::Pacman => &[&[
-                "pacman",
-                "-Sy",
-                "--needed",
-                "--noconfirm",
-                "vulkan-swrast",
-                "vulkan-icd-loader",
-            ]],
+            Self::Pacman => &[&["pacman", "-Sy", "--needed", "--noconfirm", "vulkan-swrast", "vulkan-icd-loader"]],
         }
     }
 

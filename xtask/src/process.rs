@@ -41,20 +41,13 @@ pub(crate) fn shown(command: &Command) -> String {
 pub(crate) fn run(command: &mut Command) -> Result<(), String> {
     announce(command);
     let status = command.status().map_err(|error| cannot_start(command, &error))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("`{}` failed ({status})", shown(command)))
-    }
+    if status.success() { Ok(()) } else { Err(format!("`{}` failed ({status})", shown(command))) }
 }
 
 /// Runs a command, passes its standard output on and shows each line of it to `look`; whether it succeeded.
 pub(crate) fn run_looking(command: &mut Command, mut look: impl FnMut(&str)) -> Result<bool, String> {
     announce(command);
-    let mut child = command
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|error| cannot_start(command, &error))?;
+    let mut child = command.stdout(Stdio::piped()).spawn().map_err(|error| cannot_start(command, &error))?;
     if let Some(output) = child.stdout.take() {
         // Bytes, not strings: a test may print anything.
         for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
@@ -69,20 +62,13 @@ pub(crate) fn run_looking(command: &mut Command, mut look: impl FnMut(&str)) -> 
 
 /// Runs a command quietly: its standard output, or everything that it said where it failed.
 pub(crate) fn output(command: &mut Command) -> Result<String, String> {
-    let output = command
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| cannot_start(command, &error))?;
+    let output = command.stdin(Stdio::null()).output().map_err(|error| cannot_start(command, &error))?;
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.success() {
         Ok(said)
     } else {
         let complaint = String::from_utf8_lossy(&output.stderr);
-        Err(format!(
-            "`{}` failed ({}):\n{said}{complaint}",
-            shown(command),
-            output.status
-        ))
+        Err(format!("`{}` failed ({}):\n{said}{complaint}", shown(command), output.status))
     }
 }
 

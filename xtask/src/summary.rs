@@ -74,10 +74,7 @@ impl Summary {
     }
 
     fn last_line(&self) -> String {
-        format!(
-            "{} passed, {} failed, {} skipped",
-            self.passed, self.failed, self.skipped
-        )
+        format!("{} passed, {} failed, {} skipped", self.passed, self.failed, self.skipped)
     }
 
     /// Shows notes, errors and, as the last line, the counts.
@@ -91,11 +88,7 @@ impl Summary {
             println!("error: {error}");
         }
         println!("{}", self.last_line());
-        if self.failed == 0 {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::FAILURE
-        }
+        if self.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }
 }
 
@@ -126,10 +119,7 @@ mod tests {
     #[test]
     fn a_run_without_gpu_tests_fails() {
         assert_eq!(summary(&[RESULT], true).last_line(), "6 passed, 1 failed, 2 skipped");
-        assert_eq!(
-            summary(&[RESULT, "gpu tests: 0"], true).last_line(),
-            "6 passed, 1 failed, 2 skipped"
-        );
+        assert_eq!(summary(&[RESULT, "gpu tests: 0"], true).last_line(), "6 passed, 1 failed, 2 skipped");
     }
 
     #[test]

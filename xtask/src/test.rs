@@ -20,22 +20,12 @@ pub(crate) fn add(summary: &mut Summary) {
         println!("error: {error}");
         summary.fail(&error);
     }
-    let arguments = [
-        "test",
-        "--workspace",
-        "--exclude",
-        BENCH,
-        "--all-features",
-        "--no-fail-fast",
-    ];
+    let arguments = ["test", "--workspace", "--exclude", BENCH, "--all-features", "--no-fail-fast"];
     let outcome = process::run_looking(&mut process::cargo(arguments), |line| summary.read(line));
     if let Err(error) = &outcome {
         println!("error: {error}");
     }
     summary.tests_ended(outcome.unwrap_or(false));
     summary.check("the library builds without default features", features::library_alone());
-    summary.check(
-        "the library has none of the command's dependencies",
-        features::no_command_dependencies(),
-    );
+    summary.check("the library has none of the command's dependencies", features::no_command_dependencies());
 }

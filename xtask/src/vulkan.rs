@@ -25,10 +25,7 @@ pub(crate) fn ensure() -> Result<(), String> {
     if is_there() {
         Ok(())
     } else {
-        Err(format!(
-            "`{}` succeeded, but there still is no Vulkan driver",
-            manager.one_command()
-        ))
+        Err(format!("`{}` succeeded, but there still is no Vulkan driver", manager.one_command()))
     }
 }
 
@@ -48,14 +45,7 @@ fn has_loader() -> bool {
     }
     let mut places: Vec<PathBuf> =
         env::var_os("LD_LIBRARY_PATH").map_or_else(Vec::new, |v| env::split_paths(&v).collect());
-    for place in [
-        "/usr/lib",
-        "/usr/lib64",
-        "/usr/local/lib",
-        "/usr/local/lib64",
-        "/lib",
-        "/lib64",
-    ] {
+    for place in ["/usr/lib", "/usr/lib64", "/usr/local/lib", "/usr/local/lib64", "/lib", "/lib64"] {
         places.push(place.into());
         // Debian's directory for the architecture.
         places.extend(entries(Path::new(place)).filter(|path| path.to_string_lossy().ends_with("-linux-gnu")));
@@ -97,32 +87,18 @@ fn manifest_directories() -> Vec<PathBuf> {
 
 /// lavapipe or `SwiftShader`, by the manifest's name.
 fn is_software(manifest: &Path) -> bool {
-    let name = manifest
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    ["lvp", "lavapipe", "swiftshader"]
-        .iter()
-        .any(|driver| name.contains(driver))
+    let name = manifest.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    ["lvp", "lavapipe", "swiftshader"].iter().any(|driver| name.contains(driver))
 }
 
 /// Whether the kernel offers a GPU: distributions install all of Mesa's manifests, whatever the machine.
 fn has_gpu() -> bool {
-    let render_node = entries(Path::new("/dev/dri")).any(|node| {
-        node.file_name()
-            .is_some_and(|name| name.to_string_lossy().starts_with("renderD"))
-    });
+    let render_node = entries(Path::new("/dev/dri"))
+        .any(|node| node.file_name().is_some_and(|name| name.to_string_lossy().starts_with("renderD")));
     render_node
-        || ["/dev/nvidia0", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"]
-            .iter()
-            .any(|node| Path::new(node).exists())
+        || ["/dev/nvidia0", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"].iter().any(|node| Path::new(node).exists())
 }
 
 fn entries(directory: &Path) -> impl Iterator<Item = PathBuf> + use<> {
-    fs::read_dir(directory)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.path())
+    fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path())
 }

@@ -23,11 +23,7 @@ pub(crate) fn add(summary: &mut Summary) {
                 .iter()
                 .filter_map(|file| process::output(Command::new(compiler).args(arguments).arg(file)).err())
                 .collect();
-            if complaints.is_empty() {
-                Ok(())
-            } else {
-                Err(complaints.join("\n"))
-            }
+            if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n")) }
         });
         let count = files.as_ref().map_or(0, Vec::len);
         summary.check(&format!("{compiler} accepts the WGSL ({count} files)"), outcome);
@@ -36,20 +32,11 @@ pub(crate) fn add(summary: &mut Summary) {
 
 fn composed() -> Result<Vec<PathBuf>, String> {
     let directory = process::target().join("wgsl");
-    let entries = std::fs::read_dir(&directory)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.path());
-    let mut files: Vec<_> = entries
-        .filter(|path| path.extension().is_some_and(|e| e == "wgsl"))
-        .collect();
+    let entries = std::fs::read_dir(&directory).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "wgsl")).collect();
     files.sort();
     if files.is_empty() {
-        return Err(format!(
-            "the test `wgsl_composes` has written nothing to {}",
-            directory.display()
-        ));
+        return Err(format!("the test `wgsl_composes` has written nothing to {}", directory.display()));
     }
     Ok(files)
 }

@@ -23,10 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ordered = torus(1024, 512, 1.0, 0.25);
     let shuffled = ordered.shuffled(20030601);
     println!("CPU: {}", statistics::cpu_name());
-    println!(
-        "{} faces, {RUNS} interleaved runs, one thread, milliseconds",
-        ordered.faces.len()
-    );
+    println!("{} faces, {RUNS} interleaved runs, one thread, milliseconds", ordered.faces.len());
     println!();
     println!("| mesh | method | median | least | most | meshoptimizer ÷ it |");
     println!("|---|---|---:|---:|---:|---:|");
@@ -41,21 +38,14 @@ fn measure(name: &str, shape: &Shape) -> Result<(), Box<dyn std::error::Error>> 
     let vertices = VertexDataAdapter::new(bytes, size_of::<[f32; 3]>(), 0)?;
     let indices: &[u32] = bytemuck::cast_slice(&shape.faces);
     let count = shape.positions.len();
-    assert!(
-        agree(shape, &meshopt::generate_adjacency_indices(indices, &vertices))?,
-        "the methods disagree"
-    );
+    assert!(agree(shape, &meshopt::generate_adjacency_indices(indices, &vertices))?, "the methods disagree");
 
     let [mut theirs, mut from_faces, mut with_weld] = [Samples::default(), Samples::default(), Samples::default()];
     for _ in 0..RUNS {
-        theirs.push(time(|| {
-            meshopt::generate_adjacency_indices(black_box(indices), &vertices)
-        }));
+        theirs.push(time(|| meshopt::generate_adjacency_indices(black_box(indices), &vertices)));
         let faces = shape.faces.clone();
         from_faces.push(time(|| Mesh::from_faces(count, black_box(faces))));
-        with_weld.push(time(|| {
-            Mesh::new(black_box(&shape.positions), &shape.faces, Weld::Data)
-        }));
+        with_weld.push(time(|| Mesh::new(black_box(&shape.positions), &shape.faces, Weld::Data)));
     }
     let reference = theirs.median();
     for (method, samples) in [

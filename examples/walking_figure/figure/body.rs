@@ -42,9 +42,7 @@ impl Part {
 
 /// Negative inside the body, positive outside, about a distance near the surface.
 pub(crate) fn field(parts: &[Part], point: Vec3) -> f32 {
-    let body = parts.iter().fold(1.0, |distance, part| {
-        smooth_minimum(distance, part.distance(point), part.blend)
-    });
+    let body = parts.iter().fold(1.0, |distance, part| smooth_minimum(distance, part.distance(point), part.blend));
     // Soles are flat: nothing lies below the ground.
     -smooth_minimum(-body, point.y, 0.012)
 }

@@ -38,12 +38,6 @@ impl Figure {
             .map(|&point| surface::gradient(&|p| body::field(&parts, p), point).normalize_or(Vec3::Y))
             .collect();
         let (joints, weights) = skin::bind(&parts, &positions, &faces);
-        Self {
-            positions,
-            normals,
-            faces,
-            joints,
-            weights,
-        }
+        Self { positions, normals, faces, joints, weights }
     }
 }

@@ -62,20 +62,12 @@ pub(crate) fn side_of(joint: usize) -> Option<Side> {
 }
 
 const fn joint(name: &'static str, parent: usize, at: [f32; 3]) -> Joint {
-    Joint {
-        name,
-        parent: Some(parent),
-        at: Vec3::from_array(at),
-    }
+    Joint { name, parent: Some(parent), at: Vec3::from_array(at) }
 }
 
 /// Every joint, parents first.
 pub(crate) const JOINTS: [Joint; 19] = [
-    Joint {
-        name: "hips",
-        parent: None,
-        at: Vec3::new(0.0, 0.95, 0.0),
-    },
+    Joint { name: "hips", parent: None, at: Vec3::new(0.0, 0.95, 0.0) },
     joint("spine", HIPS, [0.0, 1.07, 0.0]),
     joint("chest", SPINE, [0.0, 1.21, -0.01]),
     joint("neck", CHEST, [0.0, 1.46, -0.015]),

@@ -112,11 +112,7 @@ fn even_out(field: &impl Fn(Vec3) -> f32, vertices: &mut [Vec3], quads: &[[u32; 
 /// Two triangles, along the shorter diagonal.
 fn split(vertices: &[Vec3], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
     let length = |from: u32, to: u32| vertices[from as usize].distance_squared(vertices[to as usize]);
-    if length(a, c) <= length(b, d) {
-        [[a, b, c], [a, c, d]]
-    } else {
-        [[a, b, d], [b, c, d]]
-    }
+    if length(a, c) <= length(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
 }
 
 fn points() -> impl Iterator<Item = IVec3> {

@@ -72,10 +72,7 @@ pub(crate) fn offset(joint: usize) -> Vec3 {
 }
 
 fn joints_turned(phase: f32) -> Pose {
-    let mut pose = Pose {
-        rotations: [Quat::IDENTITY; JOINTS.len()],
-        hips: JOINTS[HIPS].at,
-    };
+    let mut pose = Pose { rotations: [Quat::IDENTITY; JOINTS.len()], hips: JOINTS[HIPS].at };
     // 1 as the left leg is foremost, −1 as the right one is; and 1 as the left leg alone carries.
     let stride = (TAU * (phase + 0.05)).cos();
     let stance = (TAU * (phase - 0.25)).cos();
@@ -151,9 +148,6 @@ fn curve(values: &[f32; 10], phase: f32) -> f32 {
     let t = place - first as f32;
     let [a, b, c, d] = [9, 0, 1, 2].map(|step| values[(first + step) % 10]);
     let tangents = [(c - a) / 2.0, (d - b) / 2.0];
-    let (bend, turn) = (
-        3.0 * (c - b) - 2.0 * tangents[0] - tangents[1],
-        2.0 * (b - c) + tangents[0] + tangents[1],
-    );
+    let (bend, turn) = (3.0 * (c - b) - 2.0 * tangents[0] - tangents[1], 2.0 * (b - c) + tangents[0] + tangents[1]);
     b + t * (tangents[0] + t * (bend + t * turn))
 }

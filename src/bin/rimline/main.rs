@@ -1,2 +1,50 @@
-//! The command.
-fn main() {}
+//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices.
+#![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
+
+mod args;
+mod device;
+mod devices;
+mod displacement;
+mod draw;
+mod extract;
+mod failure;
+mod gpu_error;
+mod image;
+mod info;
+mod input;
+mod npz;
+mod output;
+mod positions;
+mod progress;
+mod spec;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+use crate::failure::Failure;
+
+fn main() -> ExitCode {
+    // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off,rimline=warn"))
+        .format_timestamp(None)
+        .init();
+    let cli = Cli::parse();
+    match run(&cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::note(&format!("error: {failure}"));
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Devices(args) => devices::run(args),
+        Command::Extract(args) => extract::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Draw(args) => draw::run(args),
+    }
+}

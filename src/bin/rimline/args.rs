@@ -1,0 +1,258 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use rimline::mesh::Weld;
+
+use crate::spec::{self, LightSpec};
+
+/// Silhouettes of triangle meshes, on the GPU.
+#[derive(Parser, Debug)]
+#[command(version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const LONG_ABOUT: &str = "\
+Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
+software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).";
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.";
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    /// Draw a model with its outline, as a PNG
+    Draw(DrawArgs),
+    /// Extract facing, silhouette and winding bits for lights, as NumPy arrays
+    Extract(ExtractArgs),
+    /// Say what a model holds and whether it is closed
+    Info(InfoArgs),
+    /// List the GPUs that can be used, with their limits
+    Devices(DevicesArgs),
+}
+
+/// The model and how its vertices are joined.
+#[derive(Args, Debug)]
+pub(crate) struct ModelArgs {
+    /// A .gltf, .glb or .npz file; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
+    pub(crate) file: PathBuf,
+
+    /// Which vertices become one
+    #[arg(long, value_enum, default_value_t = WeldArg::Data)]
+    weld: WeldArg,
+
+    /// Join no vertices: take them as the file has them
+    #[arg(long, conflicts_with = "weld")]
+    no_weld: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WeldArg {
+    /// Those with equal positions and equal skin and morph data
+    Data,
+    /// Those with equal positions, whatever their skin and morph data
+    Position,
+}
+
+impl ModelArgs {
+    pub(crate) fn weld(&self) -> Weld {
+        match self.weld {
+            _ if self.no_weld => Weld::Keep,
+            WeldArg::Data => Weld::Data,
+            WeldArg::Position => Weld::Position,
+        }
+    }
+}
+
+/// The moment.
+#[derive(Args, Debug)]
+pub(crate) struct PoseArgs {
+    /// The animation to pose the model with, by name or by number from 0; without it the model is at rest
+    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
+    pub(crate) animation: Option<String>,
+
+    /// Seconds into the animation (and the time that `displace` sees)
+    #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::seconds)]
+    pub(crate) time: f32,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DeviceArgs {
+    /// `auto` (a GPU, else the CPU), `gpu` (any wgpu adapter), `cpu`, or part of an adapter's name (see `rimline
+    /// devices`)
+    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
+    pub(crate) device: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Decide each face once; edges compare their faces' bits. Always closed
+    FaceMask,
+    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open
+    PerEdge,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = EXTRACT_EXAMPLES)]
+pub(crate) struct ExtractArgs {
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+
+    /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
+    /// model file's own lights); may be given many times
+    #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
+    pub(crate) lights: Vec<LightSpec>,
+
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
+
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
+    /// after morph and skin; needs a GPU
+    #[arg(long, value_name = "FILE.wgsl")]
+    pub(crate) displace: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+
+    /// How silhouettes are found
+    #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
+    pub(crate) method: MethodArg,
+
+    /// Where to write the arrays
+    #[arg(long, value_name = "FILE.npz")]
+    pub(crate) out: PathBuf,
+
+    /// Print counts and times as JSON instead of as text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const EXTRACT_EXAMPLES: &str = "\
+Examples:
+  rimline extract fox.glb --light point:-1,2e2,.5 --light dir:0,1,0 --out fox.npz
+  rimline extract fox.glb --light file:all --animation Run --time 0.4 --out fox.npz
+  rimline extract fox.npz --no-weld --light dir:0,1,0 --device cpu --out again.npz
+
+Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounded up:
+  positions (V,3) float32   welded, deformed, in world space
+  faces (F,3) uint32        counter-clockwise
+  lights (N,4) float32      as given
+  edges (E,2) uint32        a, b: face 0 runs from a to b
+  edge_faces (E,2) uint32   face 1 is 0xFFFFFFFF where there is none
+  edge_kind (E) uint8       0 consistent, 1 inconsistent, 2 boundary
+  facing (F,W), silhouette (E,W), winding (E,W) uint32
+                            light l is bit l % 32 of word l / 32
+
+Keys of --json: adapter, method, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
+inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
+undecided_pairs and exact_zeros (pairs of face and light settled in integers), milliseconds (by stage).";
+
+#[derive(Args, Debug)]
+#[command(after_help = DRAW_EXAMPLES)]
+pub(crate) struct DrawArgs {
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+
+    /// Where the eye is; by default in front of the model, to the right and above, as near as
+    /// shows all of it
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) eye: Option<[f32; 3]>,
+
+    /// What the eye looks at; by default the middle of the model
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) target: Option<[f32; 3]>,
+
+    /// The vertical field of view in degrees
+    #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
+    pub(crate) fov: f32,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
+    pub(crate) size: [u32; 2],
+
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
+
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
+    /// after morph and skin
+    #[arg(long, value_name = "FILE.wgsl")]
+    pub(crate) displace: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+
+    /// Where to write the picture
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) out: PathBuf,
+}
+
+const DRAW_EXAMPLES: &str = "\
+Examples:
+  rimline draw fox.glb --out fox.png
+  rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --size 1920x1080 --out fox.png
+
+Silhouette edges are drawn dark, open boundaries blue. World space is right-handed with +Y up.";
+
+#[derive(Args, Debug)]
+#[command(after_help = INFO_KEYS)]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    pub(crate) model: ModelArgs,
+
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const INFO_KEYS: &str = "\
+Example:
+  rimline info fox.glb
+
+Keys of --json: file, instances, meshes (a list), total (each mesh once), placed (all instances at rest \
+in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
+duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
+why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
+max); and of a glTF file skins (name, joints), animations (name, duration_seconds, channels), lights \
+(name, kind, xyzw), skipped_primitives (points, lines, without_position).";
+
+#[derive(Args, Debug)]
+#[command(after_help = DEVICES_KEYS)]
+pub(crate) struct DevicesArgs {
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const DEVICES_KEYS: &str = "\
+Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, limits (named \
+as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn negative_numbers_are_values() {
+        let line = "rimline draw a.glb --eye -1,2e0,.5 --target -1e-3,0,0 --time -2 --out a.png";
+        let Command::Draw(draw) = Cli::try_parse_from(line.split(' ')).expect(line).command else {
+            panic!("draw was asked for");
+        };
+        assert_eq!(draw.eye, Some([-1.0, 2.0, 0.5]));
+        assert_eq!(draw.pose.time, -2.0);
+    }
+
+    #[test]
+    fn extract_needs_a_light() {
+        let line = "rimline extract a.glb --out a.npz";
+        assert!(Cli::try_parse_from(line.split(' ')).is_err());
+    }
+}

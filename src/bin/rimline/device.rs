@@ -1,0 +1,244 @@
+//! Choosing a device, and noticing when it fails.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rimline::wgpu;
+use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
+
+use crate::failure::{Failure, NoDevice};
+use crate::output::note;
+
+/// What to do about a machine without any adapter.
+pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
+    "`rimline extract --device cpu` needs none. For a GPU install its Vulkan driver, or Mesa's software one: on Debian \
+     and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
+     `sudo pacman -S vulkan-swrast`"
+} else {
+    "`rimline extract --device cpu` needs none. For a GPU install its current driver"
+};
+
+/// Features that Rimline profits from where a device has them; it needs none of them.
+pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 5] = [
+    (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),
+    (Features::SUBGROUP, "faster compaction of edge lists"),
+    (Features::INDIRECT_FIRST_INSTANCE, "indirect draws that begin at any instance"),
+    (Features::DEPTH_CLIP_CONTROL, "shadow volumes without clipping at the far plane"),
+    (Features::DEPTH32FLOAT_STENCIL8, "stencil shadows with the finest depth"),
+];
+
+/// What `--device` stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    Auto,
+    Gpu,
+    Cpu,
+    Named(String),
+}
+
+impl Wanted {
+    pub(crate) fn parse(text: &str) -> Self {
+        match text {
+            "auto" => Self::Auto,
+            "gpu" => Self::Gpu,
+            "cpu" => Self::Cpu,
+            name => Self::Named(name.to_owned()),
+        }
+    }
+
+    fn fits(&self, adapter: &wgpu::Adapter) -> bool {
+        match self {
+            Self::Named(part) => adapter.get_info().name.to_lowercase().contains(&part.to_lowercase()),
+            _ => true,
+        }
+    }
+}
+
+/// Where the work is done.
+pub(crate) enum Device {
+    Cpu,
+    Gpu(Box<Gpu>),
+}
+
+/// An opened adapter.
+pub(crate) struct Gpu {
+    pub(crate) info: AdapterInfo,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// All adapters of all backends, the ones to prefer first.
+pub(crate) fn adapters() -> Vec<wgpu::Adapter> {
+    adapters_of(Backends::all())
+}
+
+fn adapters_of(backends: Backends) -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(
+        wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() }.with_env(),
+    );
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    adapters.retain(|adapter| adapter.get_info().backend != Backend::Noop);
+    adapters.sort_by_key(|adapter| kind_rank(adapter.get_info().device_type));
+    adapters
+}
+
+fn kind_rank(kind: DeviceType) -> u8 {
+    match kind {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    }
+}
+
+/// What an adapter lacks of what every stage needs, if anything.
+pub(crate) fn lacks(adapter: &wgpu::Adapter) -> Option<String> {
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if !flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
+        return Some("compute shaders".into());
+    }
+    let (needed, has) = (Limits::default(), adapter.limits());
+    let short = |name: &str, needed: u32, has: u32| (has < needed).then(|| format!("{needed} {name} (it has {has})"));
+    short(
+        "storage buffers a stage",
+        needed.max_storage_buffers_per_shader_stage,
+        has.max_storage_buffers_per_shader_stage,
+    )
+    .or_else(|| {
+        short(
+            "invocations a workgroup",
+            needed.max_compute_invocations_per_workgroup,
+            has.max_compute_invocations_per_workgroup,
+        )
+    })
+}
+
+/// Opens what `--device` asks for.
+pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
+    if *wanted == Wanted::Cpu {
+        return Ok(Device::Cpu);
+    }
+    match open_gpu(wanted) {
+        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
+        Err(reason) if *wanted == Wanted::Auto => {
+            note(&format!("working on the CPU, since {}", lower_first(&reason.to_string())));
+            Ok(Device::Cpu)
+        }
+        Err(reason) => Err(reason.into()),
+    }
+}
+
+fn lower_first(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
+}
+
+/// Opens the first adapter that fits; [`Wanted::Auto`] means any here. OpenGL, the poorer way to a GPU, is looked at
+/// only where nothing else fits: its drivers talk, and the same GPU mostly shows elsewhere too.
+pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
+    let (mut names, mut refused) = (Vec::new(), None);
+    for backends in [Backends::all().difference(Backends::GL), Backends::GL] {
+        for adapter in adapters_of(backends) {
+            names.push(describe(&adapter.get_info()));
+            if !wanted.fits(&adapter) {
+                continue;
+            }
+            match request(&adapter) {
+                Ok(gpu) => return Ok(gpu),
+                Err(reason) => {
+                    refused.get_or_insert(reason);
+                }
+            }
+        }
+    }
+    match (refused, wanted) {
+        (Some(reason), _) => Err(reason),
+        (None, Wanted::Named(name)) if !names.is_empty() => {
+            Err(NoDevice::NotNamed { name: name.clone(), adapters: names })
+        }
+        _ => Err(NoDevice::None),
+    }
+}
+
+/// An adapter's name and the way to it.
+pub(crate) fn describe(info: &AdapterInfo) -> String {
+    format!("{} ({})", info.name, backend_name(info.backend))
+}
+
+pub(crate) fn backend_name(backend: Backend) -> &'static str {
+    match backend {
+        Backend::Vulkan => "Vulkan",
+        Backend::Metal => "Metal",
+        Backend::Dx12 => "DirectX 12",
+        Backend::Gl => "OpenGL",
+        Backend::BrowserWebGpu => "WebGPU",
+        Backend::Noop => "no-op",
+    }
+}
+
+fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
+    let name = || describe(&adapter.get_info());
+    if let Some(lacking) = lacks(adapter) {
+        let adapter = name();
+        return Err(NoDevice::Lacks { adapter, lacking });
+    }
+    let offered = adapter.limits();
+    // The portable limits, as far as they go, and more only where big meshes and pictures need it.
+    let limits = Limits {
+        max_buffer_size: offered.max_buffer_size,
+        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+        max_texture_dimension_2d: offered.max_texture_dimension_2d,
+        ..Limits::default().or_worse_values_from(&offered)
+    };
+    let features = OPTIONAL_FEATURES.iter().fold(Features::empty(), |all, &(feature, _)| all | feature);
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        label: Some("rimline"),
+        required_features: adapter.features() & features,
+        required_limits: limits,
+        ..Default::default()
+    }))
+    .map_err(|source| NoDevice::Refused { adapter: name(), source })?;
+    let failure = Arc::new(Mutex::new(None));
+    let record = {
+        let failure = Arc::clone(&failure);
+        move |message: String| {
+            // The first failure is the cause; what follows are its consequences.
+            failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+        }
+    };
+    let record_error = record.clone();
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        record_error(match error {
+            wgpu::Error::OutOfMemory { .. } => "it is out of memory; try a smaller mesh or fewer lights".into(),
+            error => error.to_string(),
+        });
+    }));
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            record(format!("it was lost: {message}"));
+        }
+    });
+    Ok(Gpu { info: adapter.get_info(), device, queue, failure })
+}
+
+impl Gpu {
+    /// The first error that the device reported, as exit code 4; asked before results are trusted.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        match &*self.failure.lock().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some(message) => Err(self.failed(message)),
+        }
+    }
+
+    pub(crate) fn failed(&self, message: &str) -> Failure {
+        Failure::DeviceLost { adapter: describe(&self.info), message: message.to_owned() }
+    }
+
+    /// Waits until everything submitted is done.
+    pub(crate) fn wait(&self) -> Result<(), Failure> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        polled.map(|_| ()).map_err(|error| self.failed(&error.to_string()))
+    }
+}

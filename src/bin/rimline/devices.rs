@@ -1,0 +1,119 @@
+//! `rimline devices`: what there is to work with.
+
+use std::fmt::Write as _;
+
+use rimline::wgpu;
+use serde_json::{Value, json};
+
+use crate::args::DevicesArgs;
+use crate::device::{self, OPTIONAL_FEATURES};
+use crate::failure::{Failure, NoDevice};
+use crate::output::print;
+
+pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
+    let adapters = device::adapters();
+    if args.json {
+        let list: Vec<Value> = adapters.iter().map(to_json).collect();
+        print(&format!("{:#}\n", json!({ "adapters": list })))?;
+    } else {
+        let blocks: Vec<String> = adapters.iter().map(to_text).collect();
+        print(&blocks.join("\n"))?;
+    }
+    if adapters.is_empty() {
+        return Err(NoDevice::None.into());
+    }
+    Ok(())
+}
+
+/// The limits that decide how large a mesh and how many lights fit: JSON key, what it is called for people, value.
+fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
+    [
+        ("max_buffer_size", "buffer", limits.max_buffer_size),
+        ("max_storage_buffer_binding_size", "storage binding", limits.max_storage_buffer_binding_size),
+        (
+            "max_storage_buffers_per_shader_stage",
+            "storage buffers a stage",
+            limits.max_storage_buffers_per_shader_stage.into(),
+        ),
+        (
+            "max_compute_workgroups_per_dimension",
+            "workgroups a dimension",
+            limits.max_compute_workgroups_per_dimension.into(),
+        ),
+        (
+            "max_compute_invocations_per_workgroup",
+            "invocations a workgroup",
+            limits.max_compute_invocations_per_workgroup.into(),
+        ),
+        ("max_texture_dimension_2d", "picture width and height", limits.max_texture_dimension_2d.into()),
+    ]
+}
+
+fn kind_name(kind: wgpu::DeviceType) -> &'static str {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+        wgpu::DeviceType::VirtualGpu => "virtual GPU",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "other",
+    }
+}
+
+/// `TIMESTAMP_QUERY` and the like.
+fn feature_name(feature: wgpu::Features) -> String {
+    feature.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join("+")
+}
+
+fn to_text(adapter: &wgpu::Adapter) -> String {
+    let info = adapter.get_info();
+    let mut text = format!("{}\n", info.name);
+    let mut line = |name: &str, value: &str| {
+        let _ = writeln!(text, "  {name:<26}{value}");
+    };
+    line("backend", device::backend_name(info.backend));
+    line("type", kind_name(info.device_type));
+    line("driver", format!("{} {}", info.driver, info.driver_info).trim());
+    match device::lacks(adapter) {
+        None => line("usable", "yes"),
+        Some(lacking) => line("usable", &format!("no, it lacks {lacking}")),
+    }
+    for (key, name, value) in limits(&adapter.limits()) {
+        let shown = if key.ends_with("size") { mebibytes(value) } else { value.to_string() };
+        line(name, &shown);
+    }
+    let features = adapter.features();
+    for (feature, purpose) in OPTIONAL_FEATURES {
+        let there = if features.contains(feature) { "yes" } else { "no" };
+        line(&feature_name(feature), &format!("{there:<4} {purpose}"));
+    }
+    text
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{} MiB", bytes >> 20)
+}
+
+fn to_json(adapter: &wgpu::Adapter) -> Value {
+    let info = adapter.get_info();
+    let features = adapter.features();
+    let limits: serde_json::Map<String, Value> =
+        limits(&adapter.limits()).into_iter().map(|(key, _, value)| (key.to_owned(), value.into())).collect();
+    let named = |present: bool| -> Vec<String> {
+        OPTIONAL_FEATURES
+            .iter()
+            .filter(|(feature, _)| features.contains(*feature) == present)
+            .map(|&(feature, _)| feature_name(feature))
+            .collect()
+    };
+    json!({
+        "name": info.name,
+        "backend": device::backend_name(info.backend),
+        "type": kind_name(info.device_type),
+        "driver": info.driver,
+        "driver_info": info.driver_info,
+        "usable": device::lacks(adapter).is_none(),
+        "lacks": device::lacks(adapter),
+        "limits": limits,
+        "optional_features": { "present": named(true), "missing": named(false) },
+    })
+}

@@ -1,0 +1,28 @@
+//! The displacement function of `--displace`.
+
+use std::path::Path;
+
+use rimline::Displacement;
+
+use crate::args::PoseArgs;
+use crate::failure::{Failure, InputError};
+use crate::output::note;
+
+/// Reads and checks it.
+pub(crate) fn read(file: &Path) -> Result<Displacement, Failure> {
+    let read = || -> Result<Displacement, InputError> {
+        let displacement = Displacement::new(&std::fs::read_to_string(file)?)?;
+        if displacement.uses_resources() {
+            return Err(InputError::DisplacementResources);
+        }
+        Ok(displacement)
+    };
+    read().map_err(Failure::input(file))
+}
+
+/// Tells whoever gives a time that nothing moves with it.
+pub(crate) fn note_idle_time(pose: &PoseArgs, animation: Option<usize>, displacement: Option<&Displacement>) {
+    if pose.time != 0.0 && animation.is_none() && displacement.is_none() {
+        note("--time has no effect without --animation or --displace");
+    }
+}

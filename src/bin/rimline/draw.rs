@@ -1,0 +1,98 @@
+//! `rimline draw`: a model with its outline.
+
+mod camera;
+mod contact;
+mod kit;
+mod normals;
+mod picture;
+
+use std::borrow::Cow;
+
+use rimline::cpu::is_finite;
+use rimline::gpu::{Extractor, ExtractorOptions};
+use rimline::mesh::Bounds;
+use rimline::{Light, wgpu};
+
+use crate::args::DrawArgs;
+use crate::device::{self, Gpu, Wanted};
+use crate::displacement;
+use crate::failure::{Failure, InputError, UsageError};
+use crate::gpu_error::GpuError;
+use crate::image::Picture;
+use crate::input::{Input, Shape};
+use crate::output::Output;
+use crate::positions::Positions;
+use crate::progress::Progress;
+use camera::Camera;
+use kit::{Frame, extent};
+use picture::Subject;
+
+pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
+    let wanted = Wanted::parse(&args.device.device);
+    if wanted == Wanted::Cpu {
+        return Err(UsageError::DrawOnCpu.into());
+    }
+    let progress = Progress::start();
+    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+    progress.step("reading the model");
+    let input = Input::open(&args.model)?;
+    let animation = input.animation(&args.pose)?;
+    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
+    let scene = input.scene(animation, args.pose.time, displacement.is_some())?;
+    let output = Output::create(&args.out)?;
+
+    progress.step("opening the device");
+    let gpu = device::open_gpu(&wanted)?;
+    check_size(&gpu, args.size)?;
+    let fail = |error: GpuError| error.on(&gpu);
+    let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    positions.encode(&mut encoder, &scene.shape, args.pose.time, None).map_err(fail)?;
+    gpu.queue.submit([encoder.finish()]);
+    // The camera and the normals need positions here; the silhouette stays on the GPU.
+    let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
+        Shape::World(world) => Cow::Borrowed(world),
+        Shape::Posed { .. } => {
+            let count = scene.mesh.vertex_count() as usize;
+            Cow::Owned(positions.read(&gpu, count).map_err(|error| fail(error.into()))?)
+        }
+    };
+
+    progress.step("drawing");
+    let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
+    let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
+    let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
+    let nothing = || Failure::input(&input.file)(InputError::NoFinitePosition);
+    let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
+    let middle = |axis: usize| bounds.min[axis] + 0.5 * (bounds.max[axis] - bounds.min[axis]);
+    let centre = [middle(0), middle(1), middle(2)];
+    let camera = Camera::new(args, centre, extent(&bounds), corners().copied())?;
+
+    let mut extractor =
+        Extractor::new(&gpu.device, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
+    let eye = Light::point(camera.eye.into());
+    extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
+    let subject = Subject {
+        positions: positions.buffer(),
+        faces: &faces,
+        normals: &normals::corner_normals(&world, &faces),
+        extractor: &extractor,
+    };
+    let frame = Frame::new(&camera, args.size, &bounds);
+    let texture = picture::record(&gpu, &mut encoder, &frame, args.size, &subject).map_err(fail)?;
+    gpu.queue.submit([encoder.finish()]);
+    let picture = Picture::read(&gpu, &texture).map_err(fail)?;
+    gpu.check()?;
+    progress.step("writing");
+    output.finish(|file| picture.write_png(file))
+}
+
+fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), UsageError> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    if width.max(height) > limit {
+        let adapter = device::describe(&gpu.info);
+        return Err(UsageError::Size { width, height, limit, adapter });
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! Where the picture is taken from.
+
+use rimline::glam::{DVec3, Vec3};
+
+use crate::args::DrawArgs;
+use crate::failure::UsageError;
+
+/// Degrees to the right of the model's front, which is +Z, and above it.
+const AZIMUTH: f64 = 33.0;
+const ELEVATION: f64 = 17.0;
+/// How much of the picture's width or height the model takes.
+const FILLED: f64 = 0.86;
+
+/// A right-handed perspective camera with an infinite far plane and reversed depth, `near / distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Camera {
+    pub(super) eye: Vec3,
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+    pub(super) forward: Vec3,
+    /// Clip units per unit of view space at distance 1.
+    pub(super) scale: [f32; 2],
+    pub(super) near: f32,
+}
+
+impl Camera {
+    /// The camera of the command line, with whatever is left open chosen so that all `points` are seen.
+    pub(super) fn new(
+        args: &DrawArgs,
+        centre: [f32; 3],
+        extent: f32,
+        points: impl Iterator<Item = [f32; 3]> + Clone,
+    ) -> Result<Self, UsageError> {
+        let vector = |p: [f32; 3]| Vec3::from(p).as_dvec3();
+        let mut target = vector(args.target.unwrap_or(centre));
+        let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
+        let [width, height] = args.size.map(f64::from);
+        let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
+        let backward = match args.eye {
+            Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
+            None => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
+        };
+        let view = View::new(-backward, [scale_y * height / width, scale_y]);
+        let nearest = f64::from(extent) * 1e-3;
+        let distance = if let Some(eye) = args.eye {
+            (vector(eye) - target).length()
+        } else {
+            let points = points.map(vector);
+            // Perspective moves the middle of what is seen; a few steps find it.
+            for _ in 0..if args.target.is_none() { 6 } else { 0 } {
+                let distance = view.distance(target, points.clone(), nearest);
+                target += view.off_centre(target, distance, points.clone());
+            }
+            view.distance(target, points, nearest)
+        };
+        Ok(Self {
+            eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
+            right: view.right.as_vec3(),
+            up: view.up.as_vec3(),
+            forward: view.forward.as_vec3(),
+            scale: view.scale.map(|scale| scale as f32),
+            near: (distance.min(f64::from(extent)) * 1e-3) as f32,
+        })
+    }
+}
+
+/// A direction to look in, without a place to look from.
+struct View {
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    scale: [f64; 2],
+}
+
+impl View {
+    fn new(forward: DVec3, scale: [f64; 2]) -> Self {
+        // Looking straight up or down, the right of the picture is +X.
+        let right = forward.cross(DVec3::Y).try_normalize();
+        let right = right.filter(|_| forward.y.abs() < 0.999_999).unwrap_or(DVec3::X);
+        let up = right.cross(forward);
+        Self { right, up, forward, scale }
+    }
+
+    /// Right, up and forward from the target.
+    fn seen(&self, target: DVec3, point: DVec3) -> [f64; 3] {
+        let p = point - target;
+        [p.dot(self.right), p.dot(self.up), p.dot(self.forward)]
+    }
+
+    /// The least distance from the target at which the picture holds all points.
+    fn distance(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> f64 {
+        points.fold(least, |distance, point| {
+            let [x, y, z] = self.seen(target, point);
+            let sideways = (x.abs() * self.scale[0]).max(y.abs() * self.scale[1]);
+            distance.max(sideways / FILLED - z)
+        })
+    }
+
+    /// From the target to what is in the middle, of all points seen from this distance.
+    fn off_centre(&self, target: DVec3, distance: f64, points: impl Iterator<Item = DVec3>) -> DVec3 {
+        let ([mut low, mut high], mut count) = ([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], 0);
+        for point in points {
+            let [x, y, z] = self.seen(target, point);
+            let away = (distance + z).max(distance * 1e-6);
+            for (axis, c) in [x / away, y / away].into_iter().enumerate() {
+                low[axis] = low[axis].min(c);
+                high[axis] = high[axis].max(c);
+            }
+            count += 1;
+        }
+        if count == 0 {
+            return DVec3::ZERO;
+        }
+        let middle = |axis: usize| 0.5 * (low[axis] + high[axis]) * distance;
+        self.right * middle(0) + self.up * middle(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Cli, Command};
+    use clap::Parser;
+
+    fn args(options: &str) -> DrawArgs {
+        let line = format!("rimline draw a.glb --out a.png {options}");
+        match Cli::parse_from(line.split_whitespace()).command {
+            Command::Draw(args) => args,
+            _ => panic!("draw was asked for"),
+        }
+    }
+
+    const CUBE: [[f32; 3]; 8] = [
+        [9.0, 9.0, 9.0],
+        [11.0, 9.0, 9.0],
+        [9.0, 11.0, 9.0],
+        [11.0, 11.0, 9.0],
+        [9.0, 9.0, 11.0],
+        [11.0, 9.0, 11.0],
+        [9.0, 11.0, 11.0],
+        [11.0, 11.0, 11.0],
+    ];
+
+    #[test]
+    fn the_default_shows_every_point_and_wastes_little() {
+        for options in ["", "--size 300x900 --fov 70", "--size 900x300"] {
+            let camera = Camera::new(&args(options), [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let widest = CUBE
+                .into_iter()
+                .map(|point| {
+                    let p = Vec3::from(point) - camera.eye;
+                    let distance = p.dot(camera.forward);
+                    assert!(distance > camera.near);
+                    let x = p.dot(camera.right) * camera.scale[0] / distance;
+                    let y = p.dot(camera.up) * camera.scale[1] / distance;
+                    x.abs().max(y.abs())
+                })
+                .fold(0.0, f32::max);
+            assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
+        }
+    }
+
+    #[test]
+    fn the_basis_is_right_handed_even_straight_down() {
+        for options in ["--eye 10,50,10", "--eye 10,-50,10", "--eye -3,4,5"] {
+            let camera = Camera::new(&args(options), [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
+            assert!(camera.up.length() > 0.999);
+        }
+    }
+
+    #[test]
+    fn an_eye_at_its_target_sees_nothing() {
+        let camera = Camera::new(&args("--eye 1,2,3 --target 1,2,3"), [0.0; 3], 2.0, CUBE.into_iter());
+        assert!(matches!(camera, Err(UsageError::EyeAtTarget)));
+    }
+}

@@ -1,0 +1,47 @@
+// What every pass of the picture knows. World space is right-handed with +Y up; depth is reversed, near / distance.
+
+struct Frame {
+  eye: vec3<f32>,
+  near: f32,
+  right: vec3<f32>,
+  // Clip units per unit of view space at distance 1.
+  scale_x: f32,
+  up: vec3<f32>,
+  scale_y: f32,
+  forward: vec3<f32>,
+  // Half the width of a line, in pixels.
+  half_line: f32,
+  // Width and height in pixels.
+  size: vec2<f32>,
+  // The model's largest extent, a length to scale effects with.
+  extent: f32,
+  // Height of the ground.
+  ground: f32,
+  // Centre (x, z) and half-width of the square of ground that takes the contact shadow.
+  ground_centre: vec2<f32>,
+  ground_half: f32,
+  // Height above the ground up to which the model darkens it.
+  shadow_height: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+// Right, up and forward from the eye.
+fn to_view(position: vec3<f32>) -> vec3<f32> {
+  let from_eye = position - frame.eye;
+  return vec3<f32>(dot(from_eye, frame.right), dot(from_eye, frame.up), dot(from_eye, frame.forward));
+}
+
+fn to_clip(view: vec3<f32>) -> vec4<f32> {
+  return vec4<f32>(view.x * frame.scale_x, view.y * frame.scale_y, frame.near, view.z);
+}
+
+// A triangle that covers the target.
+fn cover(vertex: u32) -> vec4<f32> {
+  return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// Noise with little energy in low frequencies, from 0 to 1.
+fn dither(pixel: vec2<f32>) -> f32 {
+  return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
+}

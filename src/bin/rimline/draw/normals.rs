@@ -1,0 +1,113 @@
+//! Shading normals: smooth where the surface bends gently, split where it has a crease.
+
+use rimline::glam::{Vec2, Vec3};
+
+/// Faces that meet at more than this angle, in degrees, keep their own normals.
+const CREASE: f32 = 60.0;
+
+/// A normal a corner of `faces`, folded onto an octahedron as two 16-bit signed fractions. Neighbours count by area.
+pub(super) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
+    let position = |v: u32| Vec3::from(positions[v as usize]);
+    // Twice the area long; neither tiny nor huge models leave the range of floats.
+    let extent = positions.iter().flatten().filter(|c| c.is_finite()).fold(0.0_f32, |a, c| a.max(c.abs()));
+    let scale = if extent > 0.0 { extent.recip() } else { 1.0 };
+    let areas: Vec<Vec3> = faces
+        .iter()
+        .map(|&[a, b, c]| ((position(b) - position(a)) * scale).cross((position(c) - position(a)) * scale))
+        .collect();
+    let units: Vec<Vec3> = areas.iter().map(|area| area.normalize_or_zero()).collect();
+    let around = Around::new(positions.len(), faces);
+    let cosine = CREASE.to_radians().cos();
+    let normal = |(face, vertex): (usize, u32)| {
+        let own = units[face];
+        let near = around.faces(vertex).filter(|&other| units[other].dot(own) > cosine);
+        near.map(|other| areas[other]).sum::<Vec3>().try_normalize().unwrap_or(own)
+    };
+    let corners = faces.iter().enumerate().flat_map(|(face, corners)| corners.map(|v| (face, v)));
+    corners.map(|corner| fold(normal(corner))).collect()
+}
+
+/// The faces around each vertex.
+struct Around {
+    starts: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl Around {
+    fn new(vertices: usize, faces: &[[u32; 3]]) -> Self {
+        let mut starts = vec![0_u32; vertices + 1];
+        for &v in faces.iter().flatten() {
+            starts[v as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            starts[v + 1] += starts[v];
+        }
+        let mut next = starts.clone();
+        let mut around = vec![0; 3 * faces.len()];
+        for (face, corners) in faces.iter().enumerate() {
+            for &v in corners {
+                around[next[v as usize] as usize] = face as u32;
+                next[v as usize] += 1;
+            }
+        }
+        Self { starts, faces: around }
+    }
+
+    fn faces(&self, vertex: u32) -> impl Iterator<Item = usize> + '_ {
+        let range = self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
+        self.faces[range].iter().map(|&face| face as usize)
+    }
+}
+
+/// The octahedron's lower half is folded over its upper half, seen from +Z.
+fn fold(normal: Vec3) -> u32 {
+    let flat = normal / (normal.abs().element_sum()).max(f32::MIN_POSITIVE);
+    let mut at = Vec2::new(flat.x, flat.y);
+    if flat.z < 0.0 {
+        at = (Vec2::ONE - Vec2::new(at.y, at.x).abs()) * Vec2::ONE.copysign(at);
+    }
+    let [x, y] = at.to_array().map(|c| u32::from((c.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16));
+    x | y << 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unfold(word: u32) -> Vec3 {
+        let [x, y] = [word as u16, (word >> 16) as u16].map(|bits| f32::from(bits as i16) / 32767.0);
+        let z = 1.0 - x.abs() - y.abs();
+        let t = (-z).max(0.0);
+        Vec3::new(x - t.copysign(x), y - t.copysign(y), z).normalize()
+    }
+
+    #[test]
+    fn folding_keeps_directions() {
+        for i in 0..500 {
+            let a = i as f32;
+            let normal = Vec3::new(a.sin(), (2.3 * a).cos(), (0.7 * a).sin()).normalize();
+            assert!(unfold(fold(normal)).dot(normal) > 0.999_999, "{normal}");
+        }
+    }
+
+    #[test]
+    fn a_crease_splits_and_a_bend_does_not() {
+        let bend = |height: f32| {
+            let positions = [[0.0; 3], [0.0, 0.0, 1.0], [-1.0, height, 0.0], [1.0, height, 0.0]];
+            corner_normals(&positions, &[[0, 2, 1], [0, 1, 3]]).map_vec()
+        };
+        let gentle = bend(0.1);
+        assert!(gentle[0].dot(gentle[3]) > 0.999);
+        let sharp = bend(2.0);
+        assert!(sharp[0].dot(sharp[3]) < 0.5);
+    }
+
+    trait MapVec {
+        fn map_vec(self) -> Vec<Vec3>;
+    }
+    impl MapVec for Vec<u32> {
+        fn map_vec(self) -> Vec<Vec3> {
+            self.into_iter().map(unfold).collect()
+        }
+    }
+}

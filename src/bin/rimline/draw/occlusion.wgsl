@@ -1,0 +1,55 @@
+// Ambient occlusion: creases and hollows get less light. After McGuire, Osman, Bukowski and Hennessy, "The Alchemy
+// Screen-Space Ambient Obscurance Algorithm", HPG 2011.
+
+@group(1) @binding(0) var depth: texture_depth_multisampled_2d;
+
+@vertex fn occlusion_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return cover(vertex);
+}
+
+fn depth_at(pixel: vec2<i32>) -> f32 {
+  return textureLoad(depth, clamp(pixel, vec2<i32>(0), vec2<i32>(frame.size) - 1), 0);
+}
+
+fn view_at(pixel: vec2<i32>) -> vec3<f32> {
+  let distance = frame.near / max(depth_at(pixel), 1e-20);
+  let ndc = (vec2<f32>(pixel) + 0.5) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
+  return vec3<f32>(ndc / vec2<f32>(frame.scale_x, frame.scale_y), 1.0) * distance;
+}
+
+// The shorter of two differences: the one that does not leap over an edge.
+fn shorter(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+  return select(b, a, abs(a.z) < abs(b.z));
+}
+
+@fragment fn occlusion_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  const SAMPLES = 20u;
+  let pixel = vec2<i32>(at.xy);
+  if (depth_at(pixel) == 0.0) {
+    return vec4<f32>(1.0);
+  }
+  let here = view_at(pixel);
+  let dx = shorter(view_at(pixel + vec2<i32>(1, 0)) - here, here - view_at(pixel - vec2<i32>(1, 0)));
+  let dy = shorter(view_at(pixel + vec2<i32>(0, 1)) - here, here - view_at(pixel - vec2<i32>(0, 1)));
+  // Towards the eye; view space here is left-handed, x to the right, y up, z away, and pixels count downwards.
+  var normal = normalize(cross(dx, dy));
+  normal = select(normal, -normal, dot(normal, here) > 0.0);
+  let radius = 0.10 * frame.extent;
+  let pixels = clamp(radius * frame.scale_y / here.z * 0.5 * frame.size.y, 3.0, 0.2 * frame.size.y);
+  let turn = dither(at.xy) * 6.2831853;
+  var sum = 0.0;
+  for (var i = 0u; i < SAMPLES; i++) {
+    let along = (f32(i) + 0.5) / f32(SAMPLES);
+    let angle = turn + f32(i) * 2.3999632;
+    let offset = along * pixels * vec2<f32>(cos(angle), sin(angle));
+    let other = pixel + vec2<i32>(round(offset));
+    if (depth_at(other) == 0.0) {
+      continue;
+    }
+    let to = view_at(other) - here;
+    let squared = dot(to, to);
+    let falloff = max(0.0, 1.0 - squared / (radius * radius));
+    sum += falloff * max(0.0, dot(to, normal) - 0.004 * radius - 0.0008 * here.z) / (sqrt(squared) + 1e-3 * radius);
+  }
+  return vec4<f32>(saturate(1.0 - 2.2 * sum / f32(SAMPLES)));
+}

@@ -1,0 +1,99 @@
+//! `rimline extract`: facing, silhouette and winding bits for lights, as NumPy arrays.
+
+mod arrays;
+mod on_cpu;
+mod on_gpu;
+mod report;
+
+use std::time::Instant;
+
+use rimline::Method;
+use rimline::cpu::FacingCounts;
+use rimline::layout::Masks;
+
+use crate::args::{ExtractArgs, MethodArg};
+use crate::device::{self, Device, Wanted};
+use crate::displacement;
+use crate::failure::{Failure, UsageError};
+use crate::input::Input;
+use crate::output::{Output, print};
+use crate::progress::Progress;
+use report::Report;
+
+/// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
+struct Found<'a> {
+    positions: std::borrow::Cow<'a, [[f32; 3]]>,
+    facing: Vec<u32>,
+    masks: Vec<Masks>,
+    counts: FacingCounts,
+}
+
+/// Milliseconds of each stage, in the order they ran.
+#[derive(Debug, Default)]
+struct Times(Vec<(&'static str, f64)>);
+
+impl Times {
+    fn add(&mut self, stage: &'static str, milliseconds: f64) {
+        match self.0.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += milliseconds,
+            None => self.0.push((stage, milliseconds)),
+        }
+    }
+
+    /// Runs a stage and takes its time by the clock.
+    fn measure<T>(&mut self, stage: &'static str, run: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = run();
+        self.add(stage, begin.elapsed().as_secs_f64() * 1e3);
+        result
+    }
+}
+
+pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
+    let wanted = Wanted::parse(&args.device.device);
+    if wanted == Wanted::Cpu && args.displace.is_some() {
+        return Err(UsageError::DisplaceOnCpu.into());
+    }
+    let progress = Progress::start();
+    let mut times = Times::default();
+    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+
+    progress.step("reading the model");
+    let input = times.measure("load", || Input::open(&args.model))?;
+    let animation = input.animation(&args.pose)?;
+    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
+    let lights = input.lights(&args.lights, animation, args.pose.time)?;
+    progress.step("building edge records");
+    let scene = times.measure("topology", || input.scene(animation, args.pose.time, displacement.is_some()))?;
+    let output = Output::create(&args.out)?;
+
+    progress.step("opening the device");
+    let device = device::open(&wanted)?;
+    if matches!(device, Device::Cpu) && displacement.is_some() {
+        return Err(UsageError::DisplaceOnCpu.into());
+    }
+    progress.step("extracting");
+    let method = match args.method {
+        MethodArg::FaceMask => Method::FaceMask,
+        MethodArg::PerEdge => Method::PerEdge,
+    };
+    let (found, adapter) = match &device {
+        Device::Cpu => (on_cpu::extract(&scene, &lights, method, &mut times), "cpu".to_owned()),
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job {
+                scene: &scene,
+                lights: &lights,
+                method,
+                displacement: displacement.as_ref(),
+                time_s: args.pose.time,
+            };
+            (job.run(gpu, &mut times)?, device::describe(&gpu.info))
+        }
+    };
+    progress.step("writing");
+    let mesh = &scene.mesh;
+    times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
+    let report = Report::new(mesh, &lights, &found, method, adapter, times);
+    drop(progress);
+    print(&if args.json { report.json() } else { report.text(&args.out) })
+}

@@ -1,0 +1,31 @@
+//! The CPU twins, stage by stage.
+
+use std::borrow::Cow;
+
+use rimline::cpu::{self, Threads};
+use rimline::method::Predicate;
+use rimline::{Light, Method};
+
+use super::{Found, Times};
+use crate::input::{Scene, Shape};
+
+pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, times: &mut Times) -> Found<'a> {
+    let (mesh, threads) = (&scene.mesh, Threads::all());
+    let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
+        Shape::World(positions) => Cow::Borrowed(positions),
+        Shape::Posed { model, pose } => {
+            Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads)))
+        }
+    };
+    let faces = mesh.faces();
+    let mut facing = Vec::new();
+    let counts =
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, Predicate::Exact, threads));
+    let masks = match method {
+        Method::FaceMask => {
+            times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+        }
+        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, threads)),
+    };
+    Found { positions, facing, masks, counts }
+}

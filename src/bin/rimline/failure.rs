@@ -1,0 +1,121 @@
+//! Everything that can go wrong, and the exit code it ends with.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use rimline::{LightError, MeshError};
+
+use crate::npz::NpzError;
+
+/// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The model file, or what is in it.
+    #[error("{}: {source}", .file.display())]
+    Input {
+        file: PathBuf,
+        #[source]
+        source: InputError,
+    },
+    /// The command line asks for what cannot be.
+    #[error(transparent)]
+    Usage(#[from] UsageError),
+    /// There is no device that could do it.
+    #[error(transparent)]
+    NoDevice(#[from] NoDevice),
+    /// The device stopped in the middle.
+    #[error("the device {adapter} failed: {message}; nothing was written")]
+    DeviceLost { adapter: String, message: String },
+    /// The result could not be written.
+    #[error("{}: cannot be written: {source}", .file.display())]
+    Output {
+        file: PathBuf,
+        #[source]
+        source: std::io::Error,
+    },
+}
+
+/// What is wrong with the input.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum InputError {
+    #[error("cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+    #[error("it is none of .gltf, .glb and .npz, the formats that can be read")]
+    Format,
+    #[error(transparent)]
+    Gltf(#[from] rimline::gltf::GltfError),
+    #[error(transparent)]
+    Pose(#[from] rimline::gltf::PoseError),
+    #[error(transparent)]
+    Npz(#[from] NpzError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error("its lights cannot be used: {0}")]
+    Lights(LightError),
+    #[error(transparent)]
+    Displacement(#[from] rimline::DisplaceError),
+    #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
+    DisplacementResources,
+    #[error("no vertex has a finite position, so there is nothing to look at")]
+    NoFinitePosition,
+}
+
+/// What is wrong with the command line, beyond what the parser of options sees.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum UsageError {
+    #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
+    DisplaceOnCpu,
+    #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
+    DrawOnCpu,
+    #[error("there is no animation `{wanted}`; {there}")]
+    Animation { wanted: String, there: String },
+    #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
+    NoFileLights,
+    #[error("the file has no light `{wanted}`; it has {}", listed(.there))]
+    FileLight { wanted: String, there: Vec<String> },
+    #[error(transparent)]
+    Lights(LightError),
+    #[error("--eye and --target are the same point; move one")]
+    EyeAtTarget,
+    #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
+    Size { width: u32, height: u32, limit: u32, adapter: String },
+}
+
+/// Why no device serves.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NoDevice {
+    #[error("no GPU was found. {}", crate::device::ADVICE)]
+    None,
+    #[error("no adapter's name contains `{name}`; there is {}. `rimline devices` says more", .adapters.join(", "))]
+    NotNamed { name: String, adapters: Vec<String> },
+    #[error("the adapter {adapter} cannot be used: it lacks {lacking}")]
+    Lacks { adapter: String, lacking: String },
+    #[error("the model does not fit the adapter {adapter}: {reason}; try `--device cpu` or another adapter")]
+    TooSmall { adapter: String, reason: String },
+    #[error("the adapter {adapter} gave no device: {source}")]
+    Refused { adapter: String, source: rimline::wgpu::RequestDeviceError },
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "none".into(),
+        names => names.join(", "),
+    }
+}
+
+impl Failure {
+    /// Pins what is wrong with an input to its file.
+    pub(crate) fn input(file: &Path) -> impl Fn(InputError) -> Self + '_ {
+        move |source| Self::Input { file: file.to_owned(), source }
+    }
+
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Input { .. } => 1,
+            Self::Usage(_) => 2,
+            Self::NoDevice(_) => 3,
+            Self::DeviceLost { .. } | Self::Output { .. } => 4,
+        })
+    }
+}

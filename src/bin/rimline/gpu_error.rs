@@ -1,0 +1,60 @@
+//! Errors of the library's GPU part, and what they mean for the command.
+
+use rimline::LightError;
+use rimline::gpu::{DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError};
+
+use crate::device::{Gpu, describe};
+use crate::failure::{Failure, NoDevice, UsageError};
+
+/// Any of them.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum GpuError {
+    #[error(transparent)]
+    Deform(#[from] DeformError),
+    #[error(transparent)]
+    Extractor(#[from] ExtractorError),
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    #[error(transparent)]
+    Include(#[from] IncludeError),
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    #[error(transparent)]
+    Read(#[from] ReadError),
+}
+
+impl GpuError {
+    /// The failure that this is, on this device: a model that is too large means that the device will not do.
+    pub(crate) fn on(self, gpu: &Gpu) -> Failure {
+        // What the device itself reported comes first; the rest follows from it.
+        if let Err(failure) = gpu.check() {
+            return failure;
+        }
+        match (self.memory(), self.lights()) {
+            (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
+            (Some(memory), _) => NoDevice::TooSmall { adapter: describe(&gpu.info), reason: memory.to_string() }.into(),
+            (_, Some(lights)) => UsageError::Lights(*lights).into(),
+            _ => gpu.failed(&self.to_string()),
+        }
+    }
+
+    fn memory(&self) -> Option<&MemoryError> {
+        match self {
+            Self::Memory(memory)
+            | Self::Deform(DeformError::Memory(memory))
+            | Self::Extractor(ExtractorError::Memory(memory))
+            | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
+            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory))) => {
+                Some(memory)
+            }
+            _ => None,
+        }
+    }
+
+    fn lights(&self) -> Option<&LightError> {
+        match self {
+            Self::Extractor(ExtractorError::Light(lights)) | Self::Encode(EncodeError::Light(lights)) => Some(lights),
+            _ => None,
+        }
+    }
+}

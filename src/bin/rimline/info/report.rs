@@ -1,0 +1,126 @@
+//! What there is to say of a mesh, gathered once for text and JSON.
+
+use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, Survey, WeldCounts};
+use rimline::{Geometry, Mesh, MeshError};
+
+/// Edges listed of a mesh that is not closed.
+const LISTED_EDGES: usize = 4;
+
+/// One mesh, or several together.
+#[derive(Debug, Default)]
+pub(super) struct MeshReport {
+    pub(super) name: Option<String>,
+    pub(super) vertices: WeldCounts,
+    pub(super) faces: usize,
+    pub(super) survey: Survey,
+    /// The ends of each of `survey.offending_edges`.
+    pub(super) offending_positions: Vec<[[f32; 3]; 2]>,
+    pub(super) morph_targets: usize,
+    /// The most joints that any vertex follows; 0 for a rigid mesh.
+    pub(super) joints_per_vertex: usize,
+    pub(super) bounds: Option<Bounds>,
+}
+
+impl MeshReport {
+    pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts) -> Result<Self, MeshError> {
+        if geometry.faces.is_empty() {
+            // A mesh of lines or points alone; no instance shows it.
+            let name = geometry.name.clone();
+            return Ok(Self { name, vertices, ..Self::default() });
+        }
+        let mesh = Mesh::from_faces(geometry.positions.len(), geometry.faces.clone())?;
+        let joints = geometry
+            .influences
+            .as_ref()
+            .map(|influences| influences.offsets.windows(2).map(|pair| pair[1] - pair[0]).max());
+        Ok(Self {
+            name: geometry.name.clone(),
+            vertices,
+            morph_targets: geometry.morph_targets.len(),
+            joints_per_vertex: joints.flatten().unwrap_or(0) as usize,
+            ..Self::of_mesh(&mesh, &geometry.positions)
+        })
+    }
+
+    /// `positions` has one for each of the mesh's vertices.
+    pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
+        let survey = mesh.survey(LISTED_EDGES);
+        let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
+        Self {
+            vertices: mesh.weld_counts(),
+            faces: mesh.faces().len(),
+            offending_positions: survey.offending_edges.iter().map(ends).collect(),
+            survey,
+            bounds: Bounds::of(positions),
+            ..Self::default()
+        }
+    }
+
+    /// Each mesh once, whatever the number of its instances; without bounds, since each lies in a space of its own.
+    pub(super) fn total(meshes: &[Self]) -> Self {
+        let mut total = Self::default();
+        for mesh in meshes {
+            let EdgeCounts { consistent, inconsistent, boundary } = mesh.survey.edges;
+            total.vertices.before += mesh.vertices.before;
+            total.vertices.after += mesh.vertices.after;
+            total.vertices.apart += mesh.vertices.apart;
+            total.faces += mesh.faces;
+            total.morph_targets += mesh.morph_targets;
+            total.joints_per_vertex = total.joints_per_vertex.max(mesh.joints_per_vertex);
+            total.survey.components += mesh.survey.components;
+            total.survey.edges.consistent += consistent;
+            total.survey.edges.inconsistent += inconsistent;
+            total.survey.edges.boundary += boundary;
+            total.survey.non_manifold_edges += mesh.survey.non_manifold_edges;
+            total.survey.degenerate_faces += mesh.survey.degenerate_faces;
+            total.survey.duplicate_faces += mesh.survey.duplicate_faces;
+        }
+        total
+    }
+
+    /// Why the mesh does not count as closed; `None` where it does.
+    pub(super) fn why_open(&self) -> Option<String> {
+        let EdgeCounts { inconsistent, boundary, .. } = self.survey.edges;
+        let reason = |count: usize, one: &str, many: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            _ => Some(format!("{count} {many}")),
+        };
+        let boundary = reason(boundary, "edge has a face on one side only", "edges have a face on one side only");
+        let inconsistent = reason(
+            inconsistent,
+            "edge joins faces that are turned against each other",
+            "edges join faces that are turned against each other",
+        );
+        let reasons: Vec<String> = boundary.into_iter().chain(inconsistent).collect();
+        (!reasons.is_empty()).then(|| reasons.join(", "))
+    }
+}
+
+pub(super) fn kind_name(kind: EdgeKind) -> &'static str {
+    match kind {
+        EdgeKind::Consistent => "consistent",
+        EdgeKind::Inconsistent => "inconsistent",
+        EdgeKind::Boundary => "boundary",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_open_mesh_says_why() {
+        let geometry = Geometry {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            faces: vec![[0, 1, 2], [0, 1, 3]],
+            ..Geometry::default()
+        };
+        let report = MeshReport::of_geometry(&geometry, WeldCounts::default()).expect("it is a mesh");
+        let why = report.why_open().expect("it is open");
+        assert_eq!(why, "4 edges have a face on one side only, 1 edge joins faces that are turned against each other");
+        assert_eq!(report.offending_positions.len(), LISTED_EDGES);
+        let total = MeshReport::total(&[report]);
+        assert_eq!((total.faces, total.survey.edges.boundary), (2, 4));
+    }
+}

@@ -1,0 +1,94 @@
+//! The report for people.
+
+use std::fmt::{Display, Write as _};
+
+use rimline::mesh::{Bounds, EdgeCounts};
+
+use super::report::{MeshReport, kind_name};
+
+/// Lines of a name and a value, aligned.
+pub(super) struct Text(String);
+
+impl Text {
+    pub(super) fn titled(title: &impl Display) -> Self {
+        Self(format!("{title}\n"))
+    }
+
+    pub(super) fn line(&mut self, name: &str, value: impl Display) {
+        let _ = writeln!(self.0, "  {name:<13} {value}");
+    }
+
+    /// A line below the one before.
+    pub(super) fn more(&mut self, value: impl Display) {
+        self.line("", value);
+    }
+
+    pub(super) fn heading(&mut self, title: impl Display) {
+        let _ = writeln!(self.0, "\n{title}");
+    }
+
+    pub(super) fn finish(self) -> String {
+        self.0
+    }
+
+    pub(super) fn mesh(&mut self, report: &MeshReport) {
+        let weld = report.vertices;
+        let mut vertices = format!("{}", weld.after);
+        if weld.before != weld.after {
+            let _ = write!(vertices, ", welded from {}", weld.before);
+        }
+        if weld.apart > 0 {
+            let _ = write!(vertices, ", {} kept apart by their skin or morph data", weld.apart);
+        }
+        self.line("vertices", vertices);
+        let survey = &report.survey;
+        self.line(
+            "faces",
+            counted(report.faces, &[(survey.degenerate_faces, "degenerate"), (survey.duplicate_faces, "duplicate")]),
+        );
+        let EdgeCounts { consistent, inconsistent, boundary } = survey.edges;
+        let mut edges = counted(
+            consistent + inconsistent + boundary,
+            &[(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")],
+        );
+        if survey.non_manifold_edges > 0 {
+            let _ = write!(edges, "; {} places with more than two faces", survey.non_manifold_edges);
+        }
+        self.line("edge records", edges);
+        self.line("parts", survey.components);
+        match report.why_open() {
+            None => self.line("closed", "yes"),
+            Some(why) => self.line("closed", format!("no: {why}")),
+        }
+        for (edge, [a, b]) in survey.offending_edges.iter().zip(&report.offending_positions) {
+            let [va, vb] = edge.vertices;
+            let kind = kind_name(edge.kind);
+            self.more(format!("  {kind} edge {va}-{vb}, {} to {}", point(a), point(b)));
+        }
+        let listed = survey.offending_edges.len();
+        let all = inconsistent + boundary;
+        if listed > 0 && all > listed {
+            self.more(format!("  and {} more", all - listed));
+        }
+        if report.joints_per_vertex > 0 {
+            self.line("skinned", format!("up to {} joints a vertex", report.joints_per_vertex));
+        }
+        if report.morph_targets > 0 {
+            self.line("morph targets", report.morph_targets);
+        }
+        if let Some(Bounds { min, max }) = &report.bounds {
+            self.line("bounds", format!("{} to {}", point(min), point(max)));
+        }
+    }
+}
+
+/// `12: 10 of this, 2 of that`, what is zero left out.
+fn counted(all: usize, parts: &[(usize, &str)]) -> String {
+    let parts: Vec<String> =
+        parts.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}")).collect();
+    if parts.is_empty() { all.to_string() } else { format!("{all}: {}", parts.join(", ")) }
+}
+
+pub(super) fn point([x, y, z]: &[f32; 3]) -> String {
+    format!("({x}, {y}, {z})")
+}

@@ -1,0 +1,197 @@
+//! The model file, whatever its format, and the mesh it makes at one moment.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+
+use rimline::gltf::Asset;
+use rimline::light::{MAX_LIGHTS, check_lights};
+use rimline::mesh::{Weld, WeldCounts};
+use rimline::model::{Geometry, Instance, InstancePose};
+use rimline::{Light, LightError, Mesh, Model, Pose};
+
+use crate::args::{ModelArgs, PoseArgs};
+use crate::failure::{Failure, InputError, UsageError};
+use crate::npz;
+use crate::spec::LightSpec;
+
+/// A model file in memory.
+pub(crate) struct Input {
+    pub(crate) file: PathBuf,
+    pub(crate) source: Source,
+}
+
+/// What the file holds.
+pub(crate) enum Source {
+    Gltf(Box<Asset>),
+    /// World-space positions, welded: one geometry, one instance.
+    Npz {
+        model: Model,
+        weld: WeldCounts,
+    },
+}
+
+/// The input at one moment.
+pub(crate) struct Scene<'a> {
+    pub(crate) mesh: Mesh,
+    pub(crate) shape: Shape<'a>,
+}
+
+/// Where the mesh's vertices are.
+pub(crate) enum Shape<'a> {
+    /// World-space positions, used bit for bit.
+    World(&'a [[f32; 3]]),
+    /// A model that is yet to be deformed.
+    Posed { model: &'a Model, pose: Pose },
+}
+
+impl Input {
+    pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
+        let file = args.file.clone();
+        match open(&file, args.weld()) {
+            Ok(source) => Ok(Self { file, source }),
+            Err(error) => Err(Failure::input(&file)(error)),
+        }
+    }
+
+    pub(crate) fn model(&self) -> &Model {
+        match &self.source {
+            Source::Gltf(asset) => asset.model(),
+            Source::Npz { model, .. } => model,
+        }
+    }
+
+    /// What welding did to one of the model's geometries.
+    pub(crate) fn weld_counts(&self, geometry: usize) -> WeldCounts {
+        match &self.source {
+            Source::Gltf(asset) => asset.weld_counts(geometry).unwrap_or_default(),
+            Source::Npz { weld, .. } => *weld,
+        }
+    }
+
+    /// The animation that `--animation` names, by its number.
+    pub(crate) fn animation(&self, args: &PoseArgs) -> Result<Option<usize>, Failure> {
+        let Some(wanted) = &args.animation else {
+            return Ok(None);
+        };
+        let (found, there) = match &self.source {
+            Source::Gltf(asset) => (asset.animation_index(wanted), animations(asset)),
+            Source::Npz { .. } => (None, "an .npz has none".to_owned()),
+        };
+        let wanted = wanted.clone();
+        let missing = || UsageError::Animation { wanted, there }.into();
+        found.map(Some).ok_or_else(missing)
+    }
+
+    /// The mesh and its shape at one moment. `displaced` shapes always come as a model, so that `displace` can run.
+    pub(crate) fn scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
+        self.build_scene(animation, time_s, displaced).map_err(Failure::input(&self.file))
+    }
+
+    fn build_scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, InputError> {
+        let model = self.model();
+        if let (Source::Npz { .. }, false) = (&self.source, displaced) {
+            let positions = &model.geometries[0].positions;
+            return Ok(Scene { mesh: model.mesh(&resting())?, shape: Shape::World(positions) });
+        }
+        let pose = match &self.source {
+            Source::Gltf(asset) => asset.pose(animation, time_s)?,
+            Source::Npz { .. } => resting(),
+        };
+        let mesh = model.mesh(&pose)?;
+        let shape = Shape::Posed { model, pose };
+        Ok(Scene { mesh, shape })
+    }
+
+    /// The lights asked for, in the order asked for, fit for an extraction.
+    pub(crate) fn lights(
+        &self,
+        specs: &[LightSpec],
+        animation: Option<usize>,
+        time_s: f32,
+    ) -> Result<Vec<Light>, Failure> {
+        let own = match &self.source {
+            Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
+                asset.lights(animation, time_s).map_err(|error| Failure::input(&self.file)(error.into()))?
+            }
+            _ => Vec::new(),
+        };
+        let mut lights = Vec::with_capacity(specs.len());
+        for spec in specs {
+            match spec {
+                LightSpec::Given(light) => lights.push(*light),
+                LightSpec::All if own.is_empty() => return Err(UsageError::NoFileLights.into()),
+                LightSpec::All => lights.extend(own.iter().map(|own| own.light)),
+                LightSpec::Named(wanted) => {
+                    let named = own.iter().find(|own| own.name.as_ref() == Some(wanted));
+                    let missing = || UsageError::FileLight {
+                        wanted: wanted.clone(),
+                        there: own.iter().filter_map(|own| own.name.clone()).collect(),
+                    };
+                    lights.push(named.ok_or_else(missing)?.light);
+                }
+            }
+        }
+        match check_lights(&lights, MAX_LIGHTS) {
+            Ok(()) => Ok(lights),
+            Err(error @ (LightError::None | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
+            // Those of the command line were checked when they were read.
+            Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
+        }
+    }
+}
+
+/// The file's animations, for a message.
+fn animations(asset: &Asset) -> String {
+    const SHOWN: usize = 20;
+    let infos = asset.animations();
+    if infos.is_empty() {
+        return "the file has none".into();
+    }
+    let name = |(index, info): (usize, &rimline::gltf::AnimationInfo)| match &info.name {
+        Some(name) => format!("{index} `{name}`"),
+        None => index.to_string(),
+    };
+    let shown: Vec<String> = infos.iter().enumerate().take(SHOWN).map(name).collect();
+    let more = if infos.len() > SHOWN { ", …" } else { "" };
+    format!("the file has {}{more}", shown.join(", "))
+}
+
+/// Opens a file by its ending, or, where that says nothing, by how it begins.
+fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if let Some("gltf" | "glb") = ending.as_deref() {
+        return Ok(Source::Gltf(Box::new(Asset::open(file, weld)?)));
+    }
+    let mut reader = BufReader::with_capacity(1 << 18, File::open(file)?);
+    if ending.as_deref() == Some("npz") {
+        return open_npz(reader, weld);
+    }
+    let mut start = Vec::new();
+    reader.by_ref().take(4).read_to_end(&mut start)?;
+    reader.rewind()?;
+    match start.as_slice() {
+        b"glTF" => Ok(Source::Gltf(Box::new(Asset::open(file, weld)?))),
+        b"PK\x03\x04" => open_npz(reader, weld),
+        _ => Err(InputError::Format),
+    }
+}
+
+fn open_npz(reader: impl Read + Seek, weld: Weld) -> Result<Source, InputError> {
+    let arrays = npz::read(reader)?;
+    let geometry = Geometry {
+        source_vertices: (0..arrays.positions.len() as u32).collect(),
+        positions: arrays.positions,
+        faces: arrays.faces,
+        ..Geometry::default()
+    };
+    let (geometry, weld) = geometry.welded(weld);
+    let model = Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] };
+    Ok(Source::Npz { model, weld })
+}
+
+/// Everything where it is.
+fn resting() -> Pose {
+    let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    Pose { instances: vec![InstancePose { palette: vec![identity], ..InstancePose::default() }], ..Pose::default() }
+}

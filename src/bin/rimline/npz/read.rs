@@ -1,0 +1,272 @@
+//! Reading `positions` and `faces` from an archive that may hold anything.
+
+use std::io::{self, Read, Seek};
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use super::header::{ElementType, Header, HeaderError};
+
+/// Positions, as they lie in the file bit for bit, and faces whose indices are below their number.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Arrays {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) faces: Vec<[u32; 3]>,
+}
+
+/// Why an archive is refused.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NpzError {
+    #[error("it is not a ZIP archive that can be read: {0}")]
+    Archive(#[source] ZipError),
+    #[error("it has no array `{array}`, which a model needs; it has {}", listed(.found))]
+    Missing { array: &'static str, found: Vec<String> },
+    #[error("array `{array}`: its ZIP entry cannot be read: {source}")]
+    Entry { array: &'static str, source: ZipError },
+    #[error("array `{array}`: {source}")]
+    Header { array: &'static str, source: HeaderError },
+    #[error("array `{array}` has elements of type {found}; {wanted}")]
+    Element { array: &'static str, found: String, wanted: &'static str },
+    #[error("array `{array}` has shape ({}), but ({array_rows}, 3) is needed", shown(.shape), array_rows = if *.array == "faces" { "F" } else { "V" })]
+    Shape { array: &'static str, shape: Vec<u64> },
+    #[error("array `{array}` has {rows} rows, more than the {limit} that indices can count")]
+    Rows { array: &'static str, rows: u64, limit: u64 },
+    #[error("array `{array}` takes {wanted} bytes by its header, but its ZIP entry holds {held}")]
+    Length { array: &'static str, wanted: u64, held: u64 },
+    #[error("array `{array}` with {rows} rows does not fit into memory")]
+    Memory { array: &'static str, rows: u64 },
+    #[error("array `{array}`, row {row}, names vertex {index}, which no mesh can have")]
+    Index { array: &'static str, row: usize, index: i128 },
+    #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
+    OutOfRange { row: usize, index: u32, vertices: usize },
+    #[error("array `{array}`, row {row}: {source}")]
+    Data { array: &'static str, row: usize, source: io::Error },
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "none".into(),
+        names => names.iter().take(12).map(String::as_str).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn shown(shape: &[u64]) -> String {
+    shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Reads the two arrays: `positions` (V,3) float32, `faces` (F,3) integers; either byte order, either array order.
+pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
+    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
+    let positions = Entry {
+        array: "positions",
+        limit: u64::from(u32::MAX) - 1,
+        wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
+        accepts: |element| element.kind == 'f' && element.size == 4,
+    };
+    let faces = Entry {
+        array: "faces",
+        limit: rimline::mesh::MAX_FACES as u64,
+        wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
+        accepts: |element| matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8)),
+    };
+    let positions = positions.rows(&mut archive, float)?;
+    let faces: Vec<[u32; 3]> = faces.rows(&mut archive, index)?;
+    let vertices = positions.len();
+    for (row, face) in faces.iter().enumerate() {
+        if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
+            return Err(NpzError::OutOfRange { row, index, vertices });
+        }
+    }
+    Ok(Arrays { positions, faces })
+}
+
+/// What one of the arrays must be.
+struct Entry {
+    array: &'static str,
+    limit: u64,
+    wanted: &'static str,
+    accepts: fn(ElementType) -> bool,
+}
+
+impl Entry {
+    fn rows<T: Copy + Default>(
+        &self,
+        archive: &mut ZipArchive<impl Read + Seek>,
+        decode: fn(ElementType, &[u8]) -> Result<T, i128>,
+    ) -> Result<Vec<[T; 3]>, NpzError> {
+        let array = self.array;
+        let name = format!("{array}.npy");
+        if archive.index_for_name(&name).is_none() {
+            let found = archive.file_names_raw().map(|name| String::from_utf8_lossy(name).into());
+            let found = found.collect();
+            return Err(NpzError::Missing { array, found });
+        }
+        let mut entry = archive.by_name(&name).map_err(|source| NpzError::Entry { array, source })?;
+        let held = entry.size();
+        let mut counted = CountedReader { inner: &mut entry, count: 0 };
+        let header = Header::read(&mut counted).map_err(|source| NpzError::Header { array, source })?;
+        let element = header.element.filter(|&element| (self.accepts)(element));
+        let element = element.ok_or_else(|| NpzError::Element {
+            array,
+            found: header.descr.chars().take(40).collect(),
+            wanted: self.wanted,
+        })?;
+        let [rows, 3] = header.shape[..] else {
+            let shape = header.shape;
+            return Err(NpzError::Shape { array, shape });
+        };
+        let limit = self.limit;
+        if rows > limit {
+            return Err(NpzError::Rows { array, rows, limit });
+        }
+        // Known before anything is allocated: rows are below 2^32, so this cannot overflow.
+        let wanted = counted.count + rows * 3 * element.size as u64;
+        if wanted != held {
+            return Err(NpzError::Length { array, wanted, held });
+        }
+        let order = if header.fortran_order { Order::Columns } else { Order::Rows };
+        Elements { array, rows: rows as usize, element, decode }.read(entry, order)
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Order {
+    Rows,
+    Columns,
+}
+
+/// The elements of one array, about to be read.
+struct Elements<T> {
+    array: &'static str,
+    rows: usize,
+    element: ElementType,
+    decode: fn(ElementType, &[u8]) -> Result<T, i128>,
+}
+
+impl<T: Copy + Default> Elements<T> {
+    /// Memory grows with the data that is really there, whatever the header says.
+    fn read(&self, mut reader: impl Read, order: Order) -> Result<Vec<[T; 3]>, NpzError> {
+        let mut all: Vec<[T; 3]> = Vec::new();
+        match order {
+            Order::Rows => self.triples(&mut reader, |row, triple| self.set(&mut all, row, |to| *to = triple))?,
+            Order::Columns => {
+                // The same bytes in the same number of triples, whose elements run down the columns.
+                self.triples(&mut reader, |at, triple| {
+                    triple.into_iter().enumerate().try_for_each(|(i, value)| {
+                        let place = 3 * at + i;
+                        self.set(&mut all, place % self.rows, |to| to[place / self.rows] = value)
+                    })
+                })?;
+            }
+        }
+        // One byte past the end: only then does the archive compare checksums.
+        match reader.take(1).read_to_end(&mut Vec::new()) {
+            Ok(0) => Ok(all),
+            Ok(_) => Err(self.data(self.rows, io::Error::other("its ZIP entry is longer than it says"))),
+            Err(source) => Err(self.data(self.rows, source)),
+        }
+    }
+
+    fn data(&self, row: usize, source: io::Error) -> NpzError {
+        let array = self.array;
+        NpzError::Data { array, row, source }
+    }
+
+    fn set(&self, all: &mut Vec<[T; 3]>, row: usize, set: impl FnOnce(&mut [T; 3])) -> Result<(), NpzError> {
+        if row >= all.len() {
+            all.try_reserve(1).map_err(|_| NpzError::Memory { array: self.array, rows: self.rows as u64 })?;
+            all.resize(row + 1, [T::default(); 3]);
+        }
+        set(&mut all[row]);
+        Ok(())
+    }
+
+    fn triples(
+        &self,
+        reader: &mut impl Read,
+        mut visit: impl FnMut(usize, [T; 3]) -> Result<(), NpzError>,
+    ) -> Result<(), NpzError> {
+        const CHUNK_ROWS: usize = 1 << 12;
+        let size = self.element.size;
+        let mut chunk = vec![0; CHUNK_ROWS * 3 * size];
+        for first in (0..self.rows).step_by(CHUNK_ROWS) {
+            let bytes = &mut chunk[..CHUNK_ROWS.min(self.rows - first) * 3 * size];
+            reader.read_exact(bytes).map_err(|source| self.data(first, source))?;
+            for (row, triple) in (first..).zip(bytes.chunks_exact(3 * size)) {
+                let mut values = [T::default(); 3];
+                for (value, bytes) in values.iter_mut().zip(triple.chunks_exact(size)) {
+                    *value = (self.decode)(self.element, bytes).map_err(|index| NpzError::Index {
+                        array: self.array,
+                        row,
+                        index,
+                    })?;
+                }
+                visit(row, values)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Up to eight bytes as a little-endian number's low bytes.
+fn raw(element: ElementType, bytes: &[u8]) -> u64 {
+    let mut low = [0; 8];
+    for (i, &byte) in bytes.iter().enumerate() {
+        low[if element.big_endian { bytes.len() - 1 - i } else { i }] = byte;
+    }
+    u64::from_le_bytes(low)
+}
+
+/// The same bits; a NaN keeps its payload.
+#[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
+fn float(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
+    Ok(f32::from_bits(raw(element, bytes) as u32))
+}
+
+fn index(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
+    let value = raw(element, bytes);
+    let value = if element.kind == 'i' {
+        let unused = 64 - 8 * element.size as u32;
+        i128::from((value << unused) as i64 >> unused)
+    } else {
+        i128::from(value)
+    };
+    u32::try_from(value).map_err(|_| value)
+}
+
+struct CountedReader<'a, R: Read> {
+    inner: &'a mut R,
+    count: u64,
+}
+
+impl<R: Read> Read for CountedReader<'_, R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(bytes)?;
+        self.count += count as u64;
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indices_of_every_width_and_order() {
+        let element = |kind, size, big_endian| ElementType { kind, size, big_endian };
+        assert_eq!(index(element('u', 1, false), &[255]), Ok(255));
+        assert_eq!(index(element('i', 1, false), &[255]), Err(-1));
+        assert_eq!(index(element('u', 2, true), &[1, 2]), Ok(258));
+        assert_eq!(index(element('i', 8, false), &[7, 0, 0, 0, 0, 0, 0, 0]), Ok(7));
+        assert_eq!(index(element('i', 4, true), &[255, 255, 255, 254]), Err(-2));
+        assert_eq!(index(element('u', 8, false), &[0, 0, 0, 0, 1, 0, 0, 0]), Err(1 << 32));
+    }
+
+    #[test]
+    fn columns_become_rows() {
+        let bytes: Vec<u8> = vec![1, 4, 2, 5, 3, 6];
+        let elements = Elements { array: "faces", rows: 2, element: ElementType::U8, decode: index };
+        let rows = elements.read(bytes.as_slice(), Order::Columns).expect("six bytes are there");
+        assert_eq!(rows, [[1, 2, 3], [4, 5, 6]]);
+    }
+}

@@ -1,0 +1,117 @@
+//! Output files that are whole or not there, and text for pipes.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, Once, PoisonError};
+
+use crate::failure::Failure;
+
+/// The file being written, for the handler of Ctrl-C to remove.
+static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// A file that takes its name only once it is complete: it is written beside its target and then renamed. Dropped
+/// before, or stopped by Ctrl-C, it is removed.
+#[derive(Debug)]
+pub(crate) struct Output {
+    target: PathBuf,
+    temporary: PathBuf,
+    file: Option<BufWriter<File>>,
+}
+
+impl Output {
+    /// Starts a file; done before any long work, so that an unwritable place is known at once.
+    pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
+        Self::start(target).map_err(|source| Failure::Output { file: target.to_owned(), source })
+    }
+
+    fn start(target: &Path) -> io::Result<Self> {
+        // Through links, so that the link stays and what it names is replaced.
+        let target = match target.canonicalize() {
+            Ok(existing) if existing.is_file() => existing,
+            Ok(_) => return Err(io::Error::other("it exists and is not a file; choose another name")),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => target.to_owned(),
+            Err(error) => return Err(error),
+        };
+        if let Some(folder) = target.parent()
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
+            return Err(io::Error::other("its folder does not exist; make it first"));
+        }
+        let name = target.file_name().ok_or_else(|| io::Error::other("it is not the name of a file"))?;
+        let mut hidden = std::ffi::OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}.part", std::process::id()));
+        let temporary = target.with_file_name(hidden);
+        remove_at_interrupt();
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
+        *unfinished = Some(temporary.clone());
+        Ok(Self { target, temporary, file: Some(BufWriter::with_capacity(1 << 18, file)) })
+    }
+
+    /// Lets `write` fill the file and puts it in its place.
+    pub(crate) fn finish<E: Into<io::Error>>(
+        mut self,
+        write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        let complete = |output: &mut Self| -> io::Result<()> {
+            if let Some(mut file) = output.file.take() {
+                write(&mut file).map_err(Into::into)?;
+                // Closed before it is renamed: some systems refuse to rename an open file.
+                file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+            }
+            let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+            std::fs::rename(&output.temporary, &output.target)?;
+            *unfinished = None;
+            Ok(())
+        };
+        complete(&mut self).map_err(|source| Failure::Output { file: self.target.clone(), source })
+    }
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        self.file = None;
+        remove_unfinished();
+    }
+}
+
+/// Removes the file being written, if there is one. That it fails can have no remedy here.
+fn remove_unfinished() {
+    let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some(path) = unfinished {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+fn remove_at_interrupt() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let handler = || {
+            remove_unfinished();
+            // 128 and the number of the signal, as shells have it.
+            std::process::exit(130);
+        };
+        if let Err(error) = ctrlc::set_handler(handler) {
+            log::warn!("Ctrl-C would leave a partial file: {error}");
+        }
+    });
+}
+
+/// Prints to standard output. A reader that has gone away (`| head`) is no failure.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Output { file: "standard output".into(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a remark for the user to standard error, which carries no results.
+pub(crate) fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "rimline: {text}");
+}

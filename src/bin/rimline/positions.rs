@@ -1,0 +1,67 @@
+//! Positions on the GPU, whether the file has them or a pose makes them.
+
+use rimline::gpu::{Deformer, DeformerOptions, MemoryError, PositionBuffer, ReadError, StageTimer, read_back_vec};
+use rimline::{Displacement, wgpu};
+
+use crate::device::Gpu;
+use crate::gpu_error::GpuError;
+use crate::input::Shape;
+
+/// World-space positions on the GPU: uploaded, or deformed there.
+pub(crate) enum Positions {
+    Uploaded(wgpu::Buffer),
+    Deformed(Box<Deformer>),
+}
+
+impl Positions {
+    pub(crate) fn new(gpu: &Gpu, shape: &Shape<'_>, displacement: Option<&Displacement>) -> Result<Self, GpuError> {
+        match shape {
+            Shape::World(positions) => {
+                let bytes: &[u8] = bytemuck::cast_slice(positions);
+                let (size, limit) = (bytes.len() as u64, gpu.device.limits().max_buffer_size);
+                if size > limit {
+                    let label = "positions";
+                    return Err(MemoryError::Buffer { label, bytes: size, limit }.into());
+                }
+                let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("positions"),
+                    size: size.max(16),
+                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                });
+                gpu.queue.write_buffer(&buffer, 0, bytes);
+                Ok(Self::Uploaded(buffer))
+            }
+            Shape::Posed { model, .. } => {
+                let options = DeformerOptions { displacement, ..DeformerOptions::default() };
+                Ok(Self::Deformed(Box::new(Deformer::new(&gpu.device, model, options)?)))
+            }
+        }
+    }
+
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        shape: &Shape<'_>,
+        time_s: f32,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        if let (Self::Deformed(deformer), Shape::Posed { pose, .. }) = (self, shape) {
+            deformer.encode(encoder, pose, time_s, None, timer)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn buffer(&self) -> PositionBuffer<'_> {
+        match self {
+            Self::Uploaded(buffer) => PositionBuffer { buffer, offset: 0, stride: 12 },
+            Self::Deformed(deformer) => deformer.positions(),
+        }
+    }
+
+    pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, ReadError> {
+        let mut positions = read_back_vec(&gpu.device, &gpu.queue, self.buffer().buffer)?;
+        positions.truncate(vertices);
+        Ok(positions)
+    }
+}

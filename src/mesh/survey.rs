@@ -1,0 +1,180 @@
+//! What a person wants to know of a mesh before trusting its silhouette: is it closed, and if not, where it is open.
+
+use super::{Edge, EdgeCounts, EdgeKind, Mesh, is_degenerate};
+
+/// The findings of [`Mesh::survey`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Survey {
+    /// Parts that share no vertex with each other, degenerate faces left out.
+    pub components: usize,
+    /// Edge records by kind.
+    pub edges: EdgeCounts,
+    /// Undirected edges where more than two faces meet; each has several records.
+    pub non_manifold_edges: usize,
+    /// Faces that name a vertex twice: they keep their row, face no light and have no edges.
+    pub degenerate_faces: usize,
+    /// Faces with the same three vertices as an earlier one, whichever way round; degenerate ones left out.
+    pub duplicate_faces: usize,
+    /// The first records that are not of kind [`EdgeKind::Consistent`]: why the mesh does not count as closed.
+    pub offending_edges: Vec<Edge>,
+}
+
+impl Survey {
+    /// Every record is of kind [`EdgeKind::Consistent`]; a mesh of degenerate faces alone has none, so it counts.
+    pub fn is_closed(&self) -> bool {
+        self.edges.boundary == 0 && self.edges.inconsistent == 0
+    }
+}
+
+impl Mesh {
+    /// Looks the mesh over; at most `offending_limit` edges are listed. Takes time like a sort of the faces.
+    pub fn survey(&self, offending_limit: usize) -> Survey {
+        let offends = |edge: &Edge| edge.kind != EdgeKind::Consistent;
+        Survey {
+            components: components(self.vertex_count() as usize, self.faces()),
+            edges: self.edges().counts(),
+            non_manifold_edges: non_manifold_edges(self.edges().vertices()),
+            degenerate_faces: self.degenerate_faces(),
+            duplicate_faces: duplicate_faces(self.faces()),
+            offending_edges: self.edges().iter().filter(offends).take(offending_limit).collect(),
+        }
+    }
+}
+
+/// The smallest box, along the axes, around some positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The lowest x, y and z.
+    pub min: [f32; 3],
+    /// The highest x, y and z.
+    pub max: [f32; 3],
+}
+
+impl Bounds {
+    /// The box around the finite ones of `positions`; `None` when there is none.
+    pub fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
+        positions.into_iter().filter(|position| position.iter().all(|c| c.is_finite())).fold(
+            None,
+            |bounds: Option<Self>, &position| {
+                let Some(mut bounds) = bounds else {
+                    return Some(Self { min: position, max: position });
+                };
+                for (axis, c) in position.into_iter().enumerate() {
+                    bounds.min[axis] = bounds.min[axis].min(c);
+                    bounds.max[axis] = bounds.max[axis].max(c);
+                }
+                Some(bounds)
+            },
+        )
+    }
+}
+
+/// Trees of vertices, joined along faces; every root that a face leads to is a part.
+fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
+    fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
+        while parents[vertex as usize] != vertex {
+            let grandparent = parents[parents[vertex as usize] as usize];
+            parents[vertex as usize] = grandparent;
+            vertex = grandparent;
+        }
+        vertex
+    }
+    let mut parents: Vec<u32> = (0..vertex_count as u32).collect();
+    let mut used = vec![false; vertex_count];
+    for &[a, b, c] in faces.iter().filter(|face| !is_degenerate(**face)) {
+        let first = root(&mut parents, a);
+        for vertex in [b, c] {
+            let other = root(&mut parents, vertex);
+            // The higher root hangs below the lower: cheap, and with the halving above near enough to linear.
+            let (low, high) = (parents[first as usize].min(other), parents[first as usize].max(other));
+            parents[high as usize] = low;
+            parents[first as usize] = low;
+        }
+        for vertex in [a, b, c] {
+            used[vertex as usize] = true;
+        }
+    }
+    (0..vertex_count).filter(|&v| used[v] && parents[v] as usize == v).count()
+}
+
+/// k faces at an edge make ⌈k/2⌉ records, so more than one record means more than two faces.
+fn non_manifold_edges(records: &[[u32; 2]]) -> usize {
+    let mut keys: Vec<[u32; 2]> = records.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+    keys.sort_unstable();
+    keys.chunk_by(|a, b| a == b).filter(|run| run.len() > 1).count()
+}
+
+fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
+    let mut keys: Vec<[u32; 3]> = faces
+        .iter()
+        .filter(|face| !is_degenerate(**face))
+        .map(|&face| {
+            let mut key = face;
+            key.sort_unstable();
+            key
+        })
+        .collect();
+    keys.sort_unstable();
+    keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn survey(vertices: usize, faces: &[[u32; 3]]) -> Survey {
+        Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").survey(2)
+    }
+
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+
+    #[test]
+    fn a_tetrahedron_is_one_closed_part() {
+        let survey = survey(4, &TETRAHEDRON);
+        assert!(survey.is_closed());
+        assert_eq!((survey.components, survey.edges.consistent), (1, 6));
+        assert_eq!((survey.non_manifold_edges, survey.duplicate_faces), (0, 0));
+        assert_eq!(survey.offending_edges, []);
+    }
+
+    #[test]
+    fn two_apart_and_one_touching_vertex() {
+        let shifted = |by: u32| TETRAHEDRON.map(|face| face.map(|v| v + by));
+        let apart = [TETRAHEDRON, shifted(4)].concat();
+        assert_eq!(survey(9, &apart).components, 2);
+        let touching = [TETRAHEDRON, shifted(3)].concat();
+        assert_eq!(survey(7, &touching).components, 1);
+    }
+
+    #[test]
+    fn parts_met_in_any_order_join() {
+        // Triangles far apart first, joined by the last ones: roots change after they were taken.
+        let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
+        assert_eq!(survey(11, &faces).components, 1);
+        assert_eq!(survey(11, &faces[..4]).components, 2);
+    }
+
+    #[test]
+    fn an_open_mesh_names_its_first_open_edges() {
+        let survey = survey(4, &TETRAHEDRON[1..]);
+        assert!(!survey.is_closed());
+        assert_eq!(survey.edges.boundary, 3);
+        assert_eq!(survey.offending_edges.len(), 2);
+        assert_eq!(survey.offending_edges[0].vertices, [1, 0]);
+    }
+
+    #[test]
+    fn three_faces_at_an_edge_and_repeated_ones_are_counted() {
+        let survey = survey(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 1, 0], [3, 3, 4]]);
+        assert_eq!(survey.non_manifold_edges, 1);
+        assert_eq!((survey.duplicate_faces, survey.degenerate_faces), (1, 1));
+    }
+
+    #[test]
+    fn bounds_leave_out_what_is_not_finite() {
+        let positions = [[1.0, -2.0, 3.0], [f32::NAN, 9.0, 9.0], [-1.0, 4.0, 3.5]];
+        let bounds = Bounds::of(&positions).expect("two are finite");
+        assert_eq!((bounds.min, bounds.max), ([-1.0, -2.0, 3.0], [1.0, 4.0, 3.5]));
+        assert_eq!(Bounds::of(&positions[1..2]), None);
+    }
+}

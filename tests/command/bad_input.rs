@@ -1,0 +1,58 @@
+//! Model files that are bad by design: a typed error with its place, no panic, no result.
+
+use std::path::Path;
+
+use libtest_mimic::Trial;
+
+use super::run::{folder, is_empty, on_asset, rimline};
+use super::{Outcome, ensure};
+
+const FILES: &[&str] = &[
+    "bad/BoxDraco.gltf",
+    "bad/BoxWithInfinites.glb",
+    "bad/IndexOutOfRange.gltf",
+    "bad/badUint.gltf",
+    "bad/bufferview_invalid_length.gltf",
+    "bad/chunk_too_big.glb",
+    "bad/ibm_invalid_count.gltf",
+    "bad/index_buffer_oob.gltf",
+    "bad/index_buffer_primitive_restart.gltf",
+    "bad/indices_invalid_format.gltf",
+    "bad/invalid-buffer-view-index.gltf",
+    "bad/invalid_json_chunk.glb",
+    "bad/joints_weights_complex.gltf",
+    "bad/missing_bin/missing_bin.gltf",
+    "bad/morph_attribute_invalid_count.gltf",
+    "bad/node_loop.gltf",
+    "bad/own_box_nan_position.glb",
+    "bad/own_box_truncated.glb",
+    "bad/position_accessor_invalid_format.gltf",
+    "bad/primitive_no_position.gltf",
+    "bad/truncated_chunk_data.glb",
+    "bad/unresolved_positions.gltf",
+];
+
+pub(crate) fn trials() -> Vec<Trial> {
+    FILES.iter().map(|file| on_asset("bad_input", file, refused)).collect()
+}
+
+fn refused(file: &Path) -> Outcome {
+    let folder = folder();
+    let model = file.as_os_str();
+    let out = folder.path().join("out");
+    let options: [&[&str]; 3] = [&["extract", "--light", "dir:0,1,0", "--device", "cpu"], &["draw"], &["info"]];
+    for options in options {
+        let mut line: Vec<_> = options.iter().map(AsRef::as_ref).collect();
+        line.push(model);
+        if options[0] != "info" {
+            line.extend(["--out".as_ref(), out.as_os_str()]);
+        }
+        let run = rimline(line);
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        run.expect(1, &["rimline: error: ", &name])?;
+        // The place: something after the file's name.
+        let detail = run.stderr.rsplit_once(&format!("{name}: ")).map_or("", |(_, detail)| detail.trim());
+        ensure!(detail.len() > 20, "the message says too little: {}", run.stderr);
+    }
+    is_empty(folder.path())
+}
