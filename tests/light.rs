@@ -36,28 +36,16 @@ fn bits_in_mesh_space_are_those_in_world_space() -> Result<(), String> {
         -DMat3::IDENTITY,
     ];
     let shape = shapes::blob(3, 0.5, 2);
-    let positions: Vec<_> = shape
-        .positions
-        .iter()
-        .map(|p| p.map(|c| (c * 64.0).round() / 64.0))
-        .collect();
+    let positions: Vec<_> = shape.positions.iter().map(|p| p.map(|c| (c * 64.0).round() / 64.0)).collect();
     for turn in turns {
-        for scale in [
-            DVec3::ONE,
-            DVec3::splat(0.25),
-            DVec3::new(2.0, 4.0, 0.5),
-            DVec3::splat(-2.0),
-        ] {
+        for scale in [DVec3::ONE, DVec3::splat(0.25), DVec3::new(2.0, 4.0, 0.5), DVec3::splat(-2.0)] {
             let transform = DAffine3 {
                 matrix3: turn * DMat3::from_diagonal(scale),
                 translation: DVec3::from([0; 3].map(|_| random.below(21) as f64 - 10.0)),
             };
             let mirrored = transform.matrix3.determinant() < 0.0;
             let world: Vec<_> = positions.iter().map(|&p| place(&transform, p)).collect();
-            let turned = shape
-                .faces
-                .iter()
-                .map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+            let turned = shape.faces.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
             let turned: Vec<_> = turned.collect();
             let lights: Vec<_> = (0..24)
                 .map(|index| {

@@ -18,11 +18,7 @@ impl Liberties {
     }
 
     fn flush(&mut self, value: f32) -> f32 {
-        if value.is_subnormal() && self.chance() {
-            0.0
-        } else {
-            value
-        }
+        if value.is_subnormal() && self.chance() { 0.0 } else { value }
     }
 
     /// One of the two neighbours of an exact value.
@@ -83,7 +79,8 @@ impl Liberties {
     }
 }
 
-/// The filter's full bound, computed with the same liberties: `wgsl/facing.wgsl`, `decide_again`, without the stage.
+/// The filter's full bound, computed with the same liberties: `wgsl/exact_facing.wgsl`, `filter_lights`, whose own
+/// underflow term is no smaller.
 impl Liberties {
     fn product(&mut self, x: f32, y: f32) -> f32 {
         self.product_sum(x, y, 0.0)
@@ -122,11 +119,7 @@ fn hard_pair(random: &mut Random) -> ([[f32; 3]; 3], Light) {
     let flat = random.below(4) == 0;
     let corners = [0; 3].map(|_| {
         let [x, y, z] = random.direction().map(|c| c * scale);
-        [
-            x + centre[0],
-            if flat { centre[1] } else { y + centre[1] },
-            z + centre[2],
-        ]
+        [x + centre[0], if flat { centre[1] } else { y + centre[1] }, z + centre[2]]
     });
     let [a, b, c] = corners;
     let w = [0.0, 1.0, random.between(0.2, 5.0), random.between(-3.0, -0.1)][random.below(4)];
@@ -137,11 +130,7 @@ fn hard_pair(random: &mut Random) -> ([[f32; 3]; 3], Light) {
     let mut l: [f32; 3] = std::array::from_fn(|i| w * a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
     for _ in 0..random.below(4) {
         let at = random.below(3);
-        l[at] = if random.below(2) == 0 {
-            l[at].next_up()
-        } else {
-            l[at].next_down()
-        };
+        l[at] = if random.below(2) == 0 { l[at].next_up() } else { l[at].next_down() };
     }
     (corners, Light::homogeneous([l[0], l[1], l[2], w]))
 }
@@ -160,9 +149,7 @@ fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, St
         for _ in 0..4 {
             let determinant = liberties.determinant(corners, light);
             if (determinant > 0.0) != (exact > 0) {
-                return Err(format!(
-                    "round {round}: {corners:?}, {light:?}: {determinant:e}, exactly {exact}"
-                ));
+                return Err(format!("round {round}: {corners:?}, {light:?}: {determinant:e}, exactly {exact}"));
             }
         }
     }
@@ -177,14 +164,9 @@ fn the_band_holds_for_any_rounding() -> Result<(), String> {
     let outside = certificates_hold(seed, rounds, facing_bound)?;
     println!("{outside} of {rounds} pairs outside the band");
     if outside * 20 < rounds || outside > rounds / 20 * 19 {
-        return Err(format!(
-            "{outside} of {rounds} outside: neither side of the band is tried enough"
-        ));
+        return Err(format!("{outside} of {rounds} outside: neither side of the band is tried enough"));
     }
-    must_fail(
-        "a bound without the term in Q",
-        &certificates_hold(seed, rounds, facing_bound_without_q),
-    )
+    must_fail("a bound without the term in Q", &certificates_hold(seed, rounds, facing_bound_without_q))
 }
 
 /// Pairs that the filter decides, and decides wrongly, at a relative bound of `units` of the last place.

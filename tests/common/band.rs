@@ -70,44 +70,23 @@ pub(crate) fn facing_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option
     let light_scaled = scaled(light);
     // Products with a power of two are exact.
     let is_exact = light.w.to_bits() << 9 == 0;
-    let q = if is_exact {
-        0.0
-    } else {
-        Terms::new(corners, light_scaled).q
-    };
+    let q = if is_exact { 0.0 } else { Terms::new(corners, light_scaled).q };
     let (determinant, bound) = facing_bound_without_q(corners, light);
-    (
-        determinant,
-        bound.map(|bound| bound + U * (1.0 + gamma(8)) * q * EVALUATED),
-    )
+    (determinant, bound.map(|bound| bound + U * (1.0 + gamma(8)) * q * EVALUATED))
 }
 
 /// A bound that forgets what the rounding of w·a does: for negative controls.
 pub(crate) fn facing_bound_without_q(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
-    let Terms {
-        p,
-        largest: m,
-        determinant,
-        ..
-    } = Terms::new(corners, scaled(light));
+    let Terms { p, largest: m, determinant, .. } = Terms::new(corners, scaled(light));
     let underflow = 256.0 * TAU * m * (1.0 + m).powi(2) + 16.0 * TAU;
     // The determinant in f64 is itself wrong by at most 2⁻⁴⁹ P.
-    (
-        determinant,
-        (m <= MOST).then_some((gamma(8) * p + underflow) * EVALUATED + 2e-15 * p),
-    )
+    (determinant, (m <= MOST).then_some((gamma(8) * p + underflow) * EVALUATED + 2e-15 * p))
 }
 
 /// The same of NUMERICS.md, "Per edge", for the first corner as origin.
 pub(crate) fn per_edge_bound(corners: [[f32; 3]; 3], light: Light) -> (f64, Option<f64>) {
     let terms = Terms::new(corners, light.to_array().map(f64::from));
-    let Terms {
-        p,
-        q,
-        l,
-        largest: m,
-        determinant,
-    } = terms;
+    let Terms { p, q, l, largest: m, determinant } = terms;
     let bound = (gamma(11) * (l + q) + 512.0 * TAU * (1.0 + m).powi(3)) * EVALUATED + 2e-15 * p;
     (determinant, (m <= MOST_PER_EDGE).then_some(bound))
 }

@@ -42,9 +42,7 @@ pub(crate) fn check_deform(found: &[[f32; 3]], model: &Model, pose: &Pose) -> Re
             for ((got, expected), bound) in found[at].into_iter().zip(twin[at]).zip(bound) {
                 let error = (f64::from(got) - f64::from(expected)).abs();
                 if error.is_nan() || error > bound {
-                    return Err(format!(
-                        "vertex {at}: {got}, twin {expected}, apart {error:e}, bound {bound:e}"
-                    ));
+                    return Err(format!("vertex {at}: {got}, twin {expected}, apart {error:e}, bound {bound:e}"));
                 }
                 differ += usize::from(got.to_bits() != expected.to_bits());
             }
@@ -198,22 +196,9 @@ fn refused() -> Result<(), String> {
     let deformer = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(text)?;
     let before = deformed(gpu, &deformer, &model, &pose)?;
     let perturbations: [Perturbation; 5] = [
-        (
-            |pose| pose.instances.truncate(6),
-            PoseMismatch::Instances { given: 6, needed: 7 },
-        ),
-        (
-            |pose| pose.instances.push(pose.instances[0].clone()),
-            PoseMismatch::Instances { given: 8, needed: 7 },
-        ),
-        (
-            |pose| pose.instances[1].palette.clear(),
-            PoseMismatch::Palette {
-                instance: 1,
-                given: 0,
-                needed: 1,
-            },
-        ),
+        (|pose| pose.instances.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
+        (|pose| pose.instances.push(pose.instances[0].clone()), PoseMismatch::Instances { given: 8, needed: 7 }),
+        (|pose| pose.instances[1].palette.clear(), PoseMismatch::Palette { instance: 1, given: 0, needed: 1 }),
         (
             |pose| pose.instances[3].morph_weights.truncate(4),
             PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 },

@@ -52,10 +52,7 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
         operation: wgpu::BlendOperation::Add,
     };
     let constants = [("LIGHT", (light % 32) as f64)];
-    let compilation_options = wgpu::PipelineCompilationOptions {
-        constants: &constants,
-        ..Default::default()
-    };
+    let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("painter"),
         layout: Some(&layout),
@@ -65,10 +62,7 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
             compilation_options: compilation_options.clone(),
             buffers: &[],
         },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
@@ -77,10 +71,7 @@ fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize
             compilation_options,
             targets: &[Some(wgpu::ColorTargetState {
                 format: wgpu::TextureFormat::R8Unorm,
-                blend: Some(wgpu::BlendState {
-                    color: added,
-                    alpha: added,
-                }),
+                blend: Some(wgpu::BlendState { color: added, alpha: added }),
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }),
@@ -94,11 +85,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
     let device = &gpu.device;
     let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
     let pipeline = pipeline(device, &results, light);
-    let size = wgpu::Extent3d {
-        width: SIDE,
-        height: SIDE,
-        depth_or_array_layers: 1,
-    };
+    let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
     let target = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("edges"),
         size,
@@ -120,10 +107,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
                 view: &view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
             })],
             ..Default::default()
         });
@@ -135,11 +119,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
             target.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &copied,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(256),
-                    rows_per_image: None,
-                },
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None },
             },
             size,
         );
@@ -160,11 +140,7 @@ fn drawn() -> Result<(), String> {
             return Err(format!("{}: {edges} edges do not fit the picture", case.0));
         }
         for capacity in [u32::MAX, 20] {
-            let lists = ListOptions {
-                capacity: Some(capacity),
-                ordered: false,
-                vertices_per_edge: 4,
-            };
+            let lists = ListOptions { capacity: Some(capacity), ordered: false, vertices_per_edge: 4 };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
             let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;

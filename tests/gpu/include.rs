@@ -13,10 +13,8 @@ use crate::common::{lights, must_fail, same};
 use crate::positions::interleaved;
 use crate::stages::read;
 
-pub(crate) const TESTS: &[crate::Test] = &[
-    ("the_include_reads_what_the_twin_finds", computed),
-    ("the_include_refuses_what_it_cannot_read", refused),
-];
+pub(crate) const TESTS: &[crate::Test] =
+    &[("the_include_reads_what_the_twin_finds", computed), ("the_include_refuses_what_it_cannot_read", refused)];
 
 fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
@@ -62,11 +60,7 @@ impl Scene {
         lights: &[Light],
         lists: ListOptions,
     ) -> Result<Self, String> {
-        let options = ExtractorOptions {
-            max_lights: LIGHTS,
-            lists: Some(lists),
-            ..Default::default()
-        };
+        let options = ExtractorOptions { max_lights: LIGHTS, lists: Some(lists), ..Default::default() };
         let mut scene = Self {
             extractor: Extractor::new(&gpu.device, &mesh, options).map_err(text)?,
             buffer: gpu.storage(&interleaved(&positions, OFFSET, STRIDE)),
@@ -74,28 +68,17 @@ impl Scene {
             mesh,
         };
         let buffer = scene.buffer.clone();
-        gpu.submit(|encoder| {
-            scene
-                .extractor
-                .encode(encoder, bound(&buffer), lights, None)
-                .map_err(text)
-        })?;
+        gpu.submit(|encoder| scene.extractor.encode(encoder, bound(&buffer), lights, None).map_err(text))?;
         Ok(scene)
     }
 
     pub(crate) fn group(&self, layout: &wgpu::BindGroupLayout, word: usize) -> Result<wgpu::BindGroup, String> {
-        self.extractor
-            .results_bind_group(layout, word, bound(&self.buffer))
-            .map_err(text)
+        self.extractor.results_bind_group(layout, word, bound(&self.buffer)).map_err(text)
     }
 }
 
 fn bound(buffer: &wgpu::Buffer) -> PositionBuffer<'_> {
-    PositionBuffer {
-        buffer,
-        offset: OFFSET,
-        stride: STRIDE,
-    }
+    PositionBuffer { buffer, offset: OFFSET, stride: STRIDE }
 }
 
 /// What the reader found for a light: the valid edges, eight words each, in the order of the edges.
@@ -144,14 +127,8 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
         label: Some("reader"),
         layout: &own,
         entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: draws.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: found.as_entire_binding(),
-            },
+            wgpu::BindGroupEntry { binding: 0, resource: draws.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
         ],
     });
     let results = scene.group(&results, light / 32)?;
@@ -193,11 +170,7 @@ fn computed() -> Result<(), String> {
     let mut random = Random::new(seed);
     for case in topologies() {
         for (capacity, ordered) in [(u32::MAX, true), (u32::MAX, false), (20, true), (20, false)] {
-            let lists = ListOptions {
-                capacity: Some(capacity),
-                ordered,
-                vertices_per_edge: 4,
-            };
+            let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 4 };
             let lights = lights(&mut random, LIGHTS);
             let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
             let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
@@ -221,33 +194,18 @@ fn refused() -> Result<(), String> {
     let (_, positions, mesh) = case("cube", shapes::cube());
     let buffer = gpu.storage(&positions);
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
-    let plain = PositionBuffer {
-        buffer: &buffer,
-        offset: 0,
-        stride: 12,
-    };
+    let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let error = |options, word, positions| {
         let extractor = Extractor::new(&gpu.device, &mesh, options).map_err(text)?;
         Ok::<_, String>(extractor.results_bind_group(&layout, word, positions).err())
     };
     let good = ExtractorOptions::default();
     let without_lists = ExtractorOptions { lists: None, ..good };
-    let per_edge = ExtractorOptions {
-        method: Method::PerEdge,
-        ..good
-    };
+    let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
     let odd = PositionBuffer { offset: 2, ..plain };
     same("good", &[error(good, 0, plain)?], &[None])?;
-    same(
-        "no lists",
-        &[error(without_lists, 0, plain)?],
-        &[Some(IncludeError::NoLists)],
-    )?;
-    same(
-        "per edge",
-        &[error(per_edge, 0, plain)?],
-        &[Some(IncludeError::NoLists)],
-    )?;
+    same("no lists", &[error(without_lists, 0, plain)?], &[Some(IncludeError::NoLists)])?;
+    same("per edge", &[error(per_edge, 0, plain)?], &[Some(IncludeError::NoLists)])?;
     let expected = IncludeError::NoSuchWord { word: 1, words: 1 };
     same("word", &[error(good, 1, plain)?], &[Some(expected)])?;
     match error(good, 0, odd)? {

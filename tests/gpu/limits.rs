@@ -12,10 +12,8 @@ use crate::deform::check_deform;
 use crate::positions::interleaved;
 use crate::stages::{Found, read};
 
-pub(crate) const TESTS: &[crate::Test] = &[
-    ("small_limits_change_nothing", unchanged),
-    ("small_limits_change_no_deformation", deform_unchanged),
-];
+pub(crate) const TESTS: &[crate::Test] =
+    &[("small_limits_change_nothing", unchanged), ("small_limits_change_no_deformation", deform_unchanged)];
 
 pub(crate) fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
@@ -111,19 +109,11 @@ fn unchanged() -> Result<(), String> {
         spans[1].insert(windows(mesh.faces().len() as u64 * 4, binding));
         for (count, capacity) in [(1, 2000), (33, 100), (3, 1000)] {
             let lights = lights(&mut random, count);
-            for (method, ordered) in [
-                (Method::FaceMask, false),
-                (Method::FaceMask, true),
-                (Method::PerEdge, true),
-            ] {
+            for (method, ordered) in [(Method::FaceMask, false), (Method::FaceMask, true), (Method::PerEdge, true)] {
                 // Per-edge lists have room for all edges; where a binding does not, only the masks are compared.
                 let list_bytes = 4 * mesh.edges().len() as u64 * count.min(32) as u64;
                 let fits = method == Method::FaceMask || list_bytes <= binding;
-                let lists = ListOptions {
-                    capacity: Some(capacity),
-                    ordered,
-                    vertices_per_edge: 6,
-                };
+                let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 6 };
                 let run = Run {
                     shape: &shape,
                     lights: &lights,

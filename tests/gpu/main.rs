@@ -39,9 +39,8 @@ fn main() {
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
     println!("adapter: {name}");
     println!("gpu tests: {}", tests.len());
-    let trials = tests
-        .into_iter()
-        .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
+    let trials =
+        tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
     let conclusion = libtest_mimic::run(&Arguments::from_args(), trials.collect());
     common::device::Gpu::close();
     conclusion.exit();

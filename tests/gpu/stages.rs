@@ -91,11 +91,7 @@ fn edges() -> Result<(), String> {
             let mut wrong = found.masks;
             wrong[random.below(masks.len())].winding ^= 1;
             must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
-            let live = |word: usize| {
-                1_u64
-                    .checked_shl((count - 32 * word) as u32)
-                    .map_or(u64::MAX, |bit| bit - 1)
-            };
+            let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
             for (at, masks) in masks.iter().enumerate() {
                 if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
                     return Err(format!("{what}: record {at} has bits past the lights"));
@@ -107,11 +103,7 @@ fn edges() -> Result<(), String> {
 }
 
 fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
-    ListOptions {
-        capacity,
-        ordered,
-        vertices_per_edge: 6,
-    }
+    ListOptions { capacity, ordered, vertices_per_edge: 6 }
 }
 
 fn ordered_lists() -> Result<(), String> {
@@ -151,10 +143,7 @@ fn unordered_lists() -> Result<(), String> {
                 lists: Some(list_options(Some(u32::MAX), false)),
                 ..Default::default()
             };
-            let ordered = ExtractorOptions {
-                lists: Some(list_options(Some(u32::MAX), true)),
-                ..unordered
-            };
+            let ordered = ExtractorOptions { lists: Some(list_options(Some(u32::MAX), true)), ..unordered };
             let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
             let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
             found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
@@ -170,18 +159,12 @@ fn overflow() -> Result<(), String> {
     let mut random = Random::new(4);
     let lights = lights(&mut random, 40);
     for (name, positions, mesh) in topologies() {
-        let whole = ExtractorOptions {
-            max_lights: 40,
-            lists: Some(list_options(Some(u32::MAX), true)),
-            ..Default::default()
-        };
+        let whole =
+            ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(u32::MAX), true)), ..Default::default() };
         let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
         for ordered in [false, true] {
-            let options = ExtractorOptions {
-                max_lights: 40,
-                lists: Some(list_options(Some(20), ordered)),
-                ..Default::default()
-            };
+            let options =
+                ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(20), ordered)), ..Default::default() };
             let found = extract(gpu, &positions, &mesh, &lights, options)?;
             same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
             let shape = DrawShape { lights: 40, capacity: 20, edges: mesh.edges().len() as u32, vertices_per_edge: 6 };
