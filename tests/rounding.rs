@@ -79,6 +79,39 @@ impl Liberties {
     }
 }
 
+/// The filter's full bound, computed with the same liberties: `wgsl/exact_facing.wgsl`, `filter_lights`, whose own
+/// underflow term is no smaller.
+impl Liberties {
+    fn product(&mut self, x: f32, y: f32) -> f32 {
+        self.product_sum(x, y, 0.0)
+    }
+
+    fn filter_bound(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let l = [x, y, z];
+        let inexact = if w.to_bits() << 9 == 0 { 0.0 } else { w.abs() };
+        let u: [f32; 3] = std::array::from_fn(|i| self.sum(b[i], -a[i]).abs());
+        let v: [f32; 3] = std::array::from_fn(|i| self.sum(c[i], -a[i]).abs());
+        let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i]).abs());
+        let q: [f32; 3] = std::array::from_fn(|i| self.product(inexact, a[i].abs()));
+        let mut size = 0.0;
+        for axis in 0..3 {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            let n = self.cross([u[y], u[z]], [-v[y], v[z]]);
+            let reach = self.sum(t[axis], q[axis]);
+            size = self.product_sum(n, reach, size);
+        }
+        let largest = |v: [f32; 3]| v.into_iter().fold(0.0, f32::max);
+        let reach = largest(u).max(largest(v)).max(1.0);
+        let least = self.product(2.0_f32.powi(-115), reach);
+        let least = self.product(least, reach);
+        let sum = self.sum(largest(t), largest(q));
+        let sum = self.sum(sum, 1.0);
+        let size = self.product(relative, size);
+        self.product_sum(least, sum, size)
+    }
+}
+
 /// A triangle, and a light that is nearly in its plane or nearly at a corner.
 fn hard_pair(random: &mut Random) -> ([[f32; 3]; 3], Light) {
     let scale = random.between(-36.0, 30.0).exp2();
@@ -134,4 +167,46 @@ fn the_band_holds_for_any_rounding() -> Result<(), String> {
         return Err(format!("{outside} of {rounds} outside: neither side of the band is tried enough"));
     }
     must_fail("a bound without the term in Q", &certificates_hold(seed, rounds, facing_bound_without_q))
+}
+
+/// Pairs that the filter decides, and decides wrongly, at a relative bound of `units` of the last place.
+fn filter_errors(seed: u64, rounds: usize, units: f32) -> (usize, usize) {
+    let mut random = Random::new(seed);
+    let mut liberties = Liberties(Random::new(seed + 1));
+    let (mut decided, mut wrong) = (0, 0);
+    for _ in 0..rounds {
+        let (corners, light) = hard_pair(&mut random);
+        let w = scaled(light)[3];
+        let is_large = corners.iter().flatten().any(|c| c.abs() >= 2.0_f32.powi(40));
+        let Some(face) = ExactFace::new(&corners, [0, 1, 2]) else {
+            continue;
+        };
+        if is_large || (w != 0.0 && w.abs() < 2.0_f64.powi(-60)) {
+            continue;
+        }
+        let determinant = liberties.determinant(corners, light);
+        let bound = liberties.filter_bound(corners, light, units * f32::EPSILON);
+        if determinant.abs() > bound {
+            decided += 1;
+            wrong += usize::from((determinant > 0.0) != (face.sign(light) > 0));
+        }
+    }
+    (decided, wrong)
+}
+
+/// Ten units, as NUMERICS.md, "Filter", has it, decide nothing wrongly; a bound that is too small does.
+#[test]
+fn the_filter_decides_rightly_for_any_rounding() -> Result<(), String> {
+    let seed = 103;
+    println!("seed {seed}");
+    let rounds = if is_long() { 3_000_000 } else { 100_000 };
+    let (decided, wrong) = filter_errors(seed, rounds, 10.0);
+    println!("{decided} of {rounds} pairs decided");
+    if wrong != 0 || decided * 20 < rounds {
+        return Err(format!("{wrong} of {decided} decided wrongly, of {rounds} in all"));
+    }
+    match filter_errors(seed, rounds, 0.5) {
+        (_, 0) => Err("negative control: half a unit decides as well".to_owned()),
+        _ => Ok(()),
+    }
 }

@@ -30,5 +30,5 @@ fn underflow_bound(largest: f32) -> f32 {
 // largest |x|, |y|, |z| of the lights and their largest |w|.
 fn face_bound(size: f32, largest: f32, reach: vec2<f32>) -> f32 {
   let to_light = reach.x + largest * reach.y;
-  return RELATIVE * size * to_light + underflow_bound(largest) * (1.0 + to_light);
+  return (RELATIVE * to_light) * size + underflow_bound(largest) * (1.0 + to_light);
 }

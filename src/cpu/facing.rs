@@ -1,6 +1,7 @@
 //! Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
 
 use super::Threads;
+use super::batch::{Batch, LANES};
 use super::exact_facing::exact_facing;
 use super::filter;
 use crate::layout::LightWord;
@@ -57,26 +58,28 @@ pub fn facing_into(
     let mut total = FacingCounts::default();
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
         let word = LightWord::new(lights, 0, 3);
-        let filter = Filter { word: &word, largest };
         let counts = threads.share(plane, |first, masks| {
             let mut counts = FacingCounts::default();
-            for (mask, &corners) in masks.iter_mut().zip(&faces[first..]) {
-                let [Some(&a), Some(&b), Some(&c)] = corners.map(|v| positions.get(v as usize)) else {
-                    counts.non_finite_faces += 1;
-                    *mask = 0;
-                    continue;
+            for (masks, faces) in masks.chunks_mut(LANES).zip(faces[first..].chunks(LANES)) {
+                let batch = Batch::new(positions, faces, &word);
+                let certain = match predicate {
+                    Predicate::Exact => batch.certain(largest, &word),
+                    Predicate::Fast => batch.finite(),
                 };
-                let face = Face { corners, a, b, c };
-                *mask = match predicate {
-                    Predicate::Exact => filter.mask(face).unwrap_or_else(|| face.decide(&word, &mut counts)),
-                    Predicate::Fast => face.mask_by_f32(&word, &mut counts),
-                };
+                for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
+                    *mask = match predicate {
+                        Predicate::Exact if certain[lane] => batch.masks[lane],
+                        Predicate::Exact => Face::new(positions, corners).decide(&word, &mut counts),
+                        Predicate::Fast if certain[lane] && !is_degenerate(corners) => batch.masks[lane],
+                        Predicate::Fast => Face::new(positions, corners).mask_by_f32(&word, &mut counts),
+                    };
+                }
             }
             counts
         });
-        let word = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
+        let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
         // Every word sees the same faces.
-        total = FacingCounts { non_finite_faces: 0, ..total }.plus(word);
+        total = FacingCounts { non_finite_faces: 0, ..total }.plus(counts);
     }
     total
 }
@@ -90,9 +93,15 @@ pub fn is_finite(position: [f32; 3]) -> bool {
 fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     // Bits of absolute values are ordered like the values, with NaNs above all.
     let runs = threads.map(positions, |positions| {
-        positions.iter().flatten().fold(0, |largest, c| largest.max(c.to_bits() & 0x7fff_ffff))
+        let coordinates: &[u32] = bytemuck::cast_slice(positions);
+        coordinates.iter().fold(0, |largest, bits| largest.max(bits & 0x7fff_ffff))
     });
     f32::from_bits(runs.into_iter().max().unwrap_or(0))
+}
+
+/// A vertex's position, NaN where there is none.
+fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
+    positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
 }
 
 fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
@@ -110,37 +119,9 @@ pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
 }
 
 /// `n · (l − w·a)`.
-fn determinant(n: [f32; 3], a: [f32; 3], [x, y, z, w]: [f32; 4]) -> f32 {
+pub(super) fn determinant(n: [f32; 3], a: [f32; 3], [x, y, z, w]: [f32; 4]) -> f32 {
     let to_light = [x - w * a[0], y - w * a[1], z - w * a[2]];
     n[0] * to_light[0] + n[1] * to_light[1] + n[2] * to_light[2]
-}
-
-fn absolute_sum(v: [f32; 3]) -> f32 {
-    v[0].abs() + v[1].abs() + v[2].abs()
-}
-
-/// One bound a face for all lights of a word. Where WGSL takes the face's own largest coordinate, this takes the
-/// mesh's: certain faces may differ, the bits cannot.
-struct Filter<'a> {
-    word: &'a LightWord,
-    largest: f32,
-}
-
-impl Filter<'_> {
-    /// The bits of a face, if the bound makes all of them certain.
-    #[inline]
-    fn mask(&self, Face { a, b, c, .. }: Face) -> Option<u32> {
-        let [u, v] = [difference(b, a), difference(c, a)];
-        let n = cross_product(u, v);
-        let (mut mask, mut smallest) = (0, f32::INFINITY);
-        for (bit, &light) in self.word.lights.iter().take(self.word.count as usize).enumerate() {
-            let d = determinant(n, a, light);
-            mask |= u32::from(d > 0.0) << bit;
-            smallest = smallest.min(d.abs());
-        }
-        let bound = filter::face_bound(absolute_sum(u) * absolute_sum(v), self.largest, self.word.reach);
-        (smallest > bound && self.largest < filter::LARGE && self.word.doubtful == 0).then_some(mask)
-    }
 }
 
 /// A face and its corners' positions.
@@ -153,6 +134,11 @@ struct Face {
 }
 
 impl Face {
+    fn new(positions: &[[f32; 3]], corners: [u32; 3]) -> Self {
+        let [a, b, c] = corners.map(|v| position(positions, v));
+        Self { corners, a, b, c }
+    }
+
     /// The bits as `f32` gives them.
     fn mask_by_f32(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
         let Self { corners, a, b, c } = *self;

@@ -13,9 +13,9 @@ pub(super) fn underflow_bound(largest: f32) -> f32 {
     UNDERFLOW * reach * reach
 }
 
-/// One bound for all lights of a word: `size` is |u|₁ |v|₁, `largest` bounds the coordinates, `reach` is the largest
-/// |x|, |y|, |z| of the lights and their largest |w|.
-pub(super) fn face_bound(size: f32, largest: f32, reach: [f32; 2]) -> f32 {
+/// One bound for all lights of a word, as a factor of |u|₁ |v|₁ and what is added. `largest` bounds the coordinates,
+/// `reach` is the largest |x|, |y|, |z| of the lights and their largest |w|.
+pub(super) fn face_bound(largest: f32, reach: [f32; 2]) -> (f32, f32) {
     let to_light = reach[0] + largest * reach[1];
-    RELATIVE * size * to_light + underflow_bound(largest) * (1.0 + to_light)
+    (RELATIVE * to_light, underflow_bound(largest) * (1.0 + to_light))
 }

@@ -4,6 +4,7 @@
 //! Masks are laid out as on the GPU: word after word of 32 lights, within a word item after item.
 
 mod arguments;
+mod batch;
 mod compact;
 mod deform;
 mod edges;

@@ -1,6 +1,6 @@
 //! Structs of the WGSL against `rimline::layout::LAYOUTS`, by naga's reflection.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use naga::{AddressSpace, ArraySize, Module, ScalarKind, TypeInner};
 use rimline::layout::{FieldLayout, LAYOUTS, StructLayout};
@@ -68,8 +68,10 @@ pub(crate) fn layouts() -> Outcome {
     }
 }
 
-/// A struct that a buffer holds must be one that Rust writes or reads by the list.
+/// A struct that a buffer holds must be one that Rust writes or reads by the list; but for lists that only stages share,
+/// which end in an array of no fixed size: those must lie alike in all stages.
 pub(crate) fn bound_structs() -> Outcome {
+    let mut lists = BTreeMap::new();
     for (name, source) in modules()? {
         let (module, _) = validated(&source)?;
         for (_, variable) in module.global_variables.iter() {
@@ -82,14 +84,31 @@ pub(crate) fn bound_structs() -> Outcome {
                 ty = base;
             }
             let held = &module.types[ty];
-            if matches!(held.inner, TypeInner::Struct { .. })
-                && !LAYOUTS.iter().any(|layout| Some(layout.name) == held.name.as_deref())
-            {
+            let TypeInner::Struct { members, .. } = &held.inner else { continue };
+            if LAYOUTS.iter().any(|layout| Some(layout.name) == held.name.as_deref()) {
+                continue;
+            }
+            let is_list =
+                members.last().is_some_and(|last| module.types[last.ty].inner.is_dynamically_sized(&module.types));
+            if !is_list {
                 return Err(format!("{name}: {:?} is bound and not in LAYOUTS", held.name));
+            }
+            let fields: Vec<_> = members.iter().map(|m| (m.name.clone(), m.offset, element(&module, m.ty))).collect();
+            let before = lists.entry(variable.name.clone()).or_insert_with(|| fields.clone());
+            if *before != fields {
+                return Err(format!("{name}: {:?} is {fields:?}, elsewhere {before:?}", variable.name));
             }
         }
     }
     Ok(())
+}
+
+/// A type, or that of an unsized array's elements.
+fn element(module: &Module, ty: naga::Handle<naga::Type>) -> String {
+    match module.types[ty].inner {
+        TypeInner::Array { base, size: ArraySize::Dynamic, .. } => format!("[{}]", rust_type(module, base)),
+        _ => rust_type(module, ty),
+    }
 }
 
 /// Moves, resizes, retypes and renames one field of every struct, and drops one: each must be noticed.
