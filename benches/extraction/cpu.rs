@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use rimline::cpu::{CpuExtraction, Threads};
-use rimline::{Light, Mesh, Method, Predicate};
+use rimline::cpu::{self, Threads};
+use rimline::{Light, Mesh, Predicate};
 
 use crate::measure::{Contender, Times, interleave, wall_ms};
 
@@ -14,13 +14,13 @@ pub(crate) fn contenders(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], 
     counts.dedup();
     for threads in counts {
         for (name, predicate) in [("exact", Predicate::Exact), ("fast", Predicate::Fast)] {
-            let mut extraction = CpuExtraction::default();
+            let (mut facing, mut silhouettes) = (Vec::new(), Vec::new());
             let twin = move || {
-                let (method, threads) = (Method::FaceMask, Threads::new(threads));
+                let (threads, faces, count) = (Threads::new(threads), mesh.faces(), lights.len());
                 wall_ms(|| {
-                    let done = extraction.update(positions, mesh, lights, method, predicate, threads);
-                    done.expect("good lights");
-                    black_box(&extraction);
+                    cpu::facing_into(&mut facing, positions, faces, lights, predicate, threads);
+                    cpu::silhouettes_into(&mut silhouettes, mesh.edges(), &facing, faces.len(), count, threads);
+                    black_box((&facing, &silhouettes));
                 })
             };
             list.push((format!("twin, {name}, {threads} threads"), Box::new(twin)));

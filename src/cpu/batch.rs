@@ -4,7 +4,7 @@ use super::filter;
 use crate::layout::LightWord;
 
 /// Faces at a time.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
@@ -57,7 +57,7 @@ impl Batch {
     /// mesh's, `largest`: what is certain may differ, the bits cannot.
     #[inline]
     pub(super) fn certain(&self, largest: f32, word: &LightWord) -> [bool; LANES] {
-        let is_possible = largest < filter::LARGE && word.doubtful == 0;
+        let is_possible = filter::is_possible(largest, word);
         let (relative, least) = filter::face_bound(largest, word.reach);
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
     }

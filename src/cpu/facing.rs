@@ -59,23 +59,12 @@ pub fn facing_into(
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
         let word = LightWord::new(lights, 0, 3);
         let counts = threads.share(plane, |first, masks| {
-            let mut counts = FacingCounts::default();
-            for (masks, faces) in masks.chunks_mut(LANES).zip(faces[first..].chunks(LANES)) {
-                let batch = Batch::new(positions, faces, &word);
-                let certain = match predicate {
-                    Predicate::Exact => batch.certain(largest, &word),
-                    Predicate::Fast => batch.finite(),
-                };
-                for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
-                    *mask = match predicate {
-                        Predicate::Exact if certain[lane] => batch.masks[lane],
-                        Predicate::Exact => Face::new(positions, corners).decide(&word, &mut counts),
-                        Predicate::Fast if certain[lane] && !is_degenerate(corners) => batch.masks[lane],
-                        Predicate::Fast => Face::new(positions, corners).mask_by_f32(&word, &mut counts),
-                    };
-                }
+            let run = Run { positions, faces: &faces[first..], word: &word, largest };
+            match (predicate, lights.len()) {
+                (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
+                (Predicate::Exact, _) => run.fill_exactly(masks),
+                (Predicate::Fast, _) => run.fill_fast(masks),
             }
-            counts
         });
         let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
         // Every word sees the same faces.
@@ -84,19 +73,91 @@ pub fn facing_into(
     total
 }
 
+/// The faces that one thread decides.
+struct Run<'a> {
+    positions: &'a [[f32; 3]],
+    faces: &'a [[u32; 3]],
+    word: &'a LightWord,
+    /// The mesh's largest absolute coordinate.
+    largest: f32,
+}
+
+impl Run<'_> {
+    fn fill_exactly(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
+            let batch = Batch::new(self.positions, faces, self.word);
+            let certain = batch.certain(self.largest, self.word);
+            for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
+                *mask = if certain[lane] {
+                    batch.masks[lane]
+                } else {
+                    Face::new(self.positions, corners).decide(self.word, &mut counts)
+                };
+            }
+        }
+        counts
+    }
+
+    fn fill_fast(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
+            let batch = Batch::new(self.positions, faces, self.word);
+            let finite = batch.finite();
+            for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
+                *mask = if finite[lane] && !is_degenerate(corners) {
+                    batch.masks[lane]
+                } else {
+                    Face::new(self.positions, corners).mask_by_f32(self.word, &mut counts)
+                };
+            }
+        }
+        counts
+    }
+
+    /// One light is common, and gathering faces for it costs more than deciding them.
+    fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        let light = self.word.lights[0];
+        let (relative, least) = filter::face_bound(self.largest, self.word.reach);
+        let relative = if filter::is_possible(self.largest, self.word) { relative } else { f32::INFINITY };
+        for (mask, &corners) in masks.iter_mut().zip(self.faces) {
+            let face = Face::new(self.positions, corners);
+            let [u, v] = [difference(face.b, face.a), difference(face.c, face.a)];
+            let d = determinant(cross_product(u, v), face.a, light);
+            let size = (u[0].abs() + u[1].abs() + u[2].abs()) * (v[0].abs() + v[1].abs() + v[2].abs());
+            *mask = u32::from(d > 0.0);
+            // A NaN is not certain.
+            let is_certain = d.abs() > relative * size + least;
+            if !is_certain {
+                *mask = face.decide(self.word, &mut counts);
+            }
+        }
+        counts
+    }
+}
+
 /// All three coordinates are finite.
 pub fn is_finite(position: [f32; 3]) -> bool {
     position.iter().all(|c| c.is_finite())
 }
 
-/// The largest absolute coordinate; infinite or NaN where one is.
+/// The largest absolute coordinate, infinite where one is; NaNs are passed over.
 fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
-    // Bits of absolute values are ordered like the values, with NaNs above all.
+    let larger = |a: f32, b: f32| if b > a { b } else { a };
     let runs = threads.map(positions, |positions| {
-        let coordinates: &[u32] = bytemuck::cast_slice(positions);
-        coordinates.iter().fold(0, |largest, bits| largest.max(bits & 0x7fff_ffff))
+        let coordinates: &[f32] = positions.as_flattened();
+        // Sixteen at a time, for the vector registers.
+        let (groups, rest) = coordinates.as_chunks::<16>();
+        let largest = groups.iter().fold([0.0; 16], |mut largest, group| {
+            for (largest, coordinate) in largest.iter_mut().zip(group) {
+                *largest = larger(*largest, coordinate.abs());
+            }
+            largest
+        });
+        largest.into_iter().chain(rest.iter().map(|c| c.abs())).fold(0.0, larger)
     });
-    f32::from_bits(runs.into_iter().max().unwrap_or(0))
+    runs.into_iter().fold(0.0, larger)
 }
 
 /// A vertex's position, NaN where there is none.

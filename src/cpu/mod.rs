@@ -19,7 +19,7 @@ mod per_edge;
 pub use arguments::arguments;
 pub use compact::{CompactedList, WINDING, compact};
 pub use deform::{Displace, deform};
-pub use edges::edges;
+pub use edges::{edges, silhouettes_into};
 pub use exact_arguments::exact_arguments;
 pub use exact_facing::exact_facing;
 pub use extraction::{CpuExtraction, extract};

@@ -39,18 +39,17 @@ impl Threads {
     }
 }
 
-/// Calls `work` on each run, each on a thread of its own but the only one.
-fn share_runs<T: Send, R: Send>(mut runs: impl ExactSizeIterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
-    if runs.len() <= 1 {
-        return runs.next().map(work).into_iter().collect();
-    }
+/// Calls `work` on each run, the first on the calling thread and each other on one of its own.
+fn share_runs<T: Send, R: Send>(mut runs: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
+    let Some(first) = runs.next() else { return Vec::new() };
     std::thread::scope(|scope| {
         let work = &work;
         let workers: Vec<_> = runs.map(|run| scope.spawn(move || work(run))).collect();
-        workers
-            .into_iter()
-            .map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
+        let mut results = vec![work(first)];
+        results.extend(
+            workers.into_iter().map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
+        );
+        results
     })
 }
 
