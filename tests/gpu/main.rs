@@ -33,15 +33,15 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
-        assets::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
     println!("adapter: {name}");
-    println!("gpu tests: {}", tests.len());
-    let trials =
-        tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
-    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials.collect());
+    let trial = |(name, test): Test| Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu");
+    let mut trials: Vec<Trial> = tests.into_iter().map(trial).collect();
+    trials.extend(assets::trials());
+    println!("gpu tests: {}", trials.iter().filter(|trial| !trial.has_ignored_flag()).count());
+    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
     common::device::Gpu::close();
     conclusion.exit();
 }
