@@ -194,7 +194,7 @@ Examples:
   rimline draw fox.glb --out fox.png
   rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --size 1920x1080 --out fox.png
 
-Silhouette edges are drawn dark, open boundaries blue. World space is right-handed with +Y up.";
+Silhouette edges are drawn dark, open boundaries orange. World space is right-handed with +Y up.";
 
 #[derive(Args, Debug)]
 #[command(after_help = INFO_KEYS)]

@@ -27,5 +27,5 @@
   }
   let light = sum / max(weights, 1e-6);
   // Occluded clay is warmer: light that gets there has met more clay.
-  return vec4<f32>(mix(vec3<f32>(0.34, 0.25, 0.22), vec3<f32>(1.0), light), 1.0);
+  return vec4<f32>(mix(vec3<f32>(0.26, 0.27, 0.32), vec3<f32>(1.0), light), 1.0);
 }

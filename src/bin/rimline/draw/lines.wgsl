@@ -87,6 +87,6 @@ fn depth_near(place: vec2<f32>) -> f32 {
     discard;
   }
   let coverage = saturate(frame.half_line + 0.5 - distance(in.clip.xy, nearest));
-  let ink = select(vec3<f32>(0.014, 0.011, 0.016), vec3<f32>(0.008, 0.16, 0.78), in.boundary == 1u);
+  let ink = select(vec3<f32>(0.014, 0.011, 0.016), vec3<f32>(0.80, 0.12, 0.01), in.boundary == 1u);
   return vec4<f32>(ink, coverage);
 }

@@ -47,8 +47,8 @@ fn studio(right: f32, up: f32, back: f32) -> vec3<f32> {
   let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, studio(0.8, 0.5, -0.5)) + 0.15);
 
   // Fired clay; the inside of an open surface is glazed grey.
-  let clay = select(vec3<f32>(0.40, 0.43, 0.46), vec3<f32>(0.74, 0.445, 0.26), front);
-  var light = mix(vec3<f32>(0.27, 0.20, 0.18), vec3<f32>(0.34, 0.36, 0.40), sky);
+  let clay = select(vec3<f32>(0.62, 0.44, 0.33), vec3<f32>(0.36, 0.49, 0.56), front);
+  var light = mix(vec3<f32>(0.24, 0.22, 0.22), vec3<f32>(0.36, 0.38, 0.41), sky);
   light += 0.84 * pow(key, 1.3) * vec3<f32>(1.0, 0.94, 0.86);
   light += 0.22 * fill * vec3<f32>(0.90, 0.94, 1.0);
   let halfway = normalize(to_eye + key_from);
