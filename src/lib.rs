@@ -57,3 +57,8 @@ pub use method::{Method, Predicate};
 pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
 
 pub use {glam, wgpu};
+
+/// The README's example, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

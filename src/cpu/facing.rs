@@ -63,6 +63,7 @@ pub fn facing_into(
             match (predicate, lights.len()) {
                 (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
                 (Predicate::Exact, _) => run.fill_exactly(masks),
+                (Predicate::Fast, 1) => run.fill_fast_for_one_light(masks),
                 (Predicate::Fast, _) => run.fill_fast(masks),
             }
         });
@@ -110,6 +111,21 @@ impl Run<'_> {
                 } else {
                     Face::new(self.positions, corners).mask_by_f32(self.word, &mut counts)
                 };
+            }
+        }
+        counts
+    }
+
+    fn fill_fast_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        let light = self.word.lights[0];
+        for (mask, &corners) in masks.iter_mut().zip(self.faces) {
+            let face = Face::new(self.positions, corners);
+            let n = normal(face.a, face.b, face.c);
+            *mask = u32::from(determinant(n, face.a, light) > 0.0);
+            // As in `Batch::finite`.
+            if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
+                *mask = face.mask_by_f32(self.word, &mut counts);
             }
         }
         counts

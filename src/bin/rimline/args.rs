@@ -95,6 +95,14 @@ pub(crate) enum MethodArg {
     PerEdge,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PredicateArg {
+    /// The sign in exact arithmetic: the same bits on every device
+    Exact,
+    /// The sign that f32 arithmetic gives: may be wrong where a light is nearly in a face's plane. For comparison
+    Fast,
+}
+
 #[derive(Args, Debug)]
 #[command(after_help = EXTRACT_EXAMPLES)]
 pub(crate) struct ExtractArgs {
@@ -120,6 +128,10 @@ pub(crate) struct ExtractArgs {
     /// How silhouettes are found
     #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
     pub(crate) method: MethodArg,
+
+    /// How a face's side is decided
+    #[arg(long, value_enum, default_value_t = PredicateArg::Exact)]
+    pub(crate) predicate: PredicateArg,
 
     /// Where to write the arrays
     #[arg(long, value_name = "FILE.npz")]

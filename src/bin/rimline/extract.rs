@@ -7,11 +7,11 @@ mod report;
 
 use std::time::Instant;
 
-use rimline::Method;
 use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
+use rimline::{Method, Predicate};
 
-use crate::args::{ExtractArgs, MethodArg};
+use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::{self, Device, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, UsageError};
@@ -77,13 +77,18 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         MethodArg::FaceMask => Method::FaceMask,
         MethodArg::PerEdge => Method::PerEdge,
     };
+    let predicate = match args.predicate {
+        PredicateArg::Exact => Predicate::Exact,
+        PredicateArg::Fast => Predicate::Fast,
+    };
     let (found, adapter) = match &device {
-        Device::Cpu => (on_cpu::extract(&scene, &lights, method, &mut times), "cpu".to_owned()),
+        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), "cpu".to_owned()),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job {
                 scene: &scene,
                 lights: &lights,
                 method,
+                predicate,
                 displacement: displacement.as_ref(),
                 time_s: args.pose.time,
             };

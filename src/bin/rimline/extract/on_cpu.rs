@@ -9,7 +9,13 @@ use rimline::{Light, Method};
 use super::{Found, Times};
 use crate::input::{Scene, Shape};
 
-pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, times: &mut Times) -> Found<'a> {
+pub(super) fn extract<'a>(
+    scene: &Scene<'a>,
+    lights: &[Light],
+    method: Method,
+    predicate: Predicate,
+    times: &mut Times,
+) -> Found<'a> {
     let (mesh, threads) = (&scene.mesh, Threads::all());
     let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
         Shape::World(positions) => Cow::Borrowed(positions),
@@ -20,7 +26,7 @@ pub(super) fn extract<'a>(scene: &Scene<'a>, lights: &[Light], method: Method, t
     let faces = mesh.faces();
     let mut facing = Vec::new();
     let counts =
-        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, Predicate::Exact, threads));
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, predicate, threads));
     let masks = match method {
         Method::FaceMask => {
             times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use rimline::cpu::FacingCounts;
 use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
 use rimline::layout::Statistics;
-use rimline::{Displacement, Light, Method, wgpu};
+use rimline::{Displacement, Light, Method, Predicate, wgpu};
 
 use super::{Found, Times};
 use crate::device::Gpu;
@@ -19,6 +19,7 @@ pub(super) struct Job<'a, 's> {
     pub(super) scene: &'a Scene<'s>,
     pub(super) lights: &'a [Light],
     pub(super) method: Method,
+    pub(super) predicate: Predicate,
     pub(super) displacement: Option<&'a Displacement>,
     pub(super) time_s: f32,
 }
@@ -42,6 +43,7 @@ impl<'s> Job<'_, 's> {
                         let options = ExtractorOptions {
                             max_lights: self.lights.len(),
                             method,
+                            predicate: self.predicate,
                             masks,
                             lists: None,
                             ..ExtractorOptions::default()
