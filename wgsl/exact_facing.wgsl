@@ -1,6 +1,6 @@
 // Exact facing: the masks of the faces that the facing stage left undecided. A bound of each light's own decides most
 // signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in pure integer arithmetic that no
-// compiler can round, fuse or flush, exact for every finite f32 ("Exact path").
+// compiler can round, fuse or flush, exact for every finite f32 ("Exact facing").
 
 @group(0) @binding(0) var<uniform> word: LightWord;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -263,7 +263,7 @@ fn exact_facing(
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let index = (group.y * groups.x + group.x) * 64u + local;
+  let index = ((group.z * groups.y + group.y) * groups.x + group.x) * 64u + local;
   if (undecided[0] >= arrayLength(&undecided)) {
     // The list overflowed: every face is taken.
     if (index < chunk.count) {

@@ -36,7 +36,7 @@ fn mask_of(plane: vec4<f32>) -> u32 {
     mask |= select(0u, 4u, is_in_front(plane, light + 2u)) << light;
     mask |= select(0u, 8u, is_in_front(plane, light + 3u)) << light;
   }
-  return mask;
+  return mask & word.live;
 }
 
 @compute @workgroup_size(256)

@@ -26,7 +26,8 @@ pub struct ExtractorOptions {
     pub method: Method,
     /// How a face's side is decided; the per-edge method is always fast.
     pub predicate: Predicate,
-    /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A list that overflows loses nothing: every face is then settled in integers, which is slow.
+    /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A
+    /// list that overflows loses nothing: every face then goes through the exact stage, which is slow.
     pub undecided_capacity: Option<u32>,
     /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and word of 32 lights.
     pub masks: bool,

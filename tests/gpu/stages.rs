@@ -3,7 +3,7 @@
 use rimline::cpu::{self, Threads};
 use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::layout::{DrawArguments, DrawShape, Masks, Statistics};
-use rimline::{Light, Mesh};
+use rimline::{Light, Mesh, Method};
 
 use crate::common::band::check_facing;
 use crate::common::cases::topologies;
@@ -15,6 +15,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
     ("edges_equal_their_twin", edges),
     ("ordered_lists_equal_their_twin", ordered_lists),
     ("unordered_lists_hold_the_same_edges", unordered_lists),
+    ("per_edge_keeps_to_its_lights", per_edge),
     ("overflowing_lists_are_counted_and_drawn_whole", overflow),
 ];
 
@@ -176,6 +177,45 @@ fn overflow() -> Result<(), String> {
                     same(&format!("{name}, list"), list, &whole[..whole.len().min(20)])?;
                 } else if !list.iter().all(|entry| whole.contains(entry)) {
                     return Err(format!("{name}: a list holds what is no silhouette"));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Masks of the 2003 method have no bits past the lights, and its lists hold what its masks say.
+fn per_edge() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 6;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for (name, positions, mesh) in topologies() {
+        for (count, max_lights) in [(1, 1), (5, 5), (33, 33), (5, 100)] {
+            let lights = lights(&mut random, count);
+            let options = ExtractorOptions {
+                max_lights,
+                method: Method::PerEdge,
+                masks: true,
+                lists: Some(list_options(Some(u32::MAX), false)),
+                ..Default::default()
+            };
+            let found = extract(gpu, &positions, &mesh, &lights, options)?;
+            let what = format!("{name}, {count} lights of {max_lights}");
+            for light in 0..max_lights {
+                let plane = &found.masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+                let expected = cpu::compact(plane, light as u32 % 32, usize::MAX);
+                let expected = if light < count { expected } else { cpu::CompactedList::default() };
+                let mut list = found.lists[light].clone();
+                list.sort_by_key(|entry| entry & !cpu::WINDING);
+                same(&format!("{what}, list {light}"), &list, &expected.entries)?;
+                same(&format!("{what}, draw {light}"), &[found.draws[light].instance_count], &[expected.count])?;
+            }
+            for (word, plane) in found.masks.chunks(mesh.edges().len()).take(count.div_ceil(32)).enumerate() {
+                let lights = (count - 32 * word).min(32) as u32;
+                let past = u32::MAX.checked_shl(lights).unwrap_or(0);
+                if plane.iter().any(|masks| (masks.silhouette | masks.winding) & past != 0) {
+                    return Err(format!("{what}: bits past the lights"));
                 }
             }
         }

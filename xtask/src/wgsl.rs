@@ -8,7 +8,7 @@ use crate::process;
 use crate::summary::Summary;
 
 /// A compiler and what makes it check a file without writing anything.
-const COMPILERS: [(&str, &[&str]); 2] = [("tint", &["--format", "none"]), ("naga", &[])];
+const COMPILERS: [(&str, &[&str]); 2] = [("tint", &["--format", "wgsl"]), ("naga", &[])];
 
 /// Checks what the test `wgsl_composes` has written: every stage with the files it includes.
 pub(crate) fn add(summary: &mut Summary) {

@@ -17,14 +17,9 @@ pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
     "`rimline extract --device cpu` needs none. For a GPU install its current driver"
 };
 
-/// Features that Rimline profits from where a device has them; it needs none of them.
-pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 5] = [
-    (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),
-    (Features::SUBGROUP, "faster compaction of edge lists"),
-    (Features::INDIRECT_FIRST_INSTANCE, "indirect draws that begin at any instance"),
-    (Features::DEPTH_CLIP_CONTROL, "shadow volumes without clipping at the far plane"),
-    (Features::DEPTH32FLOAT_STENCIL8, "stencil shadows with the finest depth"),
-];
+/// Features that Rimline uses where a device has them; it needs none of them.
+pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 1] =
+    [(Features::TIMESTAMP_QUERY, "times of the stages as the device measures them")];
 
 /// What `--device` stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -52,11 +52,12 @@ impl Text {
             &[(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")],
         );
         if survey.non_manifold_edges > 0 {
-            let _ = write!(edges, "; {} places with more than two faces", survey.non_manifold_edges);
+            let _ = write!(edges, "; more than two faces at {} of them", survey.non_manifold_edges);
         }
         self.line("edge records", edges);
         self.line("parts", survey.components);
         match report.why_open() {
+            None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
             None => self.line("closed", "yes"),
             Some(why) => self.line("closed", format!("no: {why}")),
         }
