@@ -136,18 +136,18 @@ impl Run<'_> {
         let mut counts = FacingCounts::default();
         let light = self.word.lights[0];
         let (relative, least) = filter::face_bound(self.largest, self.word.reach);
+        // |v|₁ is no longer than six times the largest coordinate. So loose a bound leaves a few faces in a thousand to
+        // be decided again, and saves the others a third of its work.
+        let relative = relative * (6.0 * self.largest);
         let relative = if filter::is_possible(self.largest, self.word) { relative } else { f32::INFINITY };
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
             let [u, v] = [difference(face.b, face.a), difference(face.c, face.a)];
             let d = determinant(cross_product(u, v), face.a, light);
-            let size = (u[0].abs() + u[1].abs() + u[2].abs()) * (v[0].abs() + v[1].abs() + v[2].abs());
-            *mask = u32::from(d > 0.0);
+            let bound = relative * (u[0].abs() + u[1].abs() + u[2].abs()) + least;
             // A NaN is not certain.
-            let is_certain = d.abs() > relative * size + least;
-            if !is_certain {
-                *mask = face.decide(self.word, &mut counts);
-            }
+            let is_certain = d.abs() > bound;
+            *mask = if is_certain { u32::from(d > 0.0) } else { face.decide(self.word, &mut counts) };
         }
         counts
     }

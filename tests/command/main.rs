@@ -7,6 +7,8 @@ mod archive;
 mod bad_input;
 mod contract;
 mod draw;
+#[path = "../common/files.rs"]
+mod files;
 mod info;
 mod models;
 mod npz_input;

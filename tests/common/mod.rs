@@ -5,6 +5,7 @@
 pub(crate) mod band;
 pub(crate) mod cases;
 pub(crate) mod device;
+pub(crate) mod files;
 pub(crate) mod models;
 pub(crate) mod oracle;
 pub(crate) mod random;

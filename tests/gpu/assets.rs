@@ -11,39 +11,12 @@ use rimline::mesh::Weld;
 use rimline::{Light, Mesh, Method, Model, Pose, Predicate};
 
 use crate::common::device::Gpu;
+use crate::common::files::GOOD_FILES;
 use crate::common::oracle::unclosed;
 use crate::common::random::Random;
 use crate::common::{assets, is_long, lights, must_fail, same};
 use crate::deform::{check_deform, deformed};
 use crate::stages::read;
-
-const FILES: [&str; 25] = [
-    "22_vertex_color.glb",
-    "AnimatedMorphCube.glb",
-    "AntiqueCamera.glb",
-    "Box.glb",
-    "CesiumMan.glb",
-    "CesiumMan_8influences_morph.glb",
-    "CesiumMilkTruck_quantized.glb",
-    "FlightHelmet.glb",
-    "Fox.glb",
-    "InfiniteSkinnedTentacle.glb",
-    "InterpolationTest.glb",
-    "Knight.glb",
-    "MorphStressTest.gltf",
-    "RobotExpressive.glb",
-    "SheenCloth.glb",
-    "SimpleSparseAccessor.gltf",
-    "moebius.glb",
-    "primitive_modes/Mesh_PrimitiveMode_04.gltf",
-    "primitive_modes/Mesh_PrimitiveMode_05.gltf",
-    "primitive_modes/Mesh_PrimitiveMode_14.gltf",
-    "scallop.glb",
-    "spot.glb",
-    "spot_catmull_big.glb",
-    "subpass_scene_opaque.gltf",
-    "triple_vierbein.glb",
-];
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
 
@@ -55,7 +28,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         let run = move || path.map_or(Ok(()), |path| check(&path)).map_err(Failed::from);
         Trial::test(format!("file {file}"), run).with_kind("gpu").with_ignored_flag(folder.is_none())
     };
-    FILES.into_iter().map(trial).collect()
+    GOOD_FILES.into_iter().map(trial).collect()
 }
 
 fn text<E: std::fmt::Display>(error: E) -> String {
