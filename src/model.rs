@@ -15,6 +15,11 @@ pub struct Influences {
 }
 
 /// A triangle mesh in its own space, with what deforms it.
+///
+/// Invariants, which the glTF loader keeps and who fills the fields by hand must keep: faces name vertices that are
+/// there; every morph target and `source_vertices` have one entry a vertex; the influences' offsets begin at 0, never
+/// fall, are one more than vertices and end at the length of `joints` and `weights`. Whatever reads a geometry that
+/// breaks them may panic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Geometry {
     /// The name in the file.
@@ -42,6 +47,8 @@ pub struct Instance {
 
 /// Geometries and the instances that place them. All instances together make one [`Mesh`], in their order, vertices
 /// and faces concatenated; vertices are welded within an instance, never across.
+///
+/// Invariant: every instance names a geometry that is there. Whatever reads a model that breaks it may panic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     /// The distinct meshes.
