@@ -199,6 +199,7 @@ struct ScaledLight {
 impl ScaledLight {
     fn new(given: [f32; 4]) -> Self {
         let largest = given.iter().fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
+        // Lights are finite, as `check_lights` holds; others give bits that mean nothing, but no panic.
         // In f64 neither the power of two nor the product can round, whatever finite f32 the light has.
         let scale = if largest == 0.0 || !largest.is_finite() {
             1.0
@@ -210,7 +211,6 @@ impl ScaledLight {
         let is_power_of_two = w == 0.0 || w.to_bits().trailing_zeros() >= 23;
         // A w so small beside x, y, z that scaling or its products could lose bits.
         let is_doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
-        // Lights are finite, as `check_lights` holds; others give bits that mean nothing.
         Self { light, inexact_w: if is_power_of_two { 0.0 } else { w }, is_doubtful }
     }
 }

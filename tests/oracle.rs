@@ -234,3 +234,30 @@ fn threads_change_nothing() -> Outcome {
     }
     Ok(())
 }
+
+/// One light alone takes a way of its own; every bit is exact there too, beside faces that are lines, huge or not finite.
+#[test]
+fn one_light_alone_is_exact() -> Outcome {
+    let seed = 17;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for (name, (_, mut positions, mesh), lights) in hard_positions(&mut random) {
+        for (round, light) in lights.into_iter().enumerate() {
+            let vertex = random.below(positions.len());
+            match round {
+                10 => positions[vertex] = positions[0],
+                15 => positions[vertex][1] = 1e30,
+                20 => positions[vertex][2] = f32::NAN,
+                25 => positions[vertex][0] = f32::INFINITY,
+                _ => {}
+            }
+            let light = [light];
+            let right = oracle::facing(&positions, mesh.faces(), &light);
+            let mut found = cpu::facing(&positions, mesh.faces(), &light, Predicate::Exact, Threads::ONE);
+            same(&format!("{name}, light {round}"), &found, &right)?;
+            found[vertex % right.len()] ^= 1;
+            must_fail("a flipped facing bit", &same(&name, &found, &right))?;
+        }
+    }
+    Ok(())
+}

@@ -31,7 +31,8 @@ impl FacingCounts {
 }
 
 /// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes of one `u32` a face. Vertices that `positions` lacks count as
-/// non-finite. `f32` arithmetic in the order of `wgsl/facing.wgsl`; see NUMERICS.md, "Facing".
+/// non-finite. The lights are finite, as [`crate::light::check_lights`] holds. Arithmetic as in `wgsl/facing.wgsl` and
+/// `wgsl/exact_facing.wgsl`; see NUMERICS.md, "Facing" and "Filter".
 pub fn facing(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -44,7 +45,7 @@ pub fn facing(
     masks
 }
 
-/// The same into a vector that may be used again.
+/// The same into a vector that may be used again, its length adapted. Returns what was counted on the way.
 pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
@@ -154,10 +155,11 @@ impl Run<'_> {
             for (mask, d) in masks.iter_mut().zip(determinants) {
                 *mask = u32::from(d > 0.0);
             }
-            // A NaN is not certain.
-            if determinants.iter().any(|d| d.abs() <= bound || d.is_nan()) {
+            // A NaN on either side is not certain.
+            let is_certain = |d: f32| d.abs() > bound;
+            if !determinants.iter().all(|&d| is_certain(d)) {
                 for ((mask, &corners), d) in masks.iter_mut().zip(faces).zip(determinants) {
-                    if d.abs() <= bound || d.is_nan() {
+                    if !is_certain(d) {
                         *mask = Face::new(self.positions, corners).decide(self.word, &mut counts);
                     }
                 }
