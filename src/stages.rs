@@ -44,8 +44,47 @@ pub const COMPACT: Stage = Stage {
 pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common", "arguments"], entry_points: &["arguments"] };
 
+/// Boxes around clusters of faces, for the shadow depth query.
+pub const SHADOW_BOXES: Stage = Stage {
+    name: "shadow_boxes",
+    files: files!["common", "positions", "shadow_boxes"],
+    entry_points: &["shadow_boxes"],
+};
+/// Faces strictly between points and lights.
+pub const SHADOW_DEPTH: Stage = Stage {
+    name: "shadow_depth",
+    files: files!["common", "positions", "filter", "shadow_segments", "shadow_pairs", "shadow_depth"],
+    entry_points: &["shadow_depth"],
+};
+/// The faces that the shadow depth stage left undecided.
+pub const EXACT_SHADOW_DEPTH: Stage = Stage {
+    name: "exact_shadow_depth",
+    files: files![
+        "common",
+        "positions",
+        "filter",
+        "exact_sign",
+        "shadow_segments",
+        "shadow_pairs",
+        "exact_shadow_depth"
+    ],
+    entry_points: &["exact_shadow_depth"],
+};
+
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 8] = [DEFORM, FACING, EXACT_ARGUMENTS, EXACT_FACING, EDGES, PER_EDGE, COMPACT, ARGUMENTS];
+pub const STAGES: [Stage; 11] = [
+    DEFORM,
+    FACING,
+    EXACT_ARGUMENTS,
+    EXACT_FACING,
+    EDGES,
+    PER_EDGE,
+    COMPACT,
+    ARGUMENTS,
+    SHADOW_BOXES,
+    SHADOW_DEPTH,
+    EXACT_SHADOW_DEPTH,
+];
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] =

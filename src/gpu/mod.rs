@@ -14,6 +14,8 @@ mod pipelines;
 mod positions;
 mod readback;
 mod results;
+mod shadow_plan;
+mod shadow_query;
 mod split;
 mod timer;
 
@@ -24,4 +26,5 @@ pub use memory::{Allocation, MemoryError};
 pub use positions::{PositionBuffer, PositionError};
 pub use readback::{ReadError, read_back, read_back_vec};
 pub use results::Results;
+pub use shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use timer::StageTimer;

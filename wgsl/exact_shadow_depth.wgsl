@@ -1,0 +1,81 @@
+// Exact shadow depth: the faces that shadow_depth.wgsl left in doubt, settled in integers. The line and an edge that it
+// meets are told apart as if the light were moved by (e, e^2, e^3); NUMERICS.md, "Shadow depth".
+
+// The sign of det[b - a, c - a, l - w a].
+fn sign_of(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
+  decode_vertex(0u, a);
+  decode_vertex(3u, b);
+  decode_vertex(6u, c);
+  decode_vertex(9u, light.xyz);
+  decode(12u, light.w);
+  decode_one();
+  return determinant_sign();
+}
+
+// The light, and then the axes along which it is moved.
+fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
+  switch (tie) {
+    case 0u: { return light; }
+    case 1u: { return vec4<u32>(ONE, 0u, 0u, 0u); }
+    case 2u: { return vec4<u32>(0u, ONE, 0u, 0u); }
+    default: { return vec4<u32>(0u, 0u, ONE, 0u); }
+  }
+}
+
+// Both ends strictly on opposite sides of the plane, and the line past all edges on the light's side.
+fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
+  var light_side = 0;
+  // The point's side, the light's, and those of three edges; in one loop, so that the integers are compiled once.
+  for (var test = 0u; test < 5u; test++) {
+    var a = face.a;
+    var b = face.b;
+    var c = select(face.c, p, test >= 2u);
+    if (test == 3u) {
+      a = face.b;
+      b = face.c;
+    } else if (test == 4u) {
+      a = face.c;
+      b = face.a;
+    }
+    let towards = select(light, vec4<u32>(p, ONE), test == 0u);
+    let ties = select(1u, 4u, test >= 2u);
+    var side = 0;
+    for (var tie = 0u; tie < ties && side == 0; tie++) {
+      side = sign_of(a, b, c, light_at(towards, tie));
+    }
+    if (side == 0) {
+      return false;
+    }
+    if (test == 0u) {
+      light_side = -side;
+    } else if (side != light_side) {
+      return false;
+    }
+  }
+  return true;
+}
+
+fn doubtful_face(segment: Segment, face: Face, index: u32) -> u32 {
+  return select(0u, 1u, exactly_between(face, segment.p_bits, word.light_bits[segment.light]));
+}
+
+@compute @workgroup_size(64)
+fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  for (var index = id.x; index < chunk.count * word.count; index += 64u * groups.x) {
+    let noted = doubts[index];
+    if (noted.x == 0u) {
+      continue;
+    }
+    let query = query_of(index);
+    let segment = segment_of(query);
+    var count = 0u;
+    if (noted.x > MOST_DOUBTS) {
+      count = count_range(segment);
+    } else {
+      for (var at = 0u; at < noted.x; at++) {
+        count += doubtful_face(segment, face_of(noted[at + 1u]), noted[at + 1u]);
+      }
+    }
+    depths[query.at] += i32(count);
+  }
+}
