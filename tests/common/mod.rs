@@ -9,6 +9,8 @@ pub(crate) mod files;
 pub(crate) mod models;
 pub(crate) mod oracle;
 pub(crate) mod random;
+pub(crate) mod shadow_cases;
+pub(crate) mod shadow_oracle;
 
 use std::path::PathBuf;
 
