@@ -171,6 +171,20 @@ shared_structs! {
         is_first: u32,
     }
 
+    /// Faces that a point and a light leave in doubt.
+    struct Doubt {
+        /// How many.
+        count: u32,
+        /// The first of them.
+        face_0: u32,
+        /// The second.
+        face_1: u32,
+        /// The third.
+        face_2: u32,
+        /// An entry of another list: a pair of point and light that had more, and is counted anew.
+        recount: u32,
+    }
+
     /// The vertices of one instance that one dispatch deforms.
     struct DeformChunk {
         /// Vertices in this dispatch.

@@ -68,11 +68,17 @@ pub const EXACT_SHADOW_DEPTH: Stage = Stage {
         "shadow_pairs",
         "exact_shadow_depth"
     ],
-    entry_points: &["exact_shadow_depth"],
+    entry_points: &["exact_shadow_depth", "exact_shadow_depth_recount"],
+};
+/// The indirect dispatch of what is counted anew.
+pub const SHADOW_ARGUMENTS: Stage = Stage {
+    name: "shadow_arguments",
+    files: files!["common", "shadow_arguments"],
+    entry_points: &["shadow_arguments"],
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 11] = [
+pub const STAGES: [Stage; 12] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -83,6 +89,7 @@ pub const STAGES: [Stage; 11] = [
     ARGUMENTS,
     SHADOW_BOXES,
     SHADOW_DEPTH,
+    SHADOW_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
 ];
 

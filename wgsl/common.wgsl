@@ -110,6 +110,25 @@ struct FaceRange {
   is_first: u32,
 }
 
+// Faces that a point and a light leave in doubt.
+struct Doubt {
+  // How many, and the first three of them.
+  count: u32,
+  face_0: u32,
+  face_1: u32,
+  face_2: u32,
+  // An entry of another list: a pair of point and light that had more, and is counted anew.
+  recount: u32,
+}
+
+// One for each pair of point and light of a dispatch.
+struct Doubts {
+  // Pairs to count anew, while they are listed and when they are.
+  listed: atomic<u32>,
+  recounts: u32,
+  pairs: array<Doubt>,
+}
+
 // The vertices of one instance that one dispatch deforms.
 struct DeformChunk {
   // Vertices in this dispatch; the arrays are bound from its first vertex on.

@@ -55,27 +55,60 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   return true;
 }
 
-fn doubtful_face(segment: Segment, face: Face, index: u32) -> u32 {
-  return select(0u, 1u, exactly_between(face, segment.p_bits, word.light_bits[segment.light]));
+// One of a pair's faces, as they were noted.
+fn noted_face(noted: Doubt, at: u32) -> u32 {
+  return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
 }
 
+// The faces noted of each pair of point and light.
 @compute @workgroup_size(64)
-fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  for (var index = id.x; index < chunk.count * word.count; index += 64u * groups.x) {
-    let noted = doubts[index];
-    if (noted.x == 0u) {
+fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
+  let pair = id.x;
+  if (pair >= chunk.count * word.count) {
+    return;
+  }
+  let noted = doubts.pairs[pair];
+  if (noted.count > MOST_DOUBTS) {
+    return;
+  }
+  let query = query_of(pair);
+  for (var at = 0u; at < noted.count; at++) {
+    if (exactly_between(face_of(noted_face(noted, at)), query.p_bits, word.light_bits[query.light])) {
+      atomicAdd(&depths[query.at], 1);
+    }
+  }
+}
+
+// The pairs that had more: a workgroup for each of them and group of faces, so that no invocation has many to settle.
+@compute @workgroup_size(64)
+fn exact_shadow_depth_recount(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
+  let item = group.y * groups.x + group.x;
+  if (item / range_groups >= doubts.recounts) {
+    return;
+  }
+  let query = query_of(doubts.pairs[item / range_groups].recount);
+  let segment = segment_of(query);
+  let first = range.first + CLUSTER * (item % range_groups);
+  if (misses(segment, clusters[first].group_low, clusters[first].group_high)) {
+    return;
+  }
+  let end = min(first + CLUSTER, range.end) * CLUSTER;
+  for (var at = first * CLUSTER + local; at < end; at += 64u) {
+    if (misses(segment, clusters[at / CLUSTER].low, clusters[at / CLUSTER].high)) {
       continue;
     }
-    let query = query_of(index);
-    let segment = segment_of(query);
-    var count = 0u;
-    if (noted.x > MOST_DOUBTS) {
-      count = count_range(segment);
-    } else {
-      for (var at = 0u; at < noted.x; at++) {
-        count += doubtful_face(segment, face_of(noted[at + 1u]), noted[at + 1u]);
-      }
+    let face = face_of(at);
+    var decision = decide(segment, face);
+    if (decision == IN_DOUBT && exactly_between(face, segment.p_bits, word.light_bits[segment.light])) {
+      decision = BETWEEN;
     }
-    depths[query.at] += i32(count);
+    if (decision == BETWEEN) {
+      atomicAdd(&depths[query.at], 1);
+    }
   }
 }

@@ -1,9 +1,8 @@
 // Faces between a point and a light, for both stages of the shadow depth query, as far as f32 bounds decide. NUMERICS.md,
-// "Shadow depth". Each stage says in `doubtful_face` what becomes of a face that is left.
+// "Shadow depth".
 
-// As many are noted; a stage that notes none lets `doubt` be.
+// As many doubts as are noted of a pair of point and light.
 const MOST_DOUBTS: u32 = 3u;
-var<private> doubt: vec4<u32>;
 
 // The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|; 0 where it is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
@@ -126,58 +125,4 @@ fn decide(segment: Segment, face: Face) -> u32 {
     return NOT_BETWEEN;
   }
   return decision;
-}
-
-// Faces of a cluster that lie between.
-fn count_cluster(segment: Segment, cluster: u32) -> u32 {
-  let low = clusters[cluster].low;
-  let high = clusters[cluster].high;
-  if (misses(segment, low, high)) {
-    return 0u;
-  }
-  // One bound for all edges: the box holds them all.
-  let to_low = bitcast<vec3<f32>>(low.xyz) - segment.p;
-  let to_high = bitcast<vec3<f32>>(high.xyz) - segment.p;
-  let edge = sum_of_sizes(bitcast<vec3<f32>>(high.xyz) - bitcast<vec3<f32>>(low.xyz));
-  let reach = sum_of_sizes(max(abs(to_low), abs(to_high)));
-  let underflow = underflow_bound(bitcast<f32>(max(low.w, segment.largest)));
-  let bound = (RELATIVE * segment.size) * (edge * reach) + underflow * (1.0 + 3.0 * segment.size);
-  let is_certain = segment.is_certain && low.w < LARGE;
-  var count = 0u;
-  for (var at = 0u; at < CLUSTER; at++) {
-    let face = face_of(CLUSTER * cluster + at);
-    let d = edge_determinants(
-      segment,
-      bitcast<vec3<f32>>(face.a),
-      bitcast<vec3<f32>>(face.b),
-      bitcast<vec3<f32>>(face.c),
-    );
-    if (is_certain && min(min(d.x, d.y), d.z) < -bound && max(max(d.x, d.y), d.z) > bound) {
-      continue;
-    }
-    let decision = decide(segment, face);
-    if (decision == BETWEEN) {
-      count++;
-    } else if (decision == IN_DOUBT) {
-      count += doubtful_face(segment, face, CLUSTER * cluster + at);
-    }
-  }
-  return count;
-}
-
-// Faces of the range that lie between.
-fn count_range(segment: Segment) -> u32 {
-  var count = 0u;
-  for (var group = range.first; group < range.end; group += CLUSTER) {
-    if (misses(segment, clusters[group].group_low, clusters[group].group_high)) {
-      continue;
-    }
-    for (var cluster = group; cluster < min(group + CLUSTER, range.end); cluster++) {
-      count += count_cluster(segment, cluster);
-    }
-    if (doubt.x > MOST_DOUBTS) {
-      break;
-    }
-  }
-  return count;
 }

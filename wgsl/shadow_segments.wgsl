@@ -7,9 +7,8 @@
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
 @group(0) @binding(8) var<storage, read> points: array<u32>;
 // Point after point, a number a light.
-@group(0) @binding(9) var<storage, read_write> depths: array<i32>;
-// For each point and light of the dispatch: how many faces are in doubt, and the first three of them.
-@group(0) @binding(10) var<storage, read_write> doubts: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
+@group(0) @binding(10) var<storage, read_write> doubts: Doubts;
 
 // Leave out groups and clusters whose boxes the segment misses.
 override SKIP: bool = true;

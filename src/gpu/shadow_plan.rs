@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::memory::MemoryError;
 use super::split::Split;
-use crate::layout::FaceCluster;
+use crate::layout::{Doubt, FaceCluster};
 
 /// Clusters of a group; dispatches begin at whole groups, whose bytes any binding may begin at.
 pub(super) const GROUP: usize = 32;
@@ -14,12 +14,14 @@ pub(super) const CLUSTER: usize = 32;
 const WORKGROUP: u64 = 64;
 /// Pairs of point and light that one dispatch takes, where bindings allow it: enough for the largest GPUs.
 const MOST_QUERIES: u64 = 1 << 17;
-/// Groups that one dispatch goes over, however few its points are: a single invocation must come to an end, too.
+/// Groups that one dispatch goes over, however few its points are: a single invocation must come to an end, too, and
+/// llvmpipe takes one out of its loops after 65,535 turns, silently.
 const MOST_GROUPS: u64 = 32;
 /// Points of a run are a multiple of this, so that depths may be bound at the first of them.
 const POINTS: u64 = 64;
-/// Bytes that a pair of point and light takes in the list of doubts.
-pub(super) const DOUBT: u64 = 16;
+/// Bytes before the doubts, and of those of a pair of point and light.
+const DOUBTS_HEAD: u64 = 8;
+const DOUBT: u64 = size_of::<Doubt>() as u64;
 
 /// Runs of clusters that one binding and one dispatch of the boxes stage can hold.
 pub(super) fn cluster_chunks(split: &Split, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
@@ -32,10 +34,15 @@ pub(super) fn cluster_chunks(split: &Split, clusters: usize) -> Result<Vec<Range
     Ok((0..clusters).step_by(run).map(|first| first..(first + run).min(clusters)).collect())
 }
 
-/// Pairs of point and light that a dispatch may have, for lists of doubts that fit one binding.
+/// Bytes that the doubts of `pairs` of point and light take.
+pub(super) fn doubt_bytes(pairs: u64) -> u64 {
+    DOUBTS_HEAD + pairs.max(1) * DOUBT
+}
+
+/// Pairs of point and light that a dispatch may have, for doubts that fit one binding.
 pub(super) fn most_queries(split: &Split, points: u32, lights: usize) -> u64 {
     let all = u64::from(points).next_multiple_of(POINTS) * lights.min(32) as u64;
-    all.min(MOST_QUERIES).min(split.binding / DOUBT)
+    all.min(MOST_QUERIES).min((split.binding - DOUBTS_HEAD) / DOUBT).min(split.workgroups * WORKGROUP)
 }
 
 /// Runs of points for `lights` lights, `stride` bytes from a point to the next.
@@ -59,12 +66,14 @@ pub(super) fn point_chunks(
 }
 
 /// Clusters that a dispatch of `queries` goes over, a multiple of a group.
-pub(super) fn range_clusters(work: u64, queries: u64) -> usize {
+pub(super) fn range_clusters(split: &Split, work: u64, queries: u64) -> usize {
     let groups = work / (queries.max(1) * (GROUP * CLUSTER) as u64);
-    groups.clamp(1, MOST_GROUPS) as usize * GROUP
+    // Counting anew may take a workgroup for each pair and group.
+    let dispatched = split.workgroups * split.workgroups / queries.max(1);
+    groups.min(dispatched).clamp(1, MOST_GROUPS) as usize * GROUP
 }
 
-/// Workgroups for `queries`; those that there cannot be are made up for by turns.
-pub(super) fn workgroups(split: &Split, queries: u64) -> u32 {
-    queries.div_ceil(WORKGROUP).min(split.workgroups) as u32
+/// Workgroups for `pairs` of point and light.
+pub(super) fn workgroups(pairs: u64) -> u32 {
+    pairs.div_ceil(WORKGROUP) as u32
 }

@@ -1,5 +1,7 @@
 //! The shadow depth query: how many faces lie strictly between each of many points and each light.
 
+use std::ops::Range;
+
 use wgpu::BufferUsages;
 
 use super::frame::{UniformTable, entry};
@@ -7,14 +9,14 @@ use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, pad
 use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use super::positions::{BoundPositions, PositionBuffer, PositionError};
 use super::shadow_plan::{
-    CLUSTER, DOUBT, GROUP, cluster_chunks, most_queries, point_chunks, range_clusters, workgroups,
+    CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
 };
 use super::split::{Split, binding};
 use super::timer::StageTimer;
 use crate::cpu::clustered;
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
-use crate::stages::{EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
+use crate::stages::{EXACT_SHADOW_DEPTH, SHADOW_ARGUMENTS, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
 
 /// What a [`ShadowQuery`] has room for.
@@ -77,6 +79,7 @@ pub enum QueryError {
 }
 
 const BOX_SLOTS: [Slot; 7] = [Uniform, Uniform, Read, Read, Read, Read, Write];
+const ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Write, Write];
 const DEPTH_SLOTS: [Slot; 11] = [Uniform, Uniform, Read, Read, Read, Read, Uniform, Read, Read, Write, Write];
 
 /// Counts the faces of one mesh that lie strictly between points and lights: each face once, whatever its orientation
@@ -94,6 +97,8 @@ pub struct ShadowQuery {
     cluster_buffer: wgpu::Buffer,
     depths: wgpu::Buffer,
     doubts: wgpu::Buffer,
+    /// The dispatch of what is counted anew.
+    recount_dispatch: wgpu::Buffer,
     /// Pairs of point and light that `doubts` has room for.
     most_queries: u64,
     pipelines: Pipelines,
@@ -105,20 +110,34 @@ struct Pipelines {
     boxes: Pipeline,
     depth: Pipeline,
     exact: Pipeline,
+    arguments: Pipeline,
+    recount: Pipeline,
 }
 
 impl Pipelines {
     fn new(device: &wgpu::Device, skip: bool, window_words: u32) -> Self {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip)));
-        let pair = |stage: &Stage| {
-            Pipeline::new(device, stage, &stage.wgsl(), stage.name, &DEPTH_SLOTS, None, &[windows, skip])
+        let pair = |stage: &Stage, entry_point: usize| {
+            let name = stage.entry_points[entry_point];
+            Pipeline::new(device, stage, &stage.wgsl(), name, &DEPTH_SLOTS, None, &[windows, skip])
         };
-        let boxes = &SHADOW_BOXES;
+        let (boxes, arguments) = (&SHADOW_BOXES, &SHADOW_ARGUMENTS);
+        let most = [("MOST_WORKGROUPS", f64::from(device.limits().max_compute_workgroups_per_dimension))];
         Self {
             boxes: Pipeline::new(device, boxes, &boxes.wgsl(), boxes.name, &BOX_SLOTS, None, &[windows]),
-            depth: pair(&SHADOW_DEPTH),
-            exact: pair(&EXACT_SHADOW_DEPTH),
+            depth: pair(&SHADOW_DEPTH, 0),
+            exact: pair(&EXACT_SHADOW_DEPTH, 0),
+            arguments: Pipeline::new(
+                device,
+                arguments,
+                &arguments.wgsl(),
+                arguments.name,
+                &ARGUMENTS_SLOTS,
+                None,
+                &most,
+            ),
+            recount: pair(&EXACT_SHADOW_DEPTH, 1),
         }
     }
 }
@@ -143,7 +162,7 @@ impl ShadowQuery {
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
         let cluster_bytes = (clusters * size_of::<FaceCluster>()) as u64;
         let depth_bytes = u64::from(max_points) * max_lights as u64 * 4;
-        let doubt_bytes = most_queries * DOUBT;
+        let doubt_bytes = doubt_bytes(most_queries);
         let wanted = [("face clusters", cluster_bytes), ("depths", depth_bytes), ("doubts", doubt_bytes)];
         let bytes = check(
             &wanted.map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }),
@@ -152,11 +171,12 @@ impl ShadowQuery {
         )?;
         let contents: Vec<_> = mesh.faces().chunks(CLUSTER).map(clustered).collect();
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let [cluster_buffer, depths, doubts] = guarded(device, bytes, || {
+        let [cluster_buffer, depths, doubts, recount_dispatch] = guarded(device, bytes, || {
             [
                 filled(device, "face clusters", bytemuck::cast_slice(&contents), storage),
                 buffer(device, "depths", depth_bytes, storage),
                 buffer(device, "doubts", doubt_bytes, storage),
+                buffer(device, "recount dispatch", 12, storage | BufferUsages::INDIRECT),
             ]
         })?;
         Ok(Self {
@@ -167,6 +187,7 @@ impl ShadowQuery {
             cluster_buffer,
             depths,
             doubts,
+            recount_dispatch,
             most_queries,
             pipelines: Pipelines::new(device, skip, 0),
             options,
@@ -202,7 +223,7 @@ impl ShadowQuery {
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let word_lights = lights.len().min(32) as u64;
-        let range = range_clusters(self.options.work_per_dispatch, most as u64 * word_lights);
+        let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * word_lights);
         let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
 
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
@@ -216,30 +237,39 @@ impl ShadowQuery {
         }
         drop(pass);
         let mut pass = begin(encoder, SHADOW_DEPTH.name, timer);
+        let arguments = self.pipelines.arguments.bind(
+            &self.device,
+            &[
+                entry::<FaceRange>(&tables.ranges),
+                binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+                binding(&self.recount_dispatch, 0..12),
+            ],
+        );
         for (points_at, chunk) in (0_u64..).zip(&chunks) {
-            let first_byte = points.offset + u64::from(chunk.start) * points.stride;
-            let point_bytes = self.split.align_down(first_byte)..first_byte + chunk.len() as u64 * points.stride;
-            let point_bytes = point_bytes.start..point_bytes.end.min(points.buffer.size());
-            let depth_bytes = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights.len() as u64);
             for (clusters, ranges) in clusters.iter().zip(&tables.sub_ranges) {
-                let mut resources = vec![entry::<LightWord>(&tables.words), entry::<PointChunk>(&tables.chunks)];
-                resources.extend(bound.bindings(positions.buffer));
-                resources.push(entry::<FaceRange>(&tables.ranges));
-                resources.push(binding(&self.cluster_buffer, cluster_bytes(clusters)));
-                resources.push(binding(points.buffer, point_bytes.clone()));
-                resources.push(binding(&self.depths, depth_bytes[0]..depth_bytes[1]));
-                resources.push(binding(&self.doubts, 0..self.most_queries * DOUBT));
-                let groups = [&self.pipelines.depth, &self.pipelines.exact]
-                    .map(|pipeline| (&pipeline.compute, pipeline.bind(&self.device, &resources)));
+                let resources =
+                    self.pair_resources(&tables, &bound, [positions, points], chunk, clusters, lights.len());
+                let bind = |pipeline: &Pipeline| pipeline.bind(&self.device, &resources);
+                let Pipelines { depth, exact, recount, .. } = &self.pipelines;
+                let groups = [(depth, bind(depth)), (exact, bind(exact)), (recount, bind(recount))];
                 for (word, lights) in (0_u64..).zip(lights.chunks(32)) {
-                    let queries = chunk.len() as u64 * lights.len() as u64;
+                    let pairs = chunk.len() as u64 * lights.len() as u64;
                     let chunk_offset = tables.chunk_offset(word, points_at);
                     let word_offset = word as u32 * UniformTable::stride::<LightWord>() as u32;
                     for &range in ranges {
                         for (pipeline, group) in &groups {
-                            pass.set_pipeline(pipeline);
+                            if pipeline.label == recount.label {
+                                pass.set_pipeline(&self.pipelines.arguments.compute);
+                                pass.set_bind_group(0, &arguments, &[range]);
+                                pass.dispatch_workgroups(1, 1, 1);
+                            }
+                            pass.set_pipeline(&pipeline.compute);
                             pass.set_bind_group(0, group, &[word_offset, chunk_offset, range]);
-                            pass.dispatch_workgroups(workgroups(&self.split, queries), 1, 1);
+                            if pipeline.label == recount.label {
+                                pass.dispatch_workgroups_indirect(&self.recount_dispatch, 0);
+                            } else {
+                                pass.dispatch_workgroups(workgroups(pairs), 1, 1);
+                            }
                         }
                     }
                 }
@@ -248,10 +278,40 @@ impl ShadowQuery {
         Ok(())
     }
 
+    /// What the stages over pairs of point and light bind, for a run of points and of clusters.
+    fn pair_resources<'a>(
+        &'a self,
+        tables: &'a Tables,
+        bound: &BoundPositions,
+        [positions, points]: [PositionBuffer<'a>; 2],
+        chunk: &Range<u32>,
+        clusters: &Range<usize>,
+        lights: usize,
+    ) -> Vec<wgpu::BindingResource<'a>> {
+        let first_byte = points.offset + u64::from(chunk.start) * points.stride;
+        let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
+        let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
+        let mut resources = vec![entry::<LightWord>(&tables.words), entry::<PointChunk>(&tables.chunks)];
+        resources.extend(bound.bindings(positions.buffer));
+        resources.extend([
+            entry::<FaceRange>(&tables.ranges),
+            binding(&self.cluster_buffer, cluster_bytes(clusters)),
+            binding(points.buffer, self.split.align_down(first_byte)..end),
+            binding(&self.depths, depths[0]..depths[1]),
+            binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+        ]);
+        resources
+    }
+
     /// Where the depths lie once the encoder is submitted: one `i32` a pair, point after point, of each point a number a
     /// light of that encode. −1: the point is infinite or NaN. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
     pub fn depths(&self) -> &wgpu::Buffer {
         &self.depths
+    }
+
+    /// The mesh's faces in clusters with the boxes of the last encode, a [`FaceCluster`] each. Usages as above.
+    pub fn clusters(&self) -> &wgpu::Buffer {
+        &self.cluster_buffer
     }
 }
 
@@ -265,7 +325,7 @@ fn begin<'encoder>(
     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes })
 }
 
-fn cluster_bytes(clusters: &std::ops::Range<usize>) -> std::ops::Range<u64> {
+fn cluster_bytes(clusters: &Range<usize>) -> Range<u64> {
     let bytes = size_of::<FaceCluster>() as u64;
     clusters.start as u64 * bytes..clusters.end as u64 * bytes
 }
@@ -286,8 +346,8 @@ impl Tables {
         query: &ShadowQuery,
         bound: &BoundPositions,
         points: PositionBuffer<'_>,
-        chunks: &[std::ops::Range<u32>],
-        clusters: &[std::ops::Range<usize>],
+        chunks: &[Range<u32>],
+        clusters: &[Range<usize>],
         lights: &[Light],
         range: usize,
     ) -> Self {
