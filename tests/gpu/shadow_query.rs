@@ -62,13 +62,25 @@ fn room(case: &ShadowCase) -> ShadowQueryOptions {
     }
 }
 
+/// All cases in a long run; else a few, since a software GPU takes a second for each one's pipelines.
+fn chosen(mut cases: Vec<ShadowCase>) -> Vec<ShadowCase> {
+    const FEW: [&str; 6] = ["moebius", "soup by 1e-40", "moved by 1e6", "lattice", "any magnitude", "not finite"];
+    let mut seen = Vec::new();
+    cases.retain(|case| {
+        let is_new = !seen.contains(&case.name);
+        seen.push(case.name.clone());
+        is_long() || is_new && FEW.iter().any(|few| case.name.starts_with(few))
+    });
+    cases
+}
+
 fn twin() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let first = 101;
     println!("seeds from {first}");
     let (rounds, counts) = if is_long() { (30, [300, 40]) } else { (1, [60, 8]) };
     for seed in first..first + rounds {
-        for case in shadow_cases(&mut Random::new(seed), counts[0], counts[1]) {
+        for case in chosen(shadow_cases(&mut Random::new(seed), counts[0], counts[1])) {
             let right = expected(&case)?;
             let mut depths = found(gpu, &case, room(&case), TIGHT)?;
             same(&format!("{}, seed {seed}", case.name), &depths, &right)?;
@@ -84,7 +96,7 @@ fn ties() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let first = 121;
     println!("seeds from {first}");
-    for seed in first..first + if is_long() { 50 } else { 2 } {
+    for seed in first..first + if is_long() { 50 } else { 1 } {
         let (case, _) = lattice(&mut Random::new(seed), [20, 500, 33]);
         same(&format!("seed {seed}"), &found(gpu, &case, room(&case), TIGHT)?, &expected(&case)?)?;
     }
@@ -92,7 +104,7 @@ fn ties() -> Result<(), String> {
 }
 
 /// A mesh of several groups, points and 40 lights, ordinary and not; faces in order and shuffled.
-fn larger() -> Vec<ShadowCase> {
+fn larger() -> [ShadowCase; 2] {
     let mut random = Random::new(141);
     let shape = shapes::torus(70, 50, 1.0, 0.4);
     let points: Vec<_> = (0..300).map(|_| random.direction().map(|c| c * random.between(0.0, 2.0))).collect();
@@ -103,14 +115,14 @@ fn larger() -> Vec<ShadowCase> {
     shuffled.shape.positions[1000][0] = f32::NAN;
     // So far away that nothing of it can be told in f32: its clusters' boxes do not count.
     shuffled.shape.positions[2000] = [1e15, 0.0, 1e15];
-    vec![case, shuffled]
+    [case, shuffled]
 }
 
 fn splits() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     for case in larger() {
         let right = expected(&case)?;
-        for (skip, work) in [(true, 1 << 28), (false, 1 << 28), (true, 1), (false, 5_000_000)] {
+        for (skip, work) in [(true, 1 << 28), (false, 1)] {
             let options = ShadowQueryOptions { skip, work_per_dispatch: work, max_points: 333, ..room(&case) };
             let what = format!("{}, skip {skip}, {work} a dispatch", case.name);
             same(&what, &found(gpu, &case, options, TIGHT)?, &right)?;
@@ -132,13 +144,12 @@ fn splits() -> Result<(), String> {
 
 fn small_limits() -> Result<(), String> {
     for (binding, workgroups, place) in
-        [(48 << 10, 64, TIGHT), (64 << 10, 32, [260, 20]), (80 << 10, 50, [4, 12]), (128 << 10, 33, [1000, 48])]
+        [(48 << 10, 64, [4, 12]), (64 << 10, 32, [260, 20]), (128 << 10, 33, [1000, 48])]
     {
         let small = limited(binding, 2 << 20, workgroups)?;
-        for case in larger() {
-            let depths = found(&small, &case, room(&case), place)?;
-            same(&format!("{}, {binding} bytes, {workgroups} workgroups", case.name), &depths, &expected(&case)?)?;
-        }
+        let [_, case] = larger();
+        let depths = found(&small, &case, room(&case), place)?;
+        same(&format!("{binding} bytes, {workgroups} workgroups"), &depths, &expected(&case)?)?;
     }
     Ok(())
 }
@@ -146,7 +157,7 @@ fn small_limits() -> Result<(), String> {
 fn boxes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(151);
-    for case in shadow_cases(&mut random, 1, 1).into_iter().chain(larger()) {
+    for case in chosen(shadow_cases(&mut random, 1, 1)).into_iter().skip(3).chain(larger()) {
         let Shape { positions, faces } = &case.shape;
         let mut query = ShadowQuery::new(&gpu.device, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
         let buffers = [positions, &case.points].map(|points| gpu.storage(points));

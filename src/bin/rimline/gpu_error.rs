@@ -1,7 +1,10 @@
 //! Errors of the library's GPU part, and what they mean for the command.
 
 use rimline::LightError;
-use rimline::gpu::{DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError};
+use rimline::gpu::{
+    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
+    ShadowQueryError,
+};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
@@ -19,6 +22,10 @@ pub(crate) enum GpuError {
     Include(#[from] IncludeError),
     #[error(transparent)]
     Memory(#[from] MemoryError),
+    #[error(transparent)]
+    Query(#[from] QueryError),
+    #[error(transparent)]
+    ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
     Read(#[from] ReadError),
 }
@@ -44,6 +51,9 @@ impl GpuError {
             | Self::Deform(DeformError::Memory(memory))
             | Self::Extractor(ExtractorError::Memory(memory))
             | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
+            | Self::ShadowQuery(ShadowQueryError::Memory(memory))
+            | Self::Query(QueryError::Positions(PositionError::Memory(memory)))
+            | Self::Query(QueryError::Points(PositionError::Memory(memory)))
             | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory))) => {
                 Some(memory)
             }
@@ -53,7 +63,10 @@ impl GpuError {
 
     fn lights(&self) -> Option<&LightError> {
         match self {
-            Self::Extractor(ExtractorError::Light(lights)) | Self::Encode(EncodeError::Light(lights)) => Some(lights),
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Encode(EncodeError::Light(lights))
+            | Self::ShadowQuery(ShadowQueryError::Light(lights))
+            | Self::Query(QueryError::Light(lights)) => Some(lights),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices.
+//! The command `rimline`: extract silhouettes, draw outlines, count shadow depths, look into models and devices.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
@@ -16,7 +16,9 @@ mod npz;
 mod output;
 mod positions;
 mod progress;
+mod query;
 mod spec;
+mod times;
 
 use std::process::ExitCode;
 
@@ -46,5 +48,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Query(args) => query::run(args),
     }
 }

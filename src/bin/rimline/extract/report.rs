@@ -9,7 +9,8 @@ use rimline::mesh::{EdgeCounts, EdgeKind};
 use rimline::{Light, Mesh, Method};
 use serde_json::{Map, Value, json};
 
-use super::{Found, Times};
+use super::Found;
+use crate::times::Times;
 
 /// What came out, in numbers.
 pub(super) struct Report {
@@ -116,7 +117,7 @@ impl Report {
 }
 
 /// A number a light; many lights are summed up.
-fn per_light(counts: &[usize]) -> String {
+pub(crate) fn per_light(counts: &[usize]) -> String {
     const SHOWN: usize = 8;
     let shown: Vec<String> = counts.iter().take(SHOWN).map(usize::to_string).collect();
     if counts.len() > SHOWN {

@@ -5,5 +5,5 @@ mod read;
 mod write;
 
 pub(crate) use header::ElementType;
-pub(crate) use read::{NpzError, read};
+pub(crate) use read::{NpzError, read, read_points};
 pub(crate) use write::NpzWriter;

@@ -1,4 +1,4 @@
-//! Reading `positions` and `faces` from an archive that may hold anything.
+//! Reading `positions` and `faces`, or `points`, from an archive that may hold anything.
 
 use std::io::{self, Read, Seek};
 
@@ -19,7 +19,7 @@ pub(crate) struct Arrays {
 pub(crate) enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
     Archive(#[source] ZipError),
-    #[error("it has no array `{array}`, which a model needs; it has {}", listed(.found))]
+    #[error("it has no array `{array}`, which is needed here; it has {}", listed(.found))]
     Missing { array: &'static str, found: Vec<String> },
     #[error("array `{array}`: its ZIP entry cannot be read: {source}")]
     Entry { array: &'static str, source: ZipError },
@@ -27,7 +27,7 @@ pub(crate) enum NpzError {
     Header { array: &'static str, source: HeaderError },
     #[error("array `{array}` has elements of type {found}; {wanted}")]
     Element { array: &'static str, found: String, wanted: &'static str },
-    #[error("array `{array}` has shape ({}), but ({array_rows}, 3) is needed", shown(.shape), array_rows = if *.array == "faces" { "F" } else { "V" })]
+    #[error("array `{array}` has shape ({}), but ({array_rows}, 3) is needed", shown(.shape), array_rows = match *.array { "faces" => "F", "points" => "P", _ => "V" })]
     Shape { array: &'static str, shape: Vec<u64> },
     #[error("array `{array}` has {rows} rows, more than the {limit} that indices can count")]
     Rows { array: &'static str, rows: u64, limit: u64 },
@@ -61,7 +61,7 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
         array: "positions",
         limit: u64::from(u32::MAX) - 1,
         wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
-        accepts: |element| element.kind == 'f' && element.size == 4,
+        accepts: is_float,
     };
     let faces = Entry {
         array: "faces",
@@ -78,6 +78,22 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
         }
     }
     Ok(Arrays { positions, faces })
+}
+
+/// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order.
+pub(crate) fn read_points(reader: impl Read + Seek) -> Result<Vec<[f32; 3]>, NpzError> {
+    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
+    let points = Entry {
+        array: "points",
+        limit: u64::from(u32::MAX),
+        wanted: "float32 is needed (NumPy: `points.astype('f4')`)",
+        accepts: is_float,
+    };
+    points.rows(&mut archive, float)
+}
+
+fn is_float(element: ElementType) -> bool {
+    element.kind == 'f' && element.size == 4
 }
 
 /// What one of the arrays must be.
