@@ -158,6 +158,7 @@ impl ShadowQuery {
         let split = Split::new(&device.limits());
         let clusters = mesh.faces().len().div_ceil(CLUSTER);
         cluster_chunks(&split, clusters)?;
+        let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
         let cluster_bytes = (clusters * size_of::<FaceCluster>()) as u64;

@@ -12,6 +12,7 @@ mod files;
 mod info;
 mod models;
 mod npz_input;
+mod query;
 mod run;
 mod usage;
 
@@ -33,7 +34,7 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS];
+    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, query::TESTS];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()
