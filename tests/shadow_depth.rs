@@ -55,7 +55,7 @@ fn refused_lights() {
     let negative = refused(&[good, good, Light::homogeneous([1.0, 1.0, 1.0, -2.0])]);
     assert_eq!(negative, LightError::Negative { index: 2, w: -2.0 });
     assert!(matches!(refused(&[Light::point([f32::NAN; 3])]), LightError::NotFinite { index: 0, .. }));
-    assert!(matches!(refused(&[good; 1025]), LightError::TooMany { count: 1025, .. }));
+    assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn depths_are_those_of_brute_force() -> Outcome {
     let first = 61;
     println!("seeds from {first}");
     let (mut queries, mut deepest) = (0, 0);
-    let (rounds, counts) = if is_long() { (20, [60, 16]) } else { (1, [12, 6]) };
+    let (rounds, counts) = if is_long() { (4, [24, 8]) } else { (1, [12, 6]) };
     for seed in first..first + rounds {
         let mut random = Random::new(seed);
         for case in shadow_cases(&mut random, counts[0], counts[1]) {
@@ -124,7 +124,7 @@ fn ties_agree_with_topology() -> Outcome {
 
 /// Inside or outside a torus by its equation; a negative control moves every point.
 #[test]
-fn parity_tells_inside_from_outside() -> Outcome {
+fn parity_tells_inside_from_outside() {
     let shape = shapes::torus(96, 48, 1.0, 0.4);
     let mut random = Random::new(81);
     let (mut points, mut insides) = (Vec::new(), Vec::new());
@@ -154,7 +154,6 @@ fn parity_tells_inside_from_outside() -> Outcome {
     assert_eq!(wrong(&insides), 0);
     let others: Vec<bool> = insides.iter().skip(1).chain(insides.first()).copied().collect();
     assert!(wrong(&others) > 0, "negative control");
-    Ok(())
 }
 
 fn extent(shape: &Shape, axis: usize) -> f32 {

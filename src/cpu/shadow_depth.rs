@@ -65,7 +65,8 @@ impl Segment {
             }
             for cluster in group.iter().filter(|cluster| !self.misses(cluster.low, cluster.high)) {
                 let (faces, _) = cluster.corners.as_chunks::<3>();
-                depth += faces.iter().filter(|&&face| self.crosses(positions, face)).count() as i32;
+                let bound = self.edge_bound(cluster);
+                depth += faces.iter().filter(|&&face| self.crosses(positions, face, bound)).count() as i32;
             }
         }
         depth
@@ -76,7 +77,7 @@ impl Segment {
         if high[3] == 0 {
             return true;
         }
-        let [low, high] = [low, high].map(|bits| [0, 1, 2].map(|axis| f64::from(f32::from_bits(bits[axis]))));
+        let [low, high] = [low, high].map(corner_of);
         // Before both ends or beyond both; these signs are exact.
         let ends = |at: f64, axis: usize| [at - self.p[axis], self.w * at - self.l[axis]];
         let is_apart = |axis: usize| {
@@ -97,24 +98,38 @@ impl Segment {
             .any(|(i, j)| (middle[i] * d[j] - middle[j] * d[i]).abs() > extent[i] * d[j].abs() + extent[j] * d[i].abs())
     }
 
-    /// Whether a face lies strictly between.
-    fn crosses(&self, positions: &[[f32; 3]], face: [u32; 3]) -> bool {
+    /// What bounds the error of a determinant of any edge in the cluster: its box holds them all.
+    fn edge_bound(&self, cluster: &FaceCluster) -> f64 {
+        let [low, high] = [cluster.low, cluster.high].map(corner_of);
+        let reach = [0, 1, 2].map(|axis| (low[axis] - self.p[axis]).abs().max((high[axis] - self.p[axis]).abs()));
+        RELATIVE * sum_of_sizes(difference(high, low)) * sum_of_sizes(reach) * sum_of_sizes(self.towards)
+    }
+
+    /// Whether a face lies strictly between; `bound` is its cluster's.
+    fn crosses(&self, positions: &[[f32; 3]], face: [u32; 3], bound: f64) -> bool {
         let corners = face.map(|vertex| position(positions, vertex));
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
-        let from_corners = [a, b, c].map(|corner| difference(self.p, corner));
-        let moments = from_corners.map(|from| cross(from, self.towards));
-        let sides = [(a, b, 0), (b, c, 1), (c, a, 2)].map(|(a, b, at)| {
-            let u = difference(b, a);
-            certain_sign(dot(u, moments[at]), [u, from_corners[at], self.towards])
+        let [from_a, from_b, from_c] = [a, b, c].map(|corner| difference(self.p, corner));
+        let edge = |a: [f64; 3], b: [f64; 3], from_a: [f64; 3]| dot(difference(b, a), cross(from_a, self.towards));
+        let sides = [edge(a, b, from_a), edge(b, c, from_b), edge(c, a, from_c)];
+        let lowest = sides[0].min(sides[1]).min(sides[2]);
+        let highest = sides[0].max(sides[1]).max(sides[2]);
+        // Most faces end here. A NaN is of a face that does not count.
+        if lowest < -bound && highest > bound || !corners.into_iter().all(is_finite) || is_degenerate(face) {
+            return false;
+        }
+        let vectors = [(a, b, from_a), (b, c, from_b), (c, a, from_c)];
+        let sides = [0, 1, 2].map(|at| {
+            let (a, b, from_a) = vectors[at];
+            certain_sign(sides[at], [difference(b, a), from_a, self.towards])
         });
-        let has = |sign: i32| sides.contains(&sign);
-        if has(1) && has(-1) || !corners.into_iter().all(is_finite) || is_degenerate(face) {
+        if sides.contains(&1) && sides.contains(&-1) {
             return false;
         }
         let [u, v] = [difference(b, a), difference(c, a)];
         let normal = cross(u, v);
         let plane_side = |to: [f64; 3]| certain_sign(dot(normal, to), [u, v, to]);
-        let [point_side, light_side] = [from_corners[0], to_light(a, self.l, self.w)].map(plane_side);
+        let [point_side, light_side] = [from_a, to_light(a, self.l, self.w)].map(plane_side);
         if point_side * light_side > 0 {
             return false;
         }
@@ -133,8 +148,17 @@ const RELATIVE: f64 = 1e-15;
 /// The sign of a determinant that came to `d`, of three vectors that are differences; 0 where it is not certain. In `f64`
 /// products of two `f32` are exact, and nothing over- or underflows.
 fn certain_sign(d: f64, vectors: [[f64; 3]; 3]) -> i32 {
-    let bound = vectors.iter().fold(RELATIVE, |bound, v| bound * (v[0].abs() + v[1].abs() + v[2].abs()));
+    let bound = vectors.into_iter().fold(RELATIVE, |bound, v| bound * sum_of_sizes(v));
     i32::from(d > bound) - i32::from(d < -bound)
+}
+
+/// A corner of a box.
+fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
+    [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
+}
+
+fn sum_of_sizes(v: [f64; 3]) -> f64 {
+    v[0].abs() + v[1].abs() + v[2].abs()
 }
 
 fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {

@@ -32,7 +32,7 @@ fn on_face(random: &mut Random, shape: &Shape) -> [f32; 3] {
 /// Points and lights about a shape of size `scale` at `offset`, every other one on the shape.
 fn around(random: &mut Random, name: &str, shape: Shape, scale: f32, offset: f32, counts: [usize; 2]) -> ShadowCase {
     let free = |random: &mut Random| random.direction().map(|c| c * random.between(0.0, 2.5) * scale + offset);
-    let mut point = |index: usize| if index % 2 == 0 { free(random) } else { on_face(random, &shape) };
+    let mut point = |index: usize| if index.is_multiple_of(2) { free(random) } else { on_face(random, &shape) };
     let points: Vec<_> = (0..counts[0]).map(&mut point).collect();
     let near: Vec<_> = (0..counts[1]).map(|index| point(index / 4)).collect();
     let lights = near.into_iter().enumerate().map(|(index, near)| match index % 4 {

@@ -52,8 +52,10 @@ impl GpuError {
             | Self::Extractor(ExtractorError::Memory(memory))
             | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
             | Self::ShadowQuery(ShadowQueryError::Memory(memory))
-            | Self::Query(QueryError::Positions(PositionError::Memory(memory)))
-            | Self::Query(QueryError::Points(PositionError::Memory(memory)))
+            | Self::Query(
+                QueryError::Positions(PositionError::Memory(memory))
+                | QueryError::Points(PositionError::Memory(memory)),
+            )
             | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory))) => {
                 Some(memory)
             }
