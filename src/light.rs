@@ -93,7 +93,7 @@ pub enum LightError {
     },
     /// A negative weight, which shadows refuse.
     #[error(
-        "light {index} has w = {w}, which reverses its sides, and so nothing lies between it and a point; give all four components with the other sign"
+        "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
     )]
     Negative {
         /// Position in the list.

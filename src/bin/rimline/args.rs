@@ -202,16 +202,17 @@ pub(crate) struct QueryArgs {
 const QUERY_EXAMPLES: &str = "\
 Examples:
   rimline query fox.glb --points ground.npz --light point:-1,2e2,.5 --out depth.npz
-  rimline query fox.glb --points ground.npz --light file:all --animation Run --time 0.4 --out depth.npz
+  rimline query fox.glb --points ground.npz --light file:all --animation Run --out depth.npz
 
 Arrays written, P points, N lights:
   points (P,3) float32   as given
   lights (N,4) float32   as given
-  depth (P,N) int32      faces strictly between the point and the light, each counted once whatever its
-                         orientation; 0 is lit, -1 a point that is infinite or NaN
+  depth (P,N) int32      faces strictly between the point and the light, each counted
+                         once, whatever its orientation; 0 is lit, -1 a point that is
+                         infinite or NaN
 
 A face that contains the point or the light is not between. On a closed model the depth of a point is odd \
-where either the point or the light is inside. Depths are decided in exact arithmetic: the same on every device.
+where one of point and light is inside and the other is not. Depths are decided in exact arithmetic: the same on every device.
 
 Keys of --json: adapter, vertices, faces, points, non_finite_points, lights, points_in_shadow and deepest \
 (a number a light), milliseconds (by stage).";
