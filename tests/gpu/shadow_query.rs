@@ -78,7 +78,7 @@ fn twin() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let first = 101;
     println!("seeds from {first}");
-    let (rounds, counts) = if is_long() { (4, [200, 40]) } else { (1, [60, 8]) };
+    let (rounds, counts) = if is_long() { (2, [100, 33]) } else { (1, [60, 8]) };
     for seed in first..first + rounds {
         for case in chosen(shadow_cases(&mut Random::new(seed), counts[0], counts[1])) {
             let right = expected(&case)?;
