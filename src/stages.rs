@@ -71,10 +71,10 @@ pub const EXACT_SHADOW_DEPTH: Stage = Stage {
     entry_points: &["exact_shadow_depth", "exact_shadow_depth_recount"],
 };
 /// The indirect dispatch of what is counted anew.
-pub const SHADOW_ARGUMENTS: Stage = Stage {
-    name: "shadow_arguments",
-    files: files!["common", "shadow_arguments"],
-    entry_points: &["shadow_arguments"],
+pub const DEPTH_ARGUMENTS: Stage = Stage {
+    name: "depth_arguments",
+    files: files!["common", "depth_arguments"],
+    entry_points: &["depth_arguments"],
 };
 
 /// Every stage, in the order of the data flow.
@@ -89,7 +89,7 @@ pub const STAGES: [Stage; 12] = [
     ARGUMENTS,
     SHADOW_BOXES,
     SHADOW_DEPTH,
-    SHADOW_ARGUMENTS,
+    DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
 ];
 

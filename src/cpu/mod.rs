@@ -16,7 +16,7 @@ mod facing;
 mod filter;
 mod parallel;
 mod per_edge;
-mod shadow_arguments;
+mod depth_arguments;
 mod shadow_boxes;
 mod shadow_depth;
 
@@ -32,7 +32,7 @@ pub use facing::{FacingCounts, facing, facing_into, is_finite};
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;
-pub use shadow_arguments::shadow_arguments;
+pub use depth_arguments::depth_arguments;
 pub(crate) use shadow_boxes::clustered;
 pub use shadow_boxes::shadow_boxes;
 pub use shadow_depth::shadow_depth;

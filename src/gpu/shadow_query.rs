@@ -16,7 +16,7 @@ use super::timer::StageTimer;
 use crate::cpu::clustered;
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
-use crate::stages::{EXACT_SHADOW_DEPTH, SHADOW_ARGUMENTS, SHADOW_BOXES, SHADOW_DEPTH, Stage};
+use crate::stages::{EXACT_SHADOW_DEPTH, DEPTH_ARGUMENTS, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
 
 /// What a [`ShadowQuery`] has room for.
@@ -122,7 +122,7 @@ impl Pipelines {
             let name = stage.entry_points[entry_point];
             Pipeline::new(device, stage, &stage.wgsl(), name, &DEPTH_SLOTS, None, &[windows, skip])
         };
-        let (boxes, arguments) = (&SHADOW_BOXES, &SHADOW_ARGUMENTS);
+        let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
         let most = [("MOST_WORKGROUPS", f64::from(device.limits().max_compute_workgroups_per_dimension))];
         Self {
             boxes: Pipeline::new(device, boxes, &boxes.wgsl(), boxes.name, &BOX_SLOTS, None, &[windows]),

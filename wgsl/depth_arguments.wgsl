@@ -9,7 +9,7 @@
 override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)
-fn shadow_arguments() {
+fn depth_arguments() {
   let recounts = atomicExchange(&doubts.listed, 0u);
   doubts.recounts = recounts;
   let groups = recounts * ((range.end - range.first + CLUSTER - 1u) / CLUSTER);
