@@ -47,6 +47,7 @@ pub mod light;
 pub mod mesh;
 pub mod method;
 pub mod model;
+pub mod shadow;
 pub mod shapes;
 pub mod stages;
 
@@ -55,6 +56,7 @@ pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::{Method, Predicate};
 pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
+pub use shadow::{Counting, DepthDirection, RangedLight, ShadowCamera};
 
 pub use {glam, wgpu};
 

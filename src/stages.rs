@@ -43,9 +43,50 @@ pub const COMPACT: Stage = Stage {
 /// Indirect draw arguments from counts.
 pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common", "arguments"], entry_points: &["arguments"] };
+/// The box of a caster.
+pub const BOUNDS: Stage =
+    Stage { name: "bounds", files: files!["common", "shadow", "bounds"], entry_points: &["bounds"] };
+/// Which faces cast, and how is counted.
+pub const CHOOSE: Stage =
+    Stage { name: "choose", files: files!["common", "shadow", "pyramid", "choose"], entry_points: &["choose"] };
+/// Lists of the faces that caps are drawn from.
+pub const CAPS: Stage =
+    Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
+/// Indirect draw arguments of shadow volumes.
+pub const SHADOW_ARGUMENTS: Stage = Stage {
+    name: "shadow_arguments",
+    files: files!["common", "shadow", "shadow_arguments"],
+    entry_points: &["shadow_arguments"],
+};
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 8] = [DEFORM, FACING, EXACT_ARGUMENTS, EXACT_FACING, EDGES, PER_EDGE, COMPACT, ARGUMENTS];
+pub const STAGES: [Stage; 12] = [
+    DEFORM,
+    FACING,
+    EXACT_ARGUMENTS,
+    EXACT_FACING,
+    EDGES,
+    PER_EDGE,
+    COMPACT,
+    ARGUMENTS,
+    BOUNDS,
+    CHOOSE,
+    CAPS,
+    SHADOW_ARGUMENTS,
+];
+
+/// Vertex shaders of the sides of shadow volumes; [`crate::gpu::include_wgsl`] on group 1 comes after.
+pub const SIDES: Stage = Stage {
+    name: "sides",
+    files: files!["common", "shadow", "polygon", "sides"],
+    entry_points: &["side", "side_clipped"],
+};
+/// Vertex shaders of the caps of shadow volumes.
+pub const CAP_FACES: Stage = Stage {
+    name: "cap_faces",
+    files: files!["common", "shadow", "polygon", "casting", "cap_faces"],
+    entry_points: &["light_cap", "dark_cap", "near_cap"],
+};
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] =

@@ -92,3 +92,24 @@ struct DeformChunk {
   displaced: u32,
   time: f32,
 }
+
+// The draws of one light's shadow volume.
+struct ShadowDraws {
+  // Sides as they are, and sides clipped at the near plane: one of them draws nothing.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Caps that count up on their front, and on their back.
+  front: DrawArguments,
+  back: DrawArguments,
+}
+
+struct ShadowStatistics {
+  // Lights out of whose reach the caster is, or whose shadow the camera cannot see.
+  skipped: atomic<u32>,
+  // Lights for which every face casts.
+  every_face: atomic<u32>,
+  // Lights with a near cap.
+  capped: atomic<u32>,
+  // Lights whose list of cap faces overflowed.
+  overflowed_caps: atomic<u32>,
+}

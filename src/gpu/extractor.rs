@@ -304,6 +304,11 @@ impl Extractor {
         }
     }
 
+    /// The mesh's faces, three `u32` each.
+    pub(super) fn faces(&self) -> &wgpu::Buffer {
+        &self.buffers.faces
+    }
+
     pub(super) fn parts(&self) -> (&wgpu::Device, &Split, &Shape) {
         (&self.device, &self.split, &self.shape)
     }

@@ -14,6 +14,7 @@ mod pipelines;
 mod positions;
 mod readback;
 mod results;
+mod shadow;
 mod split;
 mod timer;
 
@@ -24,4 +25,5 @@ pub use memory::{Allocation, MemoryError};
 pub use positions::{PositionBuffer, PositionError};
 pub use readback::{ReadError, read_back, read_back_vec};
 pub use results::Results;
+pub use shadow::{ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes};
 pub use timer::StageTimer;

@@ -1,0 +1,204 @@
+//! What shadow volumes are asked for: camera, lights with a range, counting method.
+
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+
+use crate::Light;
+use crate::layout::{ShadowLight, ShadowView};
+use crate::light::{LightError, check_lights};
+
+/// How the shadow volumes that contain a point are counted in the stencil buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Counting {
+    /// For each caster and light, on the GPU: z-pass where no face lies between the light and the near rectangle, else
+    /// ZP+. Right from every camera.
+    #[default]
+    Auto,
+    /// What passes the depth test is counted (Heidmann 1991). Wrong where a volume reaches the near rectangle.
+    ZPass,
+    /// z-pass, begun with near caps: casting faces projected from the light onto the near plane (after Hornus et al.
+    /// 2005), with sides and caps clipped by the same functions. See NUMERICS.md, "Shadow volumes".
+    ZpPlus,
+    /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
+    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does.
+    ZFail,
+}
+
+impl Counting {
+    pub(crate) const fn code(self) -> u32 {
+        match self {
+            Self::ZPass => 0,
+            Self::ZpPlus => 1,
+            Self::ZFail => 2,
+            Self::Auto => 3,
+        }
+    }
+}
+
+/// Which end of clip space's depth is near.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthDirection {
+    /// Near is 1 and far is 0; larger is nearer.
+    #[default]
+    Reversed,
+    /// Near is 0 and far is 1.
+    Standard,
+}
+
+/// The camera that shadow volumes are drawn for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowCamera {
+    /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.
+    pub view_projection: Mat4,
+    /// What positions are taken relative to. Zero for a plain view-projection matrix; the eye's position, with a matrix
+    /// that does not move, keeps its precision far from the world's origin.
+    pub origin: Vec3,
+    /// Which depth is near.
+    pub depth: DepthDirection,
+}
+
+/// Why a camera cannot have shadow volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// The matrix or the origin has an infinite or NaN component, or the matrix cannot be inverted.
+    #[error("the camera's matrix is singular or not finite")]
+    Singular,
+    /// The near plane is not at right angles to the direction in which w grows.
+    #[error("the camera's near plane is oblique; clip w must be constant on it")]
+    Oblique,
+    /// Depth runs the other way.
+    #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
+    Backwards,
+}
+
+impl ShadowCamera {
+    /// What the GPU needs of it.
+    ///
+    /// # Errors
+    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    pub fn view(&self) -> Result<ShadowView, CameraError> {
+        let matrix = self.view_projection.as_dmat4();
+        let inverse = matrix.inverse();
+        if !inverse.is_finite() || !self.origin.is_finite() || matrix.determinant() == 0.0 {
+            return Err(CameraError::Singular);
+        }
+        let (depth, w) = (matrix.row(2), matrix.row(3));
+        let (near_z, plane) = match self.depth {
+            DepthDirection::Reversed => (1.0, w - depth),
+            DepthDirection::Standard => (0.0, depth),
+        };
+        let length = plane.truncate().length();
+        if length == 0.0 {
+            return Err(CameraError::Singular);
+        }
+        let plane = plane / length;
+        let growth = w.truncate().dot(plane.truncate());
+        let aside = (w.truncate() - growth * plane.truncate()).length();
+        if aside > 1e-4 * w.truncate().length() {
+            return Err(CameraError::Oblique);
+        }
+        let near_w = w.w - growth * plane.w;
+        if near_w <= 0.0 {
+            return Err(CameraError::Backwards);
+        }
+        let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            let corner = inverse * (DVec4::new(x, y, near_z, 1.0) * near_w);
+            let place = corner.truncate() / corner.w + self.origin.as_dvec3();
+            near_min = near_min.min(place);
+            near_max = near_max.max(place);
+        }
+        if !near_min.is_finite() || !near_max.is_finite() {
+            return Err(CameraError::Singular);
+        }
+        Ok(ShadowView {
+            view_projection: self.view_projection.to_cols_array_2d(),
+            near_plane: plane.as_vec4().to_array(),
+            origin: self.origin.to_array(),
+            near_w: near_w as f32,
+            near_min: near_min.as_vec3().to_array(),
+            near_z: near_z as f32,
+            near_max: near_max.as_vec3().to_array(),
+            reserved: 0,
+        })
+    }
+
+    /// A light as this camera sees it; nothing chosen yet.
+    pub(crate) fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
+        let given = light.to_array().map(f64::from);
+        let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+        let scaled = given.map(|c| c * power_of_two_below(largest).recip());
+        // What f32 holds of it is what the shaders see.
+        let light = scaled.map(|c| c as f32);
+        let [x, y, z, w] = light.map(f64::from);
+        let from_origin = (DVec3::new(x, y, z) - w * self.origin.as_dvec3()).extend(w);
+        let matrix: DMat4 = self.view_projection.as_dmat4();
+        let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
+        ShadowLight {
+            light,
+            clip: (matrix * from_origin).as_vec4().to_array(),
+            height: height as f32,
+            range: if range.is_finite() { range } else { 0.0 },
+            ..bytemuck::Zeroable::zeroed()
+        }
+    }
+}
+
+/// The largest power of two that is not above `size`, which is positive and finite.
+fn power_of_two_below(size: f64) -> f64 {
+    f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// A light that reaches only so far: Bergeron's sphere of influence (1986).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangedLight {
+    /// The light, in the space of the positions.
+    pub light: Light,
+    /// Casters farther away throw no shadow. In the unit of the positions, positive; infinite for no limit. Of no
+    /// meaning for lights at infinity.
+    pub range: f32,
+}
+
+impl From<Light> for RangedLight {
+    fn from(light: Light) -> Self {
+        Self { light, range: f32::INFINITY }
+    }
+}
+
+/// Why lights cannot have shadow volumes.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowLightError {
+    /// Refused by the extraction, too.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// Sides are reversed for such a light.
+    #[error("light {index} has a negative w; give it as (-x, -y, -z, -w), which is the same point")]
+    NegativeWeight {
+        /// Position in the list.
+        index: usize,
+    },
+    /// A range must be positive, or infinite.
+    #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
+    Range {
+        /// Position in the list.
+        index: usize,
+        /// The range given.
+        range: f32,
+    },
+}
+
+/// Checks lights for shadows: those that the extraction takes, with w ≥ 0 and a positive range.
+pub(crate) fn check_shadow_lights(lights: &[RangedLight], limit: usize) -> Result<(), ShadowLightError> {
+    let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
+    check_lights(&plain, limit)?;
+    for (index, &RangedLight { light, range }) in lights.iter().enumerate() {
+        if light.w < 0.0 {
+            return Err(ShadowLightError::NegativeWeight { index });
+        }
+        if range.is_nan() || range <= 0.0 {
+            return Err(ShadowLightError::Range { index, range });
+        }
+    }
+    Ok(())
+}

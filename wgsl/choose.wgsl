@@ -1,0 +1,115 @@
+// Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone: the cheap way
+// out. What may need caps goes on to `caps`, whose dispatches are written here.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(1) var<uniform> view: ShadowView;
+@group(0) @binding(2) var<storage, read> box: array<u32, 6>;
+@group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
+// Three numbers of workgroups a word of lights.
+@group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
+
+// Relative slack of every test: far above the rounding of what is tested.
+const SLACK: f32 = 4e-6;
+
+fn unordered(bits: vec3<u32>) -> vec3<f32> {
+  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
+}
+
+fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
+  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+}
+
+// Whether the box lies wholly beyond the light's range.
+fn out_of_range(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  if (light.range <= 0.0 || light.light.w <= 0.0) {
+    return false;
+  }
+  let place = light.light.xyz / light.light.w;
+  let d = max(max(low - place, place - high), vec3<f32>(0.0));
+  // By the largest side first, since squares may overflow.
+  let size = max(max(d.x, d.y), max(d.z, light.range));
+  let r = light.range / size;
+  let e = d / size;
+  return dot_3(e, e) > r * r * (1.0 + SLACK);
+}
+
+// Whether two boxes meet, with slack.
+fn boxes_meet(low: vec3<f32>, high: vec3<f32>) -> bool {
+  let slack = SLACK * max(max(abs(low), abs(high)), max(abs(view.near_min), abs(view.near_max)));
+  return all(low - slack <= view.near_max) && all(high + slack >= view.near_min);
+}
+
+// What is outside of a plane by its value there; `size` bounds what the value is the sum of.
+fn is_out(value: f32, size: f32) -> bool {
+  return value < -SLACK * size;
+}
+
+// Which of left, right, bottom, top and near the camera's planes have the whole volume of the box outside.
+fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  var out = vec4<bool>(true);
+  var before = true;
+  for (var number = 0u; number < 8u; number++) {
+    let position = box_corner(low, high, number);
+    let v = corner(view, light, position);
+    let size = clip_size(view, abs(position) + abs(view.origin));
+    let far_size = clip_size(view, abs(light.light.w * position) + abs(light.light.xyz));
+    let near_x = size.w + size.x;
+    let near_y = size.w + size.y;
+    let far_x = far_size.w + far_size.x;
+    let far_y = far_size.w + far_size.y;
+    out = vec4<bool>(
+      out.x && is_out(v.near.w + v.near.x, near_x) && is_out(v.far.w + v.far.x, far_x),
+      out.y && is_out(v.near.w - v.near.x, near_x) && is_out(v.far.w - v.far.x, far_x),
+      out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
+      out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
+    before = before && is_out(v.height, height_size(view, abs(position) + abs(view.origin))) &&
+      is_out(v.rise, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
+  }
+  return any(out) || before;
+}
+
+// Whether the box lies wholly outside of the pyramid of light and near rectangle.
+fn misses_pyramid(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  var out = vec4<bool>(true);
+  var beyond = true;
+  for (var number = 0u; number < 8u; number++) {
+    let planes = pyramid_planes(view, light, box_corner(low, high, number));
+    out = vec4<bool>(
+      out.x && is_out(planes.value.x, planes.size.x),
+      out.y && is_out(planes.value.y, planes.size.y),
+      out.z && is_out(planes.value.z, planes.size.z),
+      out.w && is_out(planes.value.w, planes.size.w));
+    beyond = beyond && is_out(planes.depth, planes.depth_size);
+  }
+  return any(out) || beyond;
+}
+
+fn choose_light(index: u32) {
+  var light = shadow_lights[index];
+  light.casting = CAST_NOTHING;
+  light.counting = COUNT_Z_PASS;
+  let low = unordered(vec3<u32>(box[0], box[1], box[2]));
+  let high = unordered(vec3<u32>(box[3], box[4], box[5]));
+  let is_empty = box[0] > box[3];
+  let reach = max(max(abs(low), abs(high)), abs(view.origin));
+  let away = max(max(abs(light.light.x), abs(light.light.y)), abs(light.light.z));
+  light.is_far = select(0u, 1u, away >= 16.0 * light.light.w * max(max(reach.x, reach.y), reach.z));
+  if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
+    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !boxes_meet(low, high));
+    light.counting = shape.counting;
+    if (shape.counting == COUNT_AUTO) {
+      light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
+    }
+  }
+  if (light.casting != CAST_NOTHING && light.counting != COUNT_Z_PASS) {
+    cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
+  }
+  shadow_lights[index] = light;
+}
+
+@compute @workgroup_size(64)
+fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  for (var light = id.x; light < shape.lights; light += 64u * groups.x) {
+    choose_light(light);
+  }
+}

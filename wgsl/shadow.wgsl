@@ -1,0 +1,153 @@
+// What the stages of shadow volumes share: structs, clip space, and the three forms that a vertex V of a volume takes:
+// V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
+// volumes".
+
+// The caller's camera.
+struct ShadowView {
+  // Columns of the matrix from positions less `origin` to clip space.
+  view_projection: array<vec4<f32>, 4>,
+  // Height over the near plane: this times (position - origin, 1). Positive in front of the camera.
+  near_plane: vec4<f32>,
+  origin: vec3<f32>,
+  // Clip w of points on the near plane.
+  near_w: f32,
+  // Bounds of the near rectangle, in the space of the positions.
+  near_min: vec3<f32>,
+  // z / w of points on the near plane: 1 with reversed depth, else 0.
+  near_z: f32,
+  near_max: vec3<f32>,
+  reserved: u32,
+}
+
+// A light, and what the GPU chose for it and this caster.
+struct ShadowLight {
+  // Homogeneous, scaled by a power of two.
+  light: vec4<f32>,
+  // The same in clip space, and its height over the near plane.
+  clip: vec4<f32>,
+  height: f32,
+  // Casters beyond are skipped; 0: none are.
+  range: f32,
+  // Which faces cast, and how is counted.
+  casting: u32,
+  counting: u32,
+  // 1: the light is far, and `star` takes V as it is; 0: it takes V - L.
+  is_far: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+  reserved_2: u32,
+}
+
+// What the caster is and what the caller wants.
+struct ShadowShape {
+  lights: u32,
+  faces: u32,
+  edges: u32,
+  // Entries that each list of silhouettes and each list of cap faces has room for.
+  capacity: u32,
+  cap_capacity: u32,
+  // 1: closed and consistently oriented, and the caller does not ask for every face.
+  averted: u32,
+  // One of the constants below.
+  counting: u32,
+  // 1: casters whose shadow the camera cannot see are skipped.
+  skip_unseen: u32,
+  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  position_offset: u32,
+  position_stride: u32,
+  // Workgroups of the caps stage.
+  cap_groups: u32,
+  reserved: u32,
+}
+
+// The light or the word of lights at hand.
+struct ShadowDraw {
+  light: u32,
+  // The first light of its word.
+  first_light: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+}
+
+const CAST_NOTHING: u32 = 0u;
+const CAST_AVERTED: u32 = 1u;
+const CAST_EVERY: u32 = 2u;
+
+const COUNT_Z_PASS: u32 = 0u;
+const COUNT_ZP_PLUS: u32 = 1u;
+const COUNT_Z_FAIL: u32 = 2u;
+// z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
+const COUNT_AUTO: u32 = 3u;
+
+// A position in clip space. A caller's depth pass that computes it so gets the same bits.
+fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
+  let q = position - view.origin;
+  return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
+    view.view_projection[3];
+}
+
+// From the light through a position, times the light's w.
+fn away(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+  return light.light.w * position - light.light.xyz;
+}
+
+// A direction in clip space: a point at infinity.
+fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
+  return view.view_projection[0] * direction.x + view.view_projection[1] * direction.y +
+    view.view_projection[2] * direction.z;
+}
+
+// A vertex of a volume.
+struct Corner {
+  // In clip space, and its height over the near plane.
+  near: vec4<f32>,
+  height: f32,
+  // Its far vertex, and how that rises over the near plane.
+  far: vec4<f32>,
+  rise: f32,
+}
+
+fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
+  let d = away(light, position);
+  let q = position - view.origin;
+  return Corner(
+    to_clip(view, position),
+    dot_3(view.near_plane.xyz, q) + view.near_plane.w,
+    direction_to_clip(view, d),
+    dot_3(view.near_plane.xyz, d),
+  );
+}
+
+// Spelled out, so that it is the same everywhere.
+fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Where the light stands: -1 before the near plane, on the eye's side, else 1.
+fn light_side(light: ShadowLight) -> f32 {
+  return select(1.0, -1.0, light.height < 0.0);
+}
+
+// The vertex seen from the light on the near plane.
+fn star(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
+  let s = light_side(light);
+  var xy = v.far.xy * light.height - light.clip.xy * v.rise;
+  var w = view.near_w * (light.light.w * v.rise);
+  if (light.is_far != 0u) {
+    xy = v.near.xy * light.height - light.clip.xy * v.height;
+    w = view.near_w * v.rise;
+  }
+  return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
+}
+
+// Where an edge meets the near plane; `a` is the vertex of the lower index.
+fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
+  let t = a.height / (a.height - b.height);
+  return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
+}
+
+// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
+fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
+  let t = a.rise / (a.rise - b.rise);
+  return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);
+}
