@@ -3,7 +3,7 @@
 use rimline::Light;
 
 /// Two words of lights, the second not full.
-const COUNT: usize = 40;
+pub(super) const COUNT: usize = 40;
 
 /// Points and directions about the mesh, some of them on its vertices and edges, in its faces' planes, with other w.
 pub(super) fn hard_lights(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<Light> {

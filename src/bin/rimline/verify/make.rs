@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use rimline::cpu::{self, Threads};
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh};
+use rimline::{Geometry, Light, Mesh, stress};
 
-use super::lights::hard_lights;
+use super::lights::{COUNT as LIGHTS, hard_lights};
 use crate::args::VerifyArgs;
 use crate::device::{self, Device, Wanted};
 use crate::extract::{arrays, extract_exactly};
@@ -24,7 +24,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let folder = &args.folder;
     check_names(&args.models)?;
     let names = args.models.iter().flat_map(|model| [stem(model), posed(model)]);
-    for name in names {
+    for name in names.chain(stress::names().map(of_scene)) {
         refuse_existing(&target(folder, &name))?;
     }
     if !folder.is_dir() {
@@ -46,7 +46,14 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
             maker.pose(&input, Some(0), MOMENT * animation.duration_s, &posed(model))?;
         }
     }
+    for scene in stress::scenes(args.faces) {
+        maker.scene(scene)?;
+    }
     Ok(())
+}
+
+fn of_scene(name: &str) -> String {
+    format!("stress-{name}")
 }
 
 fn stem(model: &Path) -> String {
@@ -95,6 +102,19 @@ impl Maker<'_> {
         };
         let lights = hard_lights(&positions, mesh.faces());
         self.write(name, &positions, mesh, &lights)
+    }
+
+    fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {
+        let (lights, name) = (scene.lights(LIGHTS), of_scene(scene.name));
+        let stress::Scene { positions, faces, .. } = scene;
+        let source_vertices = (0..positions.len() as u32).collect();
+        let geometry = Geometry { positions, faces, source_vertices, ..Geometry::default() };
+        let (Geometry { positions, faces, .. }, _) = geometry.welded(Weld::Position);
+        let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| {
+            // No file holds it yet; the one that it was to become names it.
+            Failure::input(&target(self.folder, &name))(error.into())
+        })?;
+        self.write(&name, &positions, mesh, &lights)
     }
 
     fn write(&self, name: &str, positions: &[[f32; 3]], mesh: Mesh, lights: &[Light]) -> Result<(), Failure> {
