@@ -19,6 +19,7 @@ pub(crate) fn trials() -> Vec<Trial> {
     };
     vec![
         trial("every_stress_scene_is_the_same_on_every_device", stress_scenes),
+        trial("the_devices_asked_for_are_checked", chosen_devices),
         trial("every_good_file_is_the_same_on_every_device", good_files).with_ignored_flag(assets().is_none()),
         trial("opengl_finds_the_same_and_does_not_draw", opengl).with_ignored_flag(no_opengl),
     ]
@@ -90,14 +91,38 @@ fn stress_scenes() -> Outcome {
     let devices = devices(&json);
     ensure!(devices.len() > 1 && devices.last().is_some_and(|name| name == "cpu"), "no GPU: {devices:?}");
     println!("{scenes} scenes of about {faces} faces on {devices:?}");
-    all_equal(&json, scenes, devices.len())?;
-    all_equal(&check(&by_cpu, &["--device", "gpu"], 0)?, scenes, devices.len() - 1)?;
-    let text = rimline(["verify".as_ref(), by_cpu.as_os_str()]);
-    text.expect(0, &[])?;
-    ensure!(text.stdout.contains("All equal") && !text.stdout.contains("No GPU"), "{}", text.stdout);
-    let text = rimline(["verify".as_ref(), by_cpu.as_os_str(), "--device".as_ref(), "cpu".as_ref()]);
-    text.expect(0, &[])?;
-    ensure!(text.stdout.contains("All equal") && text.stdout.contains("No GPU"), "{}", text.stdout);
+    all_equal(&json, scenes, devices.len())
+}
+
+/// A folder with the largest of the small stress scenes alone; its bytes.
+pub(crate) fn one_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
+    let (made, wanted) = (folder.join("made"), folder.join("one"));
+    make(&made, &["--faces".as_ref(), "50".as_ref()])?;
+    std::fs::create_dir(&wanted).map_err(|error| error.to_string())?;
+    let bytes = contents(&made)?.into_values().max_by_key(Vec::len).ok_or("nothing was made")?;
+    std::fs::write(wanted.join(name), &bytes).map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+fn chosen_devices() -> Outcome {
+    let folder = folder();
+    one_file(folder.path(), "one.npz")?;
+    let one = folder.path().join("one");
+    let all = devices(&check(&one, &[], 0)?);
+    let gpus = devices(&check(&one, &["--device", "gpu"], 0)?);
+    ensure!(all.len() > 1 && all[..all.len() - 1] == gpus && all[all.len() - 1] == "cpu", "{all:?} and {gpus:?}");
+    let named = devices(&check(&one, &["--device", &gpus[0].to_uppercase()], 0)?);
+    ensure!(named.contains(&gpus[0]), "{named:?}");
+    for (device, names, gpu) in
+        [("all", &all[..], true), ("gpu", &gpus[..], true), ("cpu", &all[all.len() - 1..], false)]
+    {
+        let run = rimline(["verify".as_ref(), one.as_os_str(), "--device".as_ref(), device.as_ref()]);
+        run.expect(0, &[])?;
+        for part in ["All equal: 1 file on", "one.npz"].into_iter().chain(names.iter().map(String::as_str)) {
+            ensure!(run.stdout.contains(part), "{device}: the table lacks `{part}`: {}", run.stdout);
+        }
+        ensure!(run.stdout.contains("No GPU was checked") != gpu, "{device}: {}", run.stdout);
+    }
     Ok(())
 }
 
@@ -116,15 +141,13 @@ fn good_files() -> Outcome {
 
 fn opengl() -> Outcome {
     let folder = folder();
-    let made = folder.path().join("made");
-    make(&made, &["--faces".as_ref(), "2000".as_ref()])?;
-    let json = check(&made, &["--device", "opengl"], 0)?;
+    one_file(folder.path(), "one.npz")?;
+    let one = folder.path().join("one");
+    let json = check(&one, &["--device", "opengl"], 0)?;
     let devices = devices(&json);
     ensure!(!devices.is_empty() && devices.iter().all(|name| name.contains("OpenGL")), "{devices:?}");
-    all_equal(&json, rimline::stress::names().len(), devices.len())?;
-    let picture = folder.path().join("picture.png");
-    let model = std::fs::read_dir(&made).map_err(|error| error.to_string())?.find_map(|entry| Some(entry.ok()?.path()));
-    let model = model.ok_or("nothing was made")?;
+    all_equal(&json, 1, devices.len())?;
+    let (model, picture) = (one.join("one.npz"), folder.path().join("picture.png"));
     let line = ["draw".as_ref(), model.as_os_str(), "--device".as_ref(), "opengl".as_ref(), "--out".as_ref()];
     rimline(line.into_iter().chain([picture.as_os_str()])).expect(3, &["OpenGL", "depth"])?;
     ensure!(!picture.exists(), "a picture in spite of the error");

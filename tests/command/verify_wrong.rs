@@ -5,7 +5,7 @@ use std::path::Path;
 use super::archive::{Entry, read_zip, write_zip};
 use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline};
-use super::verify::{check, contents, make};
+use super::verify::{check, contents, make, one_file};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -18,16 +18,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn text(error: impl ToString) -> String {
     error.to_string()
-}
-
-/// A folder with one good file of the name.
-fn one_file(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
-    let (made, wanted) = (folder.join("made"), folder.join("one"));
-    make(&made, &["--faces".as_ref(), "50".as_ref()])?;
-    std::fs::create_dir(&wanted).map_err(text)?;
-    let bytes = contents(&made)?.into_values().max_by_key(Vec::len).ok_or("nothing was made")?;
-    std::fs::write(wanted.join(name), &bytes).map_err(text)?;
-    Ok(bytes)
 }
 
 /// The archive with one of its entries changed; checksums are right.
