@@ -70,18 +70,16 @@ impl Liberties {
             Some(std::cmp::Ordering::Greater) => [near.next_down(), near],
             _ => [near, near],
         };
-        let rounded = match self.rounding {
-            Rounding::Up => above,
-            Rounding::Down => below,
-            Rounding::TowardsZero if exact > 0.0 => below,
-            Rounding::TowardsZero => above,
-            Rounding::Nearest => near,
-            Rounding::ByChance if self.random.next() >> 63 != 0 => above,
-            Rounding::ByChance => below,
-            Rounding::Larger if effect > 0.0 => above,
-            Rounding::Smaller if effect < 0.0 => above,
-            Rounding::Larger | Rounding::Smaller => below,
+        let is_up = match self.rounding {
+            Rounding::Up => true,
+            Rounding::Down => false,
+            Rounding::TowardsZero => exact < 0.0,
+            Rounding::Nearest => near == above,
+            Rounding::ByChance => self.takes(Taken::ByChance),
+            Rounding::Larger => effect > 0.0,
+            Rounding::Smaller => effect < 0.0,
         };
+        let rounded = if is_up { above } else { below };
         self.flush(rounded)
     }
 

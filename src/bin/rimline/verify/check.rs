@@ -25,7 +25,9 @@ pub(super) struct Checked {
 pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
     let failed = Failure::input(file);
     let given = std::fs::read(file).map_err(|error| failed(error.into()))?;
-    let (positions, mesh, lights) = scene(&given).map_err(&failed)?;
+    let (arrays, lights) = read(&given).map_err(&failed)?;
+    let Arrays { positions, faces } = arrays;
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
     let scene = Scene { mesh, shape: Shape::World(&positions) };
     let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());
     let mut results = Vec::with_capacity(devices.len());
@@ -47,10 +49,9 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
     Ok(Checked { faces, edges, lights: lights.len(), results })
 }
 
-fn scene(archive: &[u8]) -> Result<(Vec<[f32; 3]>, Mesh, Vec<Light>), InputError> {
-    let (Arrays { positions, faces }, lights) = npz::read_with_lights(Cursor::new(archive))?;
-    let mesh = Mesh::from_faces(positions.len(), faces)?;
+fn read(archive: &[u8]) -> Result<(Arrays, Vec<Light>), InputError> {
+    let (arrays, lights) = npz::read_with_lights(Cursor::new(archive))?;
     let lights: Vec<Light> = lights.into_iter().map(Light::homogeneous).collect();
     check_lights(&lights, MAX_LIGHTS).map_err(InputError::Lights)?;
-    Ok((positions, mesh, lights))
+    Ok((arrays, lights))
 }
