@@ -6,7 +6,7 @@ use std::path::Path;
 use rimline::cpu::FacingCounts;
 use rimline::mesh::EdgeCounts;
 use rimline::score::light_counts;
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh, Method, Predicate};
 use serde_json::{Map, Value, json};
 
 use super::{Found, Times};
@@ -22,6 +22,7 @@ pub(super) struct Report {
     silhouette_edges: Vec<usize>,
     unclosed_vertices: Vec<usize>,
     method: Method,
+    predicate: Predicate,
     adapter: String,
     times: Times,
 }
@@ -31,7 +32,7 @@ impl Report {
         mesh: &Mesh,
         lights: &[Light],
         found: &Found<'_>,
-        method: Method,
+        (method, predicate): (Method, Predicate),
         adapter: String,
         times: Times,
     ) -> Self {
@@ -47,6 +48,7 @@ impl Report {
             silhouette_edges,
             unclosed_vertices,
             method,
+            predicate,
             adapter,
             times,
         }
@@ -59,6 +61,14 @@ impl Report {
         }
     }
 
+    fn predicate(&self) -> &'static str {
+        match self.predicate {
+            Predicate::Exact => "exact",
+            Predicate::Fast => "fast",
+            Predicate::Plane => "plane",
+        }
+    }
+
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
         let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
@@ -67,6 +77,7 @@ impl Report {
         let report = json!({
             "adapter": self.adapter,
             "method": self.method(),
+            "predicate": self.predicate(),
             "vertices": self.vertices,
             "faces": self.faces,
             "degenerate_faces": self.degenerate_faces,
