@@ -89,7 +89,7 @@ fn unknown_adapter() -> Outcome {
 }
 
 /// wgpu's own variable hides all adapters.
-const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
+pub(crate) const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
 
 fn no_adapter() -> Outcome {
     let folder = folder();

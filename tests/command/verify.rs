@@ -9,7 +9,8 @@ use serde_json::Value;
 
 use super::archive::compare;
 use super::files::GOOD_FILES;
-use super::run::{assets, folder, rimline};
+use super::run::{assets, folder, rimline, rimline_with};
+use super::usage::HIDDEN;
 use super::{Outcome, ensure};
 
 pub(crate) fn trials() -> Vec<Trial> {
@@ -123,7 +124,14 @@ fn chosen_devices() -> Outcome {
         }
         ensure!(run.stdout.contains("No GPU was checked") != gpu, "{device}: {}", run.stdout);
     }
-    Ok(())
+    let without = |options: &[&str]| {
+        let line = ["verify".as_ref(), one.as_os_str()];
+        rimline_with(line.into_iter().chain(options.iter().map(AsRef::<OsStr>::as_ref)), HIDDEN)
+    };
+    let run = without(&[]);
+    run.expect(0, &[])?;
+    ensure!(run.stdout.contains("No GPU was checked"), "{}", run.stdout);
+    without(&["--device", "gpu"]).expect(3, &["no GPU was found"])
 }
 
 fn good_files() -> Outcome {
@@ -151,5 +159,17 @@ fn opengl() -> Outcome {
     let line = ["draw".as_ref(), model.as_os_str(), "--device".as_ref(), "opengl".as_ref(), "--out".as_ref()];
     rimline(line.into_iter().chain([picture.as_os_str()])).expect(3, &["OpenGL", "depth"])?;
     ensure!(!picture.exists(), "a picture in spite of the error");
+    // Mesa can be told to offer less, and then it is said what is missing.
+    let less = [("MESA_GL_VERSION_OVERRIDE", "4.2"), ("MESA_EXTENSION_OVERRIDE", "-GL_ARB_compute_shader")];
+    let shown = rimline_with(["devices"], &less);
+    if shown.stdout.contains("it lacks compute shaders") {
+        let run = rimline_with(["verify".as_ref(), one.as_os_str()], &less);
+        run.expect(0, &[])?;
+        ensure!(run.stdout.contains("cannot be used: it lacks compute shaders"), "{}", run.stdout);
+        let line = ["verify".as_ref(), one.as_os_str(), "--device".as_ref(), "opengl".as_ref()];
+        rimline_with(line, &less).expect(3, &["OpenGL", "it lacks compute shaders"])?;
+    } else {
+        println!("this OpenGL offers compute shaders whatever it is told, so their lack was not tried");
+    }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::archive::{Entry, read_zip, write_zip};
+use super::archive::{Entry, read_zip, words, write_zip};
 use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline};
 use super::verify::{check, contents, make, one_file};
@@ -10,6 +10,7 @@ use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("verify::one_flipped_bit_is_found_and_named", flipped_bits),
+    ("verify::a_device_that_rounds_would_be_noticed", rounded),
     ("verify::other_arrays_and_bytes_are_noticed", other_archives),
     ("verify::broken_files_are_named_and_the_others_checked", broken_files),
     ("verify::nothing_to_check_is_an_error", nothing),
@@ -56,6 +57,33 @@ fn flipped_bits() -> Outcome {
         for part in ["one.npz", "1 BIT", &format!("`{name}` has 1 bit otherwise"), "row 5", "light 33", "NOT all equal"]
         {
             ensure!(run.stdout.contains(part), "the table lacks `{part}`: {}", run.stdout);
+        }
+    }
+    Ok(())
+}
+
+/// Bits that `f32` arithmetic finds, as a device that is not exact would.
+fn rounded() -> Outcome {
+    let folder = folder();
+    let [made, one] = ["made", "one"].map(|name| folder.path().join(name));
+    make(&made, &["--faces".as_ref(), "500".as_ref()])?;
+    std::fs::create_dir(&one).map_err(text)?;
+    let plate = made.join("stress-plate-all.npz");
+    let entries = read_zip(&std::fs::read(&plate).map_err(text)?)?;
+    let lights = entries.iter().find(|entry| entry.name == "lights.npy").ok_or("no lights")?;
+    let lights: Vec<f32> = words(&lights.bytes[128..]).into_iter().map(f32::from_bits).collect();
+    let specs = lights.chunks(4).map(|l| format!("--light=hom:{:?},{:?},{:?},{:?}", l[0], l[1], l[2], l[3]));
+    let specs: Vec<String> = specs.collect();
+    for (predicate, code) in [("exact", 0), ("fast", 5)] {
+        let out = one.join("one.npz");
+        let mut line = vec!["extract".as_ref(), plate.as_os_str(), "--no-weld".as_ref(), "--out".as_ref()];
+        line.extend([out.as_os_str(), "--device".as_ref(), "cpu".as_ref(), "--predicate".as_ref(), predicate.as_ref()]);
+        rimline(line.into_iter().chain(specs.iter().map(AsRef::as_ref))).expect(0, &[])?;
+        let json = check(&one, &[], code)?;
+        for result in json["files"][0]["results"].as_array().ok_or("no results")? {
+            let arrays = result["differences"].as_array().ok_or("no differences")?;
+            let has_facing = arrays.iter().any(|difference| difference["array"] == "facing");
+            ensure!(has_facing == (predicate == "fast"), "{predicate}: {result:#}");
         }
     }
     Ok(())
