@@ -17,7 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("verify::make_writes_over_nothing", written_over),
 ];
 
-fn text(error: impl ToString) -> String {
+fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
 }
 

@@ -30,7 +30,7 @@ pub(crate) enum Failure {
     #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
     Differs { folder: PathBuf, different: usize, checked: usize },
     /// `verify` could not do all of its checks.
-    #[error("{count} checks could not be done; the first: {first}")]
+    #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]

@@ -74,7 +74,9 @@ impl Report {
             Err(failure) => {
                 let error = failure.to_string();
                 self.fail(failure, devices);
-                self.files.push(json!({ "file": file, "faces": null, "edges": null, "lights": null, "error": error, "results": [] }));
+                self.files.push(json!({
+                    "file": file, "faces": null, "edges": null, "lights": null, "error": error, "results": []
+                }));
                 return format!("{file:<width$}  cannot be checked: {error}\n");
             }
         };
