@@ -60,10 +60,16 @@ impl FixedFace {
         if end - lowest > FACE_BITS {
             return None;
         }
-        let at = |corner: usize| -> [i128; 3] { from_fn(|axis| all[3 * corner + axis].at(lowest)) };
+        // So few bits fit an i64, and products of two an i128 by one instruction.
+        let at = |corner: usize| -> [i64; 3] {
+            from_fn(|axis| {
+                let number = all[3 * corner + axis];
+                number.mantissa << (number.exponent - lowest).clamp(0, FACE_BITS)
+            })
+        };
         let [a, b, c] = [at(0), at(1), at(2)];
-        let (u, v): ([i128; 3], [i128; 3]) = (from_fn(|axis| b[axis] - a[axis]), from_fn(|axis| c[axis] - a[axis]));
-        let component = |j: usize, k: usize| u[j] * v[k] - u[k] * v[j];
+        let (u, v): ([i64; 3], [i64; 3]) = (from_fn(|axis| b[axis] - a[axis]), from_fn(|axis| c[axis] - a[axis]));
+        let component = |j: usize, k: usize| product(u[j], v[k]) - product(u[k], v[j]);
         Some(Self { a: from_fn(|axis| all[axis]), normal: [component(1, 2), component(2, 0), component(0, 1)] })
     }
 
@@ -77,19 +83,26 @@ impl FixedFace {
         if end - lowest > LIGHT_BITS {
             return None;
         }
-        // Both factors in halves of 48 bits, the upper of which have the sign.
-        let halves = |value: i128| [value & ((1 << 48) - 1), value >> 48];
         let mut sums = [0_i128; 3];
         for axis in 0..3 {
             let [n_low, n_high] = halves(self.normal[axis]);
             let [t_low, t_high] = halves(l[axis].at(lowest) - wa[axis].at(lowest));
-            sums[0] += n_low * t_low;
-            sums[1] += n_low * t_high + n_high * t_low;
-            sums[2] += n_high * t_high;
+            sums[0] += product(n_low, t_low);
+            sums[1] += product(n_low, t_high) + product(n_high, t_low);
+            sums[2] += product(n_high, t_high);
         }
-        let [first, carry] = halves(sums[0]);
-        let [second, carry] = halves(sums[1] + carry);
-        let top = sums[2] + carry;
-        Some(if top < 0 { -1 } else { i32::from(top > 0 || first != 0 || second != 0) })
+        let second = sums[1] + (sums[0] >> 48);
+        let top = sums[2] + (second >> 48);
+        let any_bit = (sums[0] | second) & ((1 << 48) - 1) != 0;
+        Some(if top < 0 { -1 } else { i32::from(top > 0 || any_bit) })
     }
+}
+
+fn product(p: i64, q: i64) -> i128 {
+    i128::from(p) * i128::from(q)
+}
+
+/// The lower 48 bits, and those above with the sign.
+fn halves(value: i128) -> [i64; 2] {
+    [value as i64 & ((1 << 48) - 1), (value >> 48) as i64]
 }
