@@ -51,7 +51,8 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   for (var number = 0u; number < 8u; number++) {
     let position = box_corner(low, high, number);
     let v = corner(view, light, position);
-    let size = clip_size(view, abs(position) + abs(view.origin));
+    let q = abs(position - view.origin);
+    let size = clip_size(view, q);
     let far_size = clip_size(view, abs(light.light.w * position) + abs(light.light.xyz));
     let near_x = size.w + size.x;
     let near_y = size.w + size.y;
@@ -62,7 +63,7 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
       out.y && is_out(v.near.w - v.near.x, near_x) && is_out(v.far.w - v.far.x, far_x),
       out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
       out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
-    before = before && is_out(v.height, height_size(view, abs(position) + abs(view.origin))) &&
+    before = before && is_out(v.height, height_size(view, q)) &&
       is_out(v.rise, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
   }
   return any(out) || before;

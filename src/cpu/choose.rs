@@ -90,7 +90,7 @@ fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
     let [x, y, z, weight] = light.light;
     for position in caster.corners() {
         let v = corner(view, light, position);
-        let q = Vec3::from(position).abs() + Vec3::from(view.origin).abs();
+        let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
         let away = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
         let (size, far_size) = (clip_size(view, q), clip_size(view, away));
         let sides = |c: glam::Vec4| [c.w + c.x, c.w - c.x, c.w + c.y, c.w - c.y];

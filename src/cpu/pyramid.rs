@@ -38,7 +38,7 @@ pub(super) fn height_size(view: &ShadowView, q: Vec3) -> f32 {
 fn pyramid_planes(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> PyramidPlanes {
     let s = light_side(light);
     let v = corner(view, light, position);
-    let q = Vec3::from(position).abs() + Vec3::from(view.origin).abs();
+    let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
     let size = clip_size(view, q);
     let height = height_size(view, q);
     let (at_light, weight) = (Vec4::from_array(light.clip), light.light[3]);
