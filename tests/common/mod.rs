@@ -9,6 +9,7 @@ pub(crate) mod files;
 pub(crate) mod models;
 pub(crate) mod oracle;
 pub(crate) mod random;
+pub(crate) mod scenes;
 
 use std::path::PathBuf;
 

@@ -13,6 +13,7 @@ mod lights;
 mod limits;
 mod positions;
 mod refusals;
+mod shadow_stages;
 mod stages;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -33,6 +34,7 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
+        shadow_stages::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
