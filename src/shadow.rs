@@ -142,6 +142,9 @@ impl ShadowCamera {
     /// that are refused: all zeros, or not finite.
     pub fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
         let given = light.to_array().map(f64::from);
+        // A w that is a power of two times a position is exact, and so is what it says of the light's place.
+        let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
+        let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
         let scaled = given.map(|c| c * power_of_two_below(largest).recip());
         // What f32 holds of it is what the shaders see.

@@ -92,9 +92,6 @@ fn choose_light(index: u32) {
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
-  let reach = max(max(abs(low), abs(high)), abs(view.origin));
-  let away = max(max(abs(light.light.x), abs(light.light.y)), abs(light.light.z));
-  light.is_far = select(0u, 1u, !is_empty && away >= 16.0 * light.light.w * max(max(reach.x, reach.y), reach.z));
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !boxes_meet(low, high));
     light.counting = shape.counting;

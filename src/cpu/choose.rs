@@ -23,7 +23,7 @@ impl Bounds {
     }
 }
 
-/// Fills in `casting`, `counting` and `is_far` of each light, for the caster whose box is `bounds` (of
+/// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
 /// [`super::bounds`]). Returns the caps stage's workgroups, along x, y and z for each word of lights.
 pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
     let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
@@ -39,7 +39,7 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: 
 }
 
 fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light: &mut ShadowLight) {
-    (light.casting, light.counting, light.is_far) = (CAST_NOTHING, COUNT_Z_PASS, 0);
+    (light.casting, light.counting) = (CAST_NOTHING, COUNT_Z_PASS);
     let [low_x, low_y, low_z, high_x, high_y, high_z] = bounds;
     if low_x > high_x {
         return;
@@ -48,9 +48,6 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light:
         low: Vec3::from([low_x, low_y, low_z].map(unordered)),
         high: Vec3::from([high_x, high_y, high_z].map(unordered)),
     };
-    let reach = caster.low.abs().max(caster.high.abs()).max(Vec3::from(view.origin).abs());
-    let [x, y, z, w] = light.light.map(f32::abs);
-    light.is_far = u32::from(x.max(y).max(z) >= 16.0 * w * reach.max_element());
     if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
         return;
     }

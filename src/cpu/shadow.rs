@@ -16,6 +16,22 @@ pub struct Corner {
     pub far: Vec4,
     /// How that rises over the near plane: the light's w times the height, less the light's height.
     pub rise: f32,
+    /// The light is farther from it than the origin that positions are taken from; [`star`] computes by V, else V − L.
+    pub is_far: bool,
+}
+
+fn size_3(a: Vec3) -> f32 {
+    a.x.abs().max(a.y.abs()).max(a.z.abs())
+}
+
+/// Rounding must not part the signs of height and rise: what is above the near plane rises if the light is below, and
+/// what is below does not if the light is not.
+fn consistent_rise(light: &ShadowLight, height: f32, rise: f32) -> f32 {
+    match (light.height < 0.0, height < 0.0) {
+        (false, true) => rise.min(-1e-37),
+        (true, false) => rise.max(0.0),
+        _ => rise,
+    }
 }
 
 /// Spelled out, so that it is the same everywhere.
@@ -57,11 +73,13 @@ pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Cor
     let d = away(light, position);
     let q = Vec3::from(position) - Vec3::from(view.origin);
     let (normal, constant) = near_plane(view);
+    let height = dot_3(normal, q) + constant;
     Corner {
         near: to_clip(view, position),
-        height: dot_3(normal, q) + constant,
+        height,
         far: direction_to_clip(view, d),
-        rise: dot_3(normal, d),
+        rise: consistent_rise(light, height, dot_3(normal, d)),
+        is_far: size_3(d) > light.light[3] * size_3(q),
     }
 }
 
@@ -75,11 +93,10 @@ pub fn star(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
     let s = light_side(light);
     let [x, y, ..] = light.clip;
     let (at_light, weight) = (glam::Vec2::new(x, y), light.light[3]);
-    let (xy, w) = if light.is_far == 0 {
-        let near = v.far.truncate().truncate() * light.height - at_light * v.rise;
-        (near, view.near_w * (weight * v.rise))
-    } else {
+    let (xy, w) = if v.is_far {
         (v.near.truncate().truncate() * light.height - at_light * v.height, view.near_w * v.rise)
+    } else {
+        (v.far.truncate().truncate() * light.height - at_light * v.rise, view.near_w * (weight * v.rise))
     };
     let xy = s * xy;
     Vec4::new(xy.x, xy.y, -s * w * view.near_z, -s * w)
