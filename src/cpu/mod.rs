@@ -12,6 +12,7 @@ mod casting;
 mod choose;
 mod compact;
 mod deform;
+mod determinant;
 mod edges;
 mod exact_arguments;
 mod exact_facing;

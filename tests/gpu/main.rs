@@ -15,6 +15,7 @@ mod positions;
 mod refusals;
 mod shadow_stages;
 mod stages;
+mod stress;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -27,6 +28,7 @@ fn main() {
         exact::TESTS,
         facing::TESTS,
         closure::TESTS,
+        stress::TESTS,
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,

@@ -17,6 +17,7 @@ mod output;
 mod positions;
 mod progress;
 mod spec;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -46,5 +47,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Verify(args) => verify::run(args),
     }
 }
