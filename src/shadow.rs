@@ -6,6 +6,21 @@ use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::light::{LightError, check_lights};
 
+/// [`ShadowLight::casting`]: no face casts.
+pub const CAST_NOTHING: u32 = 0;
+/// [`ShadowLight::casting`]: the faces averted from the light cast.
+pub const CAST_AVERTED: u32 = 1;
+/// [`ShadowLight::casting`]: every face casts.
+pub const CAST_EVERY: u32 = 2;
+/// [`ShadowLight::counting`]: z-pass.
+pub const COUNT_Z_PASS: u32 = 0;
+/// [`ShadowLight::counting`]: ZP+.
+pub const COUNT_ZP_PLUS: u32 = 1;
+/// [`ShadowLight::counting`]: z-fail.
+pub const COUNT_Z_FAIL: u32 = 2;
+/// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
+pub const COUNT_AUTO: u32 = 3;
+
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Counting {
@@ -26,10 +41,10 @@ pub enum Counting {
 impl Counting {
     pub(crate) const fn code(self) -> u32 {
         match self {
-            Self::ZPass => 0,
-            Self::ZpPlus => 1,
-            Self::ZFail => 2,
-            Self::Auto => 3,
+            Self::ZPass => COUNT_Z_PASS,
+            Self::ZpPlus => COUNT_ZP_PLUS,
+            Self::ZFail => COUNT_Z_FAIL,
+            Self::Auto => COUNT_AUTO,
         }
     }
 }
@@ -123,9 +138,13 @@ impl ShadowCamera {
         })
     }
 
-    /// A light as this camera sees it; nothing chosen yet.
-    pub(crate) fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
+    /// A light as this camera sees it; nothing chosen yet. `view` is [`Self::view`] of this camera. Meaningless for lights
+    /// that are refused: all zeros, or not finite.
+    pub fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
         let given = light.to_array().map(f64::from);
+        // A w that is a power of two times a position is exact, and so is what it says of the light's place.
+        let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
+        let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
         let scaled = given.map(|c| c * power_of_two_below(largest).recip());
         // What f32 holds of it is what the shaders see.

@@ -13,6 +13,7 @@ mod lights;
 mod limits;
 mod positions;
 mod refusals;
+mod shadow_stages;
 mod stages;
 mod stress;
 
@@ -35,6 +36,7 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
+        shadow_stages::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
