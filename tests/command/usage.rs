@@ -51,6 +51,8 @@ fn wrong_options() -> Outcome {
         ("extract", "--light dir:0,1,0 --animation Run", "Run"),
         ("extract", "--light dir:0,1,0 --time nan", "nan"),
         ("extract", "--light dir:0,1,0 --method best", "best"),
+        ("extract", "--light dir:0,1,0 --predicate rough", "rough"),
+        ("extract", "--light dir:0,1,0 --method per-edge --predicate exact", "no exact form"),
         ("extract", "--light dir:0,1,0 --weld data --no-weld", "--no-weld"),
         ("extract", "--light dir:0,1,0 --device cpu --displace a.wgsl", "--displace"),
         ("draw", "--device cpu", "GPU"),

@@ -91,7 +91,8 @@ pub(crate) struct DeviceArgs {
 pub(crate) enum MethodArg {
     /// Decide each face once; edges compare their faces' bits. Always closed
     FaceMask,
-    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open
+    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open. The file's
+    /// face bits are exact
     PerEdge,
 }
 
@@ -101,6 +102,8 @@ pub(crate) enum PredicateArg {
     Exact,
     /// The sign that f32 arithmetic gives: may be wrong where a light is nearly in a face's plane. For comparison
     Fast,
+    /// The same by the face's plane equation, as published in 2003: worse far from the origin. For comparison
+    Plane,
 }
 
 #[derive(Args, Debug)]
@@ -129,9 +132,9 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
     pub(crate) method: MethodArg,
 
-    /// How a face's side is decided
-    #[arg(long, value_enum, default_value_t = PredicateArg::Exact)]
-    pub(crate) predicate: PredicateArg,
+    /// How a face's side is decided [default: exact; with `--method per-edge`, which has no exact form, plane]
+    #[arg(long, value_enum)]
+    pub(crate) predicate: Option<PredicateArg>,
 
     /// Where to write the arrays
     #[arg(long, value_name = "FILE.npz")]

@@ -54,6 +54,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     if wanted == Wanted::Cpu && args.displace.is_some() {
         return Err(UsageError::DisplaceOnCpu.into());
     }
+    let (method, predicate) = way(args)?;
     let progress = Progress::start();
     let mut times = Times::default();
     let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
@@ -73,14 +74,6 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         return Err(UsageError::DisplaceOnCpu.into());
     }
     progress.step("extracting");
-    let method = match args.method {
-        MethodArg::FaceMask => Method::FaceMask,
-        MethodArg::PerEdge => Method::PerEdge,
-    };
-    let predicate = match args.predicate {
-        PredicateArg::Exact => Predicate::Exact,
-        PredicateArg::Fast => Predicate::Fast,
-    };
     let (found, adapter) = match &device {
         Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), "cpu".to_owned()),
         Device::Gpu(gpu) => {
@@ -98,7 +91,23 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     progress.step("writing");
     let mesh = &scene.mesh;
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
-    let report = Report::new(mesh, &lights, &found, method, adapter, times);
+    let report = Report::new(mesh, &lights, &found, (method, predicate), adapter, times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
+}
+
+/// Method and predicate, which must go together.
+fn way(args: &ExtractArgs) -> Result<(Method, Predicate), UsageError> {
+    let method = match args.method {
+        MethodArg::FaceMask => Method::FaceMask,
+        MethodArg::PerEdge => Method::PerEdge,
+    };
+    let predicate = match args.predicate {
+        Some(PredicateArg::Exact) if method == Method::PerEdge => return Err(UsageError::ExactPerEdge),
+        None => method.predicate(Predicate::Exact),
+        Some(PredicateArg::Exact) => Predicate::Exact,
+        Some(PredicateArg::Fast) => Predicate::Fast,
+        Some(PredicateArg::Plane) => Predicate::Plane,
+    };
+    Ok((method, predicate))
 }

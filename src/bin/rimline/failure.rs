@@ -65,6 +65,8 @@ pub(crate) enum InputError {
 pub(crate) enum UsageError {
     #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
     DisplaceOnCpu,
+    #[error("the per-edge method has no exact form; leave out `--predicate exact`, or `--method per-edge`")]
+    ExactPerEdge,
     #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
     DrawOnCpu,
     #[error("there is no animation `{wanted}`; {there}")]
