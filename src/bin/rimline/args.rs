@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rimline::mesh::Weld;
 
+use crate::bench::args::BenchArgs;
 use crate::spec::{self, LightSpec};
 
 /// Silhouettes of triangle meshes, on the GPU.
@@ -20,7 +21,8 @@ Finds the silhouette edges of triangle meshes as seen from any number of lights,
 software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.";
+Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 130 \
+stopped by Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -32,6 +34,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// List the GPUs that can be used, with their limits
     Devices(DevicesArgs),
+    /// Measure run time against error on this machine, and make a report with plots
+    Bench(BenchArgs),
 }
 
 /// The model and how its vertices are joined.

@@ -28,9 +28,8 @@ impl Axis {
         values: impl IntoIterator<Item = f64>,
     ) -> Self {
         let shown = values.into_iter().filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
-        let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+        let (low, high) =
+            shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         let (low, high) = match scale {
             _ if low > high => (1.0, 10.0),
             // A tenth of the span, in equal factors, on either side.
@@ -81,11 +80,17 @@ impl Axis {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let decades = (last - first) as usize + 1;
         let within = |tick: &f64| (self.low..=self.high).contains(tick);
-        let finer: [&[f64]; 4] =
-            [&[1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0], &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0], &[1.0, 2.0, 5.0], &[1.0, 3.0]];
+        let finer: [&[f64]; 4] = [
+            &[1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+            &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0],
+            &[1.0, 2.0, 5.0],
+            &[1.0, 3.0],
+        ];
         for steps in finer {
-            let ticks: Vec<f64> =
-                (first..=last).flat_map(|power| steps.iter().map(move |m| m * 10_f64.powi(power))).filter(within).collect();
+            let ticks: Vec<f64> = (first..=last)
+                .flat_map(|power| steps.iter().map(move |m| m * 10_f64.powi(power)))
+                .filter(within)
+                .collect();
             if ticks.len() <= most {
                 return ticks;
             }

@@ -97,7 +97,8 @@ impl Bars {
     }
 
     fn draw_axis(&self, svg: &mut Svg, [left, right]: [f64; 2], [top, bottom]: [f64; 2]) {
-        let small = Label { x: 0.0, y: bottom + 18.0, size: 12.0, anchor: Anchor::Middle, ink: Ink::Muted, bold: false };
+        let small =
+            Label { x: 0.0, y: bottom + 18.0, size: 12.0, anchor: Anchor::Middle, ink: Ink::Muted, bold: false };
         let at = |value: f64| left + self.axis.place(value) * (right - left);
         for tick in self.axis.ticks(9) {
             let x = at(tick);
@@ -141,7 +142,10 @@ impl Bars {
                     if finish - begin > text_width(&value.label, 12.0) + 6.0 {
                         let x = f64::midpoint(begin, finish);
                         let ink = Ink::Ground;
-                        svg.text(Label { x, y: middle + 4.5, ink, bold: true, anchor: Anchor::Middle, ..end }, &value.label);
+                        svg.text(
+                            Label { x, y: middle + 4.5, ink, bold: true, anchor: Anchor::Middle, ..end },
+                            &value.label,
+                        );
                     }
                     sum += value.value;
                 }

@@ -12,7 +12,7 @@ pub(crate) use axis::{Axis, Scale};
 pub(crate) use bars::{Bars, BarsKind, Group, Value};
 pub(crate) use raster::write_png;
 pub(crate) use svg::{PALETTE, escape};
-pub(crate) use xy::{Plane, Point, ZeroBand};
+pub(crate) use xy::{Curve, Plane, Point, ZeroBand};
 
 /// A plot of either kind.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub(crate) enum Target<'a> {
 }
 
 impl Chart {
-    /// The drawing, and its width and height in CSS pixels.
+    /// The drawing.
     pub(crate) fn svg(&self, target: Target<'_>) -> String {
         match self {
             Self::Plane(plane) => plane.draw(target),

@@ -69,8 +69,7 @@ impl Svg {
         let mut svg = Self { width, height, on_page: true, top: 0.0, body: String::new() };
         if let Target::File { title, origin } = target {
             svg.on_page = false;
-            let heading =
-                Label { x: 18.0, y: 32.0, size: 19.0, anchor: Anchor::Start, ink: Ink::Text, bold: true };
+            let heading = Label { x: 18.0, y: 32.0, size: 19.0, anchor: Anchor::Start, ink: Ink::Text, bold: true };
             svg.text(heading, title);
             let y = HEADING + height + 16.0;
             svg.text(Label { y, size: 12.0, ink: Ink::Muted, bold: false, ..heading }, origin);

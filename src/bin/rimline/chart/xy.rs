@@ -81,7 +81,8 @@ impl Plane {
         };
         let lanes = if self.zero.is_some() { 12.0 + LANE * self.curves.len() as f64 } else { 0.0 };
         // The legend's height shows only once it is drawn.
-        let legend = |svg: &mut Svg| if self.joined { 12.0 } else { svg.legend(&self.keys(), LEFT, 6.0, WIDTH - 20.0) + 14.0 };
+        let legend =
+            |svg: &mut Svg| if self.joined { 12.0 } else { svg.legend(&self.keys(), LEFT, 6.0, WIDTH - 20.0) + 14.0 };
         let top = legend(&mut Svg::new(WIDTH, 0.0, target));
         let frame = Frame { left: LEFT, right: WIDTH - margin.min(420.0), top, bottom: top + PLOT };
         let mut svg = Svg::new(WIDTH, frame.bottom + lanes + 54.0, target);
@@ -196,7 +197,9 @@ impl Plane {
         let mut wanted: Vec<([f64; 2], &str, usize)> = Vec::new();
         for (index, curve) in self.curves.iter().enumerate() {
             let labelled = curve.points.iter().filter(|point| !point.label.is_empty());
-            wanted.extend(labelled.map(|point| (self.place(frame, index, point.x, point.y), &*point.label, curve.key.colour)));
+            wanted.extend(
+                labelled.map(|point| (self.place(frame, index, point.x, point.y), &*point.label, curve.key.colour)),
+            );
         }
         wanted.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
         for ([x, y], text, colour) in wanted {
@@ -241,13 +244,6 @@ impl Plane {
 
 fn overlap(a: &Extent, b: &Extent) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
-}
-
-/// Whether a y axis can show zero by itself.
-impl Plane {
-    pub(crate) fn positive(values: impl Iterator<Item = f64>) -> bool {
-        values.into_iter().any(|value| value > 0.0)
-    }
 }
 
 #[cfg(test)]
