@@ -5,6 +5,7 @@
 
 mod archive;
 mod bad_input;
+mod bench;
 mod contract;
 mod draw;
 #[path = "../common/files.rs"]
@@ -13,6 +14,7 @@ mod info;
 mod models;
 mod npz_input;
 mod run;
+mod schema;
 mod usage;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -33,7 +35,8 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS];
+    let always =
+        [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, schema::TESTS, bench::TESTS];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()

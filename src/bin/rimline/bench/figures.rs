@@ -2,6 +2,7 @@
 
 mod cost;
 mod error;
+mod lights;
 mod size;
 mod stages;
 
@@ -24,6 +25,14 @@ fn ordinary<'a>(results: &'a Results, lights: usize) -> Vec<&'a Row> {
     rows
 }
 
+/// All numbers of lights, fewest first.
+fn light_counts(results: &Results) -> Vec<usize> {
+    let mut all: Vec<usize> = results.rows.iter().map(|row| row.lights).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// `8 lights`.
 fn lights_text(lights: usize) -> String {
     if lights == 1 { "1 light".to_owned() } else { format!("{lights} lights") }
@@ -36,6 +45,7 @@ pub(super) fn extraction(results: &Results) -> Section {
     if results.rows.iter().any(|row| row.entry(PER_EDGE).is_some()) {
         figures.extend(size::speed_against_2003(results));
     }
+    figures.extend(lights::time_against_lights(results, &light_counts(results)));
     figures.extend(stages::stages(results));
     figures.push(cost::cost_of_exactness(results));
     let gpu = results.rows.iter().any(|row| row.entry(GPU_EXACT).is_some());

@@ -94,17 +94,11 @@ fn fill_planes(
     let Case { positions, mesh, lights } = case;
     let faces = mesh.faces();
     facing.resize(faces.len() * lights.len().div_ceil(32), 0);
-    let run = faces.len().div_ceil(threads.count());
     for (lights, plane) in lights.chunks(32).zip(facing.chunks_mut(faces.len())) {
-        std::thread::scope(|scope| {
-            for (masks, faces) in plane.chunks_mut(run).zip(faces.chunks(run)) {
-                let mask = &mask;
-                scope.spawn(move || {
-                    for (found, &[a, b, c]) in masks.iter_mut().zip(faces) {
-                        let corners = [a, b, c].map(|v| positions[v as usize]);
-                        *found = if a == b || b == c || c == a { 0 } else { mask(corners, lights) };
-                    }
-                });
+        share(threads.count(), plane, faces, |masks, faces| {
+            for (found, &[a, b, c]) in masks.iter_mut().zip(faces) {
+                let corners = [a, b, c].map(|v| positions[v as usize]);
+                *found = if a == b || b == c || c == a { 0 } else { mask(corners, lights) };
             }
         });
     }
@@ -138,29 +132,33 @@ fn plain_loop(
     silhouettes: &mut [u8],
 ) {
     let [x, y, z, w] = light.to_array();
-    let run = mesh.faces().len().div_ceil(threads);
-    std::thread::scope(|scope| {
-        for (facing, faces) in facing.chunks_mut(run).zip(mesh.faces().chunks(run)) {
-            scope.spawn(move || {
-                for (facing, face) in facing.iter_mut().zip(faces) {
-                    let [a, b, c] = face.map(|v| positions[v as usize]);
-                    let n = normal(a, b, c, |p, q| p - q, |p, q, r, s| p * q - r * s);
-                    let d = n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2]);
-                    *facing = u8::from(d > 0.0);
-                }
-            });
+    share(threads, facing, mesh.faces(), |facing, faces| {
+        for (facing, face) in facing.iter_mut().zip(faces) {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            let n = normal(a, b, c, |p, q| p - q, |p, q, r, s| p * q - r * s);
+            let d = n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2]);
+            *facing = u8::from(d > 0.0);
         }
     });
-    let edges = mesh.edges().packed_faces();
-    let run = edges.len().div_ceil(threads).max(1);
     let facing = &*facing;
-    std::thread::scope(|scope| {
-        for (silhouettes, edges) in silhouettes.chunks_mut(run).zip(edges.chunks(run)) {
-            scope.spawn(move || {
-                for (silhouette, [f0, f1]) in silhouettes.iter_mut().zip(edges) {
-                    *silhouette = facing[*f0 as usize] ^ facing[*f1 as usize];
-                }
-            });
+    share(threads, silhouettes, mesh.edges().packed_faces(), |silhouettes, edges| {
+        for (silhouette, [f0, f1]) in silhouettes.iter_mut().zip(edges) {
+            *silhouette = facing[*f0 as usize] ^ facing[*f1 as usize];
         }
+    });
+}
+
+/// Cuts both slices into a run a thread, none shorter than the library's own, and works on them at the same time; the
+/// calling thread takes the first.
+fn share<T: Send, S: Sync>(threads: usize, results: &mut [T], items: &[S], work: impl Fn(&mut [T], &[S]) + Sync) {
+    let run = items.len().div_ceil(threads).max(4096);
+    let mut runs = results.chunks_mut(run).zip(items.chunks(run));
+    let Some((first_results, first_items)) = runs.next() else { return };
+    std::thread::scope(|scope| {
+        let work = &work;
+        for (results, items) in runs {
+            scope.spawn(move || work(results, items));
+        }
+        work(first_results, first_items);
     });
 }

@@ -21,6 +21,19 @@ const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20
 const QUICK_MESHES: [usize; 3] = [1 << 10, 1 << 13, 1 << 16];
 const SCENE_FACES: usize = 1 << 16;
 const QUICK_SCENE_FACES: usize = 1 << 13;
+/// Of each class of scenes one.
+const QUICK_SCENES: [&str; 10] = [
+    "translation-1e6",
+    "scale-1e-20",
+    "subnormal-thickness",
+    "slivers-1e6",
+    "plate-third",
+    "lights-on-faces",
+    "sphere-afar-1e6",
+    "bent-179",
+    "noise-1e-6",
+    "touching-boxes",
+];
 const LIGHTS: [usize; 3] = [1, 8, 32];
 
 impl Plan {
@@ -67,7 +80,7 @@ impl Plan {
 
 fn scenes(args: &BenchArgs) -> Result<Vec<&'static str>, UsageError> {
     let Some(wanted) = &args.scenes else {
-        return Ok(if args.quick { last_of_classes() } else { stress::names().collect() });
+        return Ok(if args.quick { QUICK_SCENES.into() } else { stress::names().collect() });
     };
     match wanted.as_slice() {
         [one] if one == "all" => Ok(stress::names().collect()),
@@ -83,15 +96,16 @@ fn scenes(args: &BenchArgs) -> Result<Vec<&'static str>, UsageError> {
     }
 }
 
-/// Of each class the scene that is listed last, which is its hardest.
-fn last_of_classes() -> Vec<&'static str> {
-    let mut chosen: Vec<(&str, &'static str)> = Vec::new();
-    // Their least size is enough to tell the class.
-    for scene in stress::scenes(1) {
-        match chosen.last_mut() {
-            Some((class, name)) if *class == scene.class => *name = scene.name,
-            _ => chosen.push((scene.class, scene.name)),
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quick_scenes_are_one_of_each_class() {
+        let class_of = |name: &&str| stress::scene(name, 1).map(|scene| scene.class);
+        let classes: Vec<_> = QUICK_SCENES.iter().map(class_of).collect();
+        let mut all: Vec<_> = stress::scenes(1).map(|scene| Some(scene.class)).collect();
+        all.dedup();
+        assert_eq!(classes, all);
     }
-    chosen.into_iter().map(|(_, name)| name).collect()
 }

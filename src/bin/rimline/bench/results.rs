@@ -128,7 +128,7 @@ impl Row {
             let stages: Vec<Value> = entry
                 .stages()
                 .into_iter()
-                .map(|(stage, median_ms)| json!({ "stage": stage, "median_ms": median_ms }))
+                .map(|(stage, milliseconds)| json!({ "stage": stage, "ms": milliseconds }))
                 .collect();
             let summary = |values: Option<Summary>| values.as_ref().map_or(Value::Null, summary_json);
             json!({
@@ -180,13 +180,15 @@ impl Entry {
         Summary::of(self.samples.iter().filter_map(|sample| sample.gpu_ms))
     }
 
-    /// Median milliseconds of each stage.
+    /// Milliseconds of each stage in the run whose time is the median, or the one above it.
     pub(crate) fn stages(&self) -> Vec<(&'static str, f64)> {
-        let Some(first) = self.samples.first() else { return Vec::new() };
-        let of = |stage: &'static str| {
-            let all = self.samples.iter().filter_map(|sample| sample.stages.iter().find(|other| other.0 == stage));
-            Summary::of(all.map(|other| other.1)).map(|summary| (stage, summary.median))
-        };
-        first.stages.iter().filter_map(|&(stage, _)| of(stage)).collect()
+        self.median_run().map(|sample| sample.stages.clone()).unwrap_or_default()
+    }
+
+    /// That run.
+    pub(crate) fn median_run(&self) -> Option<&Sample> {
+        let mut sorted: Vec<&Sample> = self.samples.iter().collect();
+        sorted.sort_by(|a, b| a.time_ms().total_cmp(&b.time_ms()));
+        sorted.get(sorted.len() / 2).copied()
     }
 }

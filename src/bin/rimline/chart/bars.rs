@@ -150,8 +150,10 @@ impl Bars {
                     sum += value.value;
                 }
                 BarsKind::Dots => {
-                    draw_spread(svg, value, Ink::Key(key.colour), middle, at);
-                    svg.mark([at(value.value), middle], key, 5.5, &value.tip);
+                    // A little apart, so that equal values show both.
+                    let y = middle + 5.0 * (index as f64 - 0.5 * (self.keys.len() - 1) as f64);
+                    draw_spread(svg, value, Ink::Key(key.colour), y, at);
+                    svg.mark([at(value.value), y], key, 4.5, &value.tip);
                 }
             }
         }

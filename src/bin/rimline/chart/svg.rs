@@ -211,9 +211,10 @@ impl Svg {
         } else {
             "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n".to_owned()
         };
-        let font = if on_page { "inherit" } else { "Ubuntu" };
+        // HTML knows what an svg element is; a file by itself has to say so.
+        let (font, space) = if on_page { ("inherit", "") } else { ("Ubuntu", "xmlns=\"http://www.w3.org/2000/svg\" ") };
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
+            "<svg {space}viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
              height=\"{height:.0}\" font-family=\"{font}\">\n{ground}{body}</svg>\n"
         )
     }
@@ -232,9 +233,9 @@ pub(crate) fn escape(text: &str) -> String {
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     let of = |c: char| match c {
         'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' | '(' | ')' | '-' => 0.34,
-        'm' | 'w' | 'M' | 'W' | '—' | '…' => 0.88,
-        'A'..='Z' => 0.68,
-        _ => 0.57,
+        'm' | 'w' | 'M' | 'W' | '—' | '…' => 0.92,
+        'A'..='Z' => 0.7,
+        _ => 0.61,
     };
     size * text.chars().map(of).sum::<f64>()
 }

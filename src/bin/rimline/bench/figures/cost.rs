@@ -50,13 +50,13 @@ pub(super) fn cost_of_exactness(results: &Results) -> Figure {
         class = row.subject.class;
         groups.push(Group { values: vec![value("GPU", gpu), value("CPU", cpu)], name, heading, remark: String::new() });
     }
-    let key = |name: &str, shape, hollow| Key { name: name.to_owned(), colour: 4, shape, hollow };
+    let key = |name: &str, colour, shape, hollow| Key { name: name.to_owned(), colour, shape, hollow };
     let chart = Chart::Bars(Bars {
         kind: BarsKind::Dots,
         axis: Axis::over("time of the exact method ÷ time of plain f32", Scale::Log, times, all)
             .including(0.8)
             .including(2.0),
-        keys: vec![key("GPU", 0, false), key("CPU, all threads", 3, true)],
+        keys: vec![key("GPU", 4, 0, false), key("CPU, all threads", 5, 3, true)],
         groups,
         marks: vec![(1.0, "free".to_owned())],
     });

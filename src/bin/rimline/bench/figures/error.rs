@@ -1,7 +1,10 @@
 //! Run time against error.
 
+use rimline::score::Score;
+
 use super::super::method::Contestant;
 use super::super::results::{Entry, Results, Row};
+use super::super::subject::ORDINARY;
 use super::super::text::{figures, grouped, tick};
 use super::{lights_text, usual_lights};
 use crate::chart::{Axis, Chart, Curve, Plane, Point, Scale, ZeroBand};
@@ -48,17 +51,18 @@ fn spot(rows: &[&Row], class: &'static str, contestant: &Contestant) -> Option<S
     })
 }
 
+/// The methods whose bits may differ: one thread finds the same again, and the plain loop what its twin does.
+fn distinct(results: &Results) -> Vec<&'static Contestant> {
+    let is_repeated = |contestant: &&Contestant| contestant.id.ends_with("-one") || contestant.id == "cpu-plain-all";
+    results.contestants().filter(|contestant| !is_repeated(contestant)).collect()
+}
+
 /// One point a method and class of scenes.
 pub(super) fn time_against_error(results: &Results) -> Figure {
     let lights = usual_lights(results);
     let rows: Vec<&Row> = results.rows.iter().filter(|row| row.lights == lights).collect();
     let classes = classes(&rows);
-    // One thread is the same bits again, and the plain loop the twin's.
-    let shown: Vec<_> = results
-        .contestants()
-        .filter(|contestant| !contestant.id.ends_with("-one") && contestant.id != "cpu-plain-all")
-        .collect();
-    let spots: Vec<(&Contestant, Vec<Spot>)> = shown
+    let spots: Vec<(&Contestant, Vec<Spot>)> = distinct(results)
         .into_iter()
         .map(|contestant| (contestant, classes.iter().filter_map(|class| spot(&rows, class, contestant)).collect()))
         .collect();
@@ -128,29 +132,40 @@ pub(super) fn errors(results: &Results) -> Figure {
         .collect();
     let mut head = vec!["Scene, lights".to_owned()];
     head.extend(contestants.iter().map(|contestant| contestant.name.replace(", all threads", "")));
-    let rows = results.rows.iter().map(|row| {
-        let cell = |contestant: &&Contestant| match row.entry(contestant.id).map(|entry| entry.score) {
-            None => "–".to_owned(),
-            Some(score) if score.wrong_facing_bits + score.wrong_silhouette_bits + score.unclosed_vertices == 0 => {
-                "0".to_owned()
-            }
-            Some(score) => format!(
-                "{} / {} / {}",
-                grouped(score.wrong_facing_bits),
-                grouped(score.wrong_silhouette_bits),
-                grouped(score.unclosed_vertices)
-            ),
-        };
-        let mut cells = vec![format!("{}, {}", row.subject.name, lights_text(row.lights))];
-        cells.extend(contestants.iter().map(cell));
-        cells
-    });
+    let mut rows = Vec::new();
+    let (ordinary, scenes): (Vec<&Row>, Vec<&Row>) = results.rows.iter().partition(|row| row.subject.class == ORDINARY);
+    if !ordinary.is_empty() {
+        rows.push(error_cells("closed meshes, all together".to_owned(), &ordinary, &contestants));
+    }
+    for row in scenes {
+        let name = format!("{}, {}", row.subject.name, lights_text(row.lights));
+        rows.push(error_cells(name, &[row], &contestants));
+    }
     Figure {
         id: "errors",
         title: "Errors by scene".to_owned(),
         lead: "Wrong facing bits / wrong silhouette bits / open vertices; one 0 where there is none of them."
             .to_owned(),
         chart: None,
-        table: Table { head, rows: rows.collect() },
+        table: Table { head, rows },
     }
+}
+
+/// The errors of each method, summed over rows.
+fn error_cells(name: String, rows: &[&Row], contestants: &[&Contestant]) -> Vec<String> {
+    let cell = |contestant: &&Contestant| {
+        let scores: Vec<Score> = rows.iter().filter_map(|row| Some(row.entry(contestant.id)?.score)).collect();
+        let sum = |of: fn(&Score) -> usize| scores.iter().map(of).sum::<usize>();
+        let sums = [
+            sum(|score| score.wrong_facing_bits),
+            sum(|score| score.wrong_silhouette_bits),
+            sum(|score| score.unclosed_vertices),
+        ];
+        match sums {
+            _ if scores.is_empty() => "–".to_owned(),
+            [0, 0, 0] => "0".to_owned(),
+            sums => sums.map(grouped).join(" / "),
+        }
+    };
+    std::iter::once(name).chain(contestants.iter().map(cell)).collect()
 }

@@ -3,7 +3,7 @@
 use super::super::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST, PER_EDGE};
 use super::super::results::Results;
 use super::super::text::{figures, grouped, tick, times};
-use super::{lights_text, ordinary, usual_lights};
+use super::{light_counts, lights_text, ordinary, usual_lights};
 use crate::chart::{Axis, Chart, Curve, Key, Plane, Point, Scale};
 use crate::page::{Figure, Table};
 
@@ -73,13 +73,10 @@ pub(super) fn time_against_size(results: &Results) -> Option<Figure> {
 
 /// How many times faster than the 2003 method the exact one is, a curve a number of lights.
 pub(super) fn speed_against_2003(results: &Results) -> Option<Figure> {
-    let mut all: Vec<usize> = results.rows.iter().map(|row| row.lights).collect();
-    all.sort_unstable();
-    all.dedup();
     let mut curves = Vec::new();
     let head = ["Lights, faces", "exact", "quartiles", "f32 local form"].map(str::to_owned).into();
     let mut table = Table { head, rows: Vec::new() };
-    for (index, &lights) in all.iter().enumerate() {
+    for (index, lights) in light_counts(results).into_iter().enumerate() {
         let mut points = Vec::new();
         for row in ordinary(results, lights) {
             let (Some(exact), Some(fast)) = (row.ratio(PER_EDGE, GPU_EXACT), row.ratio(PER_EDGE, GPU_FAST)) else {

@@ -31,7 +31,7 @@ pub(super) fn stages(results: &Results) -> Option<Figure> {
         .iter()
         .filter_map(|entry| {
             let mut stages = entry.stages();
-            let rest = entry.time()?.median - stages.iter().map(|stage| stage.1).sum::<f64>();
+            let rest = entry.median_run()?.time_ms() - stages.iter().map(|stage| stage.1).sum::<f64>();
             stages.push((BETWEEN, rest.max(0.0)));
             (stages.len() > 1).then_some((entry.contestant.name, stages))
         })
@@ -93,10 +93,9 @@ fn figure(
     Figure {
         id: "stages",
         title: format!("Where the time goes: {} faces, {}", grouped(row.subject.faces), lights_text(lights)),
-        lead:
-            "Each method's time, stage by stage (medians, which need not add up to the median of the whole). The exact \
+        lead: "Each method's time, stage by stage, in its run of median time. The exact \
                stage settles what the filter in the facing stage left open."
-                .to_owned(),
+            .to_owned(),
         chart: Some(chart),
         table,
     }
