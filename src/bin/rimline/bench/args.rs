@@ -9,7 +9,7 @@ use crate::args::DeviceArgs;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct BenchArgs {
-    /// Small meshes, one scene of each class, few rounds: about a minute
+    /// Smaller meshes, one scene of each class, fewer rounds: less than a minute
     #[arg(long)]
     pub(crate) quick: bool,
 
@@ -40,7 +40,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
 
-    /// Counted runs of each method, at most; slow rows have fewer, but 3 [default: 15]
+    /// Counted runs of each method, at most; slow rows have fewer, but 5 (quick: 3) [default: 21 (quick: 9)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) rounds: Option<u16>,
 

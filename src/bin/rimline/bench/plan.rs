@@ -18,9 +18,9 @@ pub(crate) struct Plan {
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
-const QUICK_MESHES: [usize; 3] = [1 << 10, 1 << 13, 1 << 16];
+const QUICK_MESHES: [usize; 3] = [1 << 10, 1 << 14, 1 << 18];
 const SCENE_FACES: usize = 1 << 16;
-const QUICK_SCENE_FACES: usize = 1 << 13;
+const QUICK_SCENE_FACES: usize = 1 << 14;
 /// Of each class of scenes one.
 const QUICK_SCENES: [&str; 10] = [
     "translation-1e6",
@@ -66,9 +66,9 @@ impl Plan {
         if subjects.is_empty() {
             return Err(UsageError::NothingToMeasure);
         }
-        let (most, seconds) = if args.quick { (7, 0.25) } else { (15, 2.5) };
+        let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
         let most = args.rounds.map_or(most, usize::from);
-        let rounds = Rounds { least: most.min(3), most, time: Duration::from_secs_f64(seconds) };
+        let rounds = Rounds { least: most.min(if args.quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
         Ok(Self { subjects, rounds })
     }
 

@@ -130,8 +130,7 @@ impl Bars {
             match self.kind {
                 BarsKind::Grouped => {
                     let y = top + index as f64 * BAR;
-                    let ink = Ink::Key(key.colour);
-                    svg.rectangle([left, y + 1.5], [at(value.value) - left, BAR - 3.0], ink, &value.tip);
+                    svg.bar([left, y + 1.5], [at(value.value) - left, BAR - 3.0], key, &value.tip);
                     draw_spread(svg, value, Ink::Text, y + 0.5 * BAR, at);
                     let past = value.spread.map_or(value.value, |(_, high)| high.max(value.value));
                     svg.text(Label { x: at(past) + 6.0, y: y + 0.5 * BAR + 4.0, ..end }, &value.label);

@@ -25,6 +25,7 @@ pub(crate) enum Ink {
     Grid,
     Ground,
     Band,
+    Link,
     Key(usize),
 }
 
@@ -86,6 +87,7 @@ impl Svg {
             Ink::Muted => fixed("muted", "#59636E"),
             Ink::Grid => fixed("grid", "#DDE2E7"),
             Ink::Ground => fixed("ground", "#FFFFFF"),
+            Ink::Link => fixed("link", "#B9C2CB"),
             Ink::Band => fixed("band", "#EDF5F0"),
             Ink::Key(index) => {
                 let index = index % PALETTE.len();
@@ -158,6 +160,21 @@ impl Svg {
             self.body,
             "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" fill=\"{colour}\">{}</rect>",
             width.max(0.0),
+            title(tip)
+        );
+    }
+
+    /// A key's bar: filled, or an outline.
+    pub(crate) fn bar(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], key: &Key, tip: &str) {
+        if !key.hollow {
+            return self.rectangle([x, y], [width, height], Ink::Key(key.colour), tip);
+        }
+        let [colour, ground] = [Ink::Key(key.colour), Ink::Ground].map(|ink| self.colour(ink));
+        let (x, y, width, height) = (x + 1.0, y + 1.0 + self.top, (width - 2.0).max(0.5), height - 2.0);
+        let _ = writeln!(
+            self.body,
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{ground}\" \
+             stroke=\"{colour}\" stroke-width=\"2\">{}</rect>",
             title(tip)
         );
     }

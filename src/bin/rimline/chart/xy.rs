@@ -33,7 +33,7 @@ pub(crate) struct Point {
     pub(crate) y: f64,
     /// From where to where values of y spread.
     pub(crate) spread: Option<(f64, f64)>,
-    /// Stands beside the point if there is room.
+    /// Points without lines are linked where their labels are equal, and labelled once if there is room.
     pub(crate) label: String,
     /// What a pointer on it is told.
     pub(crate) tip: String,
@@ -86,6 +86,11 @@ impl Plane {
         let mut svg = Svg::new(WIDTH, frame.bottom + lanes + 54.0, target);
         legend(&mut svg);
         self.draw_axes(&mut svg, &frame, frame.bottom + lanes);
+        if !self.joined {
+            for (_, places) in self.labelled(&frame) {
+                svg.polyline(&places, Ink::Link, 1.5, "");
+            }
+        }
         let taken = self.draw_points(&mut svg, &frame);
         if self.joined {
             self.draw_end_labels(&mut svg, &frame);
@@ -128,7 +133,7 @@ impl Plane {
         if let Some((value, name)) = &self.mark {
             let y = bottom - self.y.place(*value) * (bottom - top);
             svg.line([left, y], [right, y], Ink::Muted, 1.5, "6 4");
-            svg.text(Label { x: left + 8.0, y: y - 6.0, anchor: Anchor::Start, ..small }, name);
+            svg.text(Label { x: right - 8.0, y: y - 6.0, anchor: Anchor::End, ..small }, name);
         }
         let title = Label { size: 13.0, ink: Ink::Text, anchor: Anchor::Middle, ..small };
         svg.text(Label { x: f64::midpoint(left, right), y: floor + 42.0, ..title }, &self.x.title);
@@ -191,43 +196,47 @@ impl Plane {
         }
     }
 
-    /// Labels where they cover nothing; a label without room is left to the table.
+    /// Points of equal labels, from left to right.
+    fn labelled(&self, frame: &Frame) -> Vec<(&str, Vec<[f64; 2]>)> {
+        let mut labelled: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
+        for (index, curve) in self.curves.iter().enumerate() {
+            for point in curve.points.iter().filter(|point| !point.label.is_empty()) {
+                let place = self.place(frame, index, point.x, point.y);
+                match labelled.iter_mut().find(|(label, _)| *label == point.label) {
+                    Some((_, places)) => places.push(place),
+                    None => labelled.push((&point.label, vec![place])),
+                }
+            }
+        }
+        labelled.iter_mut().for_each(|(_, places)| places.sort_by(|a, b| a[0].total_cmp(&b[0])));
+        labelled
+    }
+
+    /// Each label once, beside one of its points, the last if there is room, where it covers nothing; without any room
+    /// it is left to the table.
     fn draw_point_labels(&self, svg: &mut Svg, frame: &Frame, mut taken: Vec<Extent>) {
         const HEIGHT: f64 = 13.0;
-        let mut wanted: Vec<([f64; 2], &str)> = Vec::new();
-        for (index, curve) in self.curves.iter().enumerate() {
-            let labelled = curve.points.iter().filter(|point| !point.label.is_empty());
-            wanted.extend(labelled.map(|point| (self.place(frame, index, point.x, point.y), &*point.label)));
-        }
-        wanted.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
-        let mut said: Vec<(&str, [f64; 2])> = Vec::new();
-        for ([x, y], text) in wanted {
-            // One label serves marks that stand side by side.
-            let is_near =
-                |(other, [a, b]): &(&str, [f64; 2])| *other == text && (a - x).abs() < 330.0 && (b - y).abs() < 24.0;
-            if said.iter().any(is_near) {
-                continue;
-            }
+        for (text, points) in self.labelled(frame) {
             let width = text_width(text, SMALL);
-            let places = [
-                [x + 9.0, y - 6.5],
-                [x - 9.0 - width, y - 6.5],
-                [x + 6.0, y - 19.0],
-                [x + 6.0, y + 6.0],
-                [x - 6.0 - width, y - 19.0],
-                [x - 6.0 - width, y + 6.0],
-            ];
-            let free = places.into_iter().map(|[x, y]| [x, y, x + width, y + HEIGHT]).find(|place| {
+            let beside = |&[x, y]: &[f64; 2]| {
+                [
+                    [x + 10.0, y - 6.5],
+                    [x + 6.0, y - 20.0],
+                    [x + 6.0, y + 7.0],
+                    [x - 10.0 - width, y - 6.5],
+                    [x - 6.0 - width, y - 20.0],
+                    [x - 6.0 - width, y + 7.0],
+                ]
+            };
+            let places = points.iter().rev().flat_map(beside);
+            let free = places.map(|[x, y]| [x, y, x + width, y + HEIGHT]).find(|place| {
                 let is_inside = place[0] > frame.left && place[2] < frame.right && place[1] > frame.top - 8.0;
                 is_inside && !taken.iter().any(|other| overlap(place, other))
             });
             if let Some(place) = free {
-                let ink = Ink::Text;
-                let label =
-                    Label { x: place[0], y: place[1] + 10.5, size: SMALL, anchor: Anchor::Start, ink, bold: false };
-                svg.text(label, text);
+                let (x, y, anchor) = (place[0], place[1] + 10.5, Anchor::Start);
+                svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Text, bold: false }, text);
                 taken.push(place);
-                said.push((text, [x, y]));
             }
         }
     }
@@ -284,7 +293,7 @@ mod tests {
         };
         let svg = plane.draw(Target::Page).finish();
         assert_eq!(svg.matches("<circle").count(), 21, "twenty points and the legend");
-        assert_eq!(svg.matches(">same place<").count(), 2, "labels at two places");
+        assert_eq!(svg.matches(">same place<").count(), 1, "equal labels are said once");
         assert!(svg.contains("a &lt;b&gt; &amp; c"));
     }
 }
