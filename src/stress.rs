@@ -140,10 +140,11 @@ scenes! {
         "lights-1e-20": |faces| Scene::new(bodies::through_origin(faces), Placing::around(1e-20)),
         "lights-1e20": |faces| Scene::new(bodies::blob(faces), Placing::around(1e20)),
     }
+    // A sphere so far from lights about the origin, as from eyes.
     "afar" {
-        "sphere-afar-1e2": |faces| Scene::new(bodies::sphere(faces), Placing::around(1e2)),
-        "sphere-afar-1e4": |faces| Scene::new(bodies::sphere(faces), Placing::around(1e4)),
-        "sphere-afar-1e6": |faces| Scene::new(bodies::sphere(faces), Placing::around(1e6)),
+        "afar-1e2": |faces| afar(faces, 1e2),
+        "afar-1e4": |faces| afar(faces, 1e4),
+        "afar-1e6": |faces| afar(faces, 1e6),
     }
     // A limb, bent until it folds into itself.
     "bent" {
@@ -152,12 +153,12 @@ scenes! {
         "bent-150": |faces| Scene::new(bodies::bent_limb(faces, 150), Placing::around(4.0)),
         "bent-179": |faces| Scene::new(bodies::bent_limb(faces, 179), Placing::around(4.0)),
     }
-    // Each vertex moved along its ray at random.
+    // A plate with lights in its plane, each vertex moved off it at random, by up to so much.
     "noise" {
-        "noise-1e-6": |faces| Scene::new(bodies::rough_sphere(faces, 1e-6), Placing::around(3.0)),
-        "noise-1e-4": |faces| Scene::new(bodies::rough_sphere(faces, 1e-4), Placing::around(3.0)),
-        "noise-1e-2": |faces| Scene::new(bodies::rough_sphere(faces, 1e-2), Placing::around(3.0)),
-        "noise-1e0": |faces| Scene::new(bodies::rough_sphere(faces, 1.0), Placing::around(3.0)),
+        "noise-1e-2": |faces| rough(faces, 1e-2),
+        "noise-1e-4": |faces| rough(faces, 1e-4),
+        "noise-1e-6": |faces| rough(faces, 1e-6),
+        "noise-1e-8": |faces| rough(faces, 1e-8),
     }
     // What a modelling program should not have let through.
     "topology" {
@@ -180,7 +181,17 @@ fn of_scale(faces: usize, scale: f32) -> Scene {
 
 /// A body of unit size and a thickness of `thickness`.
 fn flattened(faces: usize, thickness: f32) -> Scene {
-    Scene::new(stretched(bodies::blob(faces), [1.0, thickness, 1.0]), Placing::around(2.5))
+    let body = stretched(bodies::blob(faces), [1.0, thickness, 1.0]);
+    Scene::new(body, Placing::Flat { thickness, radius: 2.5 })
+}
+
+fn afar(faces: usize, distance: f32) -> Scene {
+    let centre = [0.8, 0.2, -0.6].map(|c| c * distance);
+    Scene::new(moved(bodies::sphere(faces), centre), Placing::around(1.0))
+}
+
+fn rough(faces: usize, amplitude: f32) -> Scene {
+    Scene::new(bodies::rough_plate(faces, amplitude), Placing::OnTilted { every: 1 })
 }
 
 fn slivers(faces: usize, aspect: f32) -> Scene {

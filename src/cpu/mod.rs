@@ -11,9 +11,11 @@ mod determinant;
 mod edges;
 mod exact_arguments;
 mod exact_facing;
+mod exact_sign;
 mod extraction;
 mod facing;
 mod filter;
+mod fixed_sign;
 mod parallel;
 mod per_edge;
 

@@ -31,13 +31,14 @@ pub(super) fn through_origin(faces: usize) -> Shape {
     moved(body, by)
 }
 
-/// A sphere whose vertices are moved along their rays by a random share of `amplitude`, in or out.
-pub(super) fn rough_sphere(faces: usize, amplitude: f32) -> Shape {
+/// The tilted plate, its vertices moved off it at random, by up to `amplitude` or so.
+pub(super) fn rough_plate(faces: usize, amplitude: f32) -> Shape {
     let mut random = 11;
-    let mut shape = sphere(faces);
+    let mut shape = tilted_plate(faces);
     for position in &mut shape.positions {
-        let radius = 1.0 + amplitude * signed_unit(&mut random);
-        *position = position.map(|c| c * radius);
+        let by = amplitude * signed_unit(&mut random);
+        let [x, y, z] = *position;
+        *position = [x + 0.2 * by, y + by, z - 0.4 * by];
     }
     shape
 }
@@ -47,9 +48,15 @@ pub(super) fn signed_unit(random: &mut u64) -> f32 {
     (splitmix64(random) >> 40) as f32 / (1 << 23) as f32 - 1.0
 }
 
-/// A body `1/thinness` times as thick as long, whose faces are all as thin as it is: a sphere drawn out along X.
-pub(super) fn needle(faces: usize, thinness: f32) -> Shape {
-    stretched(sphere(faces), [1.0, 1.0 / thinness, 1.0 / thinness])
+/// A body `aspect` times as long as it is thick, whose faces are as thin as it is: a sphere drawn out along X, and
+/// tilted, so that rounding moves vertices by as much as the thinnest are thick.
+pub(super) fn needle(faces: usize, aspect: f32) -> Shape {
+    let mut shape = stretched(sphere(faces), [1.0, 1.0 / aspect, 1.0 / aspect]);
+    for position in &mut shape.positions {
+        let [x, y, z] = *position;
+        *position = [x, y + 0.7 * x, z - 0.4 * x];
+    }
+    shape
 }
 
 /// A lumpy body whose faces are split in three by a point at the middle of a side, off it by `1/aspect` of the height:
@@ -83,17 +90,27 @@ pub(super) fn tilt([x, _, z]: [f32; 3]) -> [f32; 3] {
     [x + 0.1 * z, 0.3 * x - 0.7 * z, z - 0.2 * x]
 }
 
-/// The same on a lattice: every point is on the plane exactly.
+/// An uneven plate on a lattice of 22 bits, tilted by small whole numbers: every point is on the plane exactly, and
+/// determinants need more bits than f64 has.
 pub(super) fn lattice_plate(faces: usize) -> Shape {
+    let mut random = 13;
     let side = root(faces, 2);
-    let step = lattice_step(side);
+    let step = 2.0 * LATTICE / side as f32;
     let mut plate = shapes::plane_grid(side, side);
-    let row = side + 1;
-    for (vertex, position) in (0..).zip(&mut plate.positions) {
-        let [x, z] = [vertex / row, vertex % row].map(|at| (at as f32 - side as f32 / 2.0) * step);
-        *position = tilt_on_lattice([x, 0.0, z]);
+    for position in &mut plate.positions {
+        let [a, b] = [position[0], position[2]]
+            .map(|c| (c * LATTICE + 0.25 * step * signed_unit(&mut random)).clamp(-LATTICE, LATTICE).round());
+        *position = on_lattice_plane(a, b);
     }
     plate
+}
+
+/// Half the lattice's width.
+pub(super) const LATTICE: f32 = 2_097_152.0;
+
+/// A point of the lattice plate for two whole numbers up to [`LATTICE`] either way: nothing is rounded.
+pub(super) fn on_lattice_plane(a: f32, b: f32) -> [f32; 3] {
+    [a + 2.0 * b, 3.0 * a - b, b - 2.0 * a].map(|c| c / LATTICE)
 }
 
 /// The power of two between `1/n` and `2/n`.
@@ -102,7 +119,7 @@ fn lattice_step(n: u32) -> f32 {
 }
 
 /// A tilt by small numbers, which rounds nothing on a lattice.
-pub(super) fn tilt_on_lattice([x, y, z]: [f32; 3]) -> [f32; 3] {
+fn tilt_on_lattice([x, y, z]: [f32; 3]) -> [f32; 3] {
     [x + 0.5 * y - 0.25 * z, y + 0.75 * z - 0.5 * x, z + 0.25 * x - y]
 }
 

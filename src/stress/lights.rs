@@ -1,7 +1,7 @@
 //! Where the stress scenes' lights are.
 
 use super::Scene;
-use super::bodies::{signed_unit, tilt, tilt_on_lattice};
+use super::bodies::{LATTICE, on_lattice_plane, signed_unit, tilt};
 use crate::Light;
 use crate::shapes::noise::splitmix64;
 
@@ -10,6 +10,8 @@ use crate::shapes::noise::splitmix64;
 pub(super) enum Placing {
     /// All around a point, about as far from it as said: points, directions of that length, other weights.
     Around { centre: [f32; 3], radius: f32 },
+    /// Around the origin, and as much nearer to y = 0 as a body so thin.
+    Flat { thickness: f32, radius: f32 },
     /// In the plane of the rounded plate, every so many; the others around it.
     OnTilted { every: usize },
     /// In the plane of the plate on a lattice, exactly, every so many.
@@ -36,9 +38,21 @@ impl Placing {
         let mut random = 0x51ed_270b ^ ((index as u64) << 32);
         let light = match self {
             Self::Around { centre, radius } => around(&mut random, index, centre, radius),
-            Self::OnTilted { every } if index.is_multiple_of(every) => in_plane(&mut random, index / every, tilt),
+            Self::Flat { thickness, radius } => {
+                let mut light = around(&mut random, index, [0.0; 3], radius);
+                light.xyz[1] *= thickness;
+                light
+            }
+            Self::OnTilted { every } if index.is_multiple_of(every) => {
+                let [x, z] = [0; 2].map(|_: u32| 4.0 * signed_unit(&mut random));
+                weighted(index / every, tilt([x, 0.0, z]))
+            }
             Self::OnLattice { every } if index.is_multiple_of(every) => {
-                in_plane(&mut random, index / every, tilt_on_lattice)
+                let [a, b] = [0; 2].map(|_: u32| (LATTICE * signed_unit(&mut random)).round());
+                let [x, y, z] = on_lattice_plane(a, b);
+                // A weight that is a power of two rounds nothing.
+                let kinds = [Light::point([x, y, z]), Light::directional([x, y, z])];
+                *kinds.get(index / every % 3).unwrap_or(&Light::homogeneous([2.0 * x, 2.0 * y, 2.0 * z, 2.0]))
             }
             Self::OnTilted { .. } | Self::OnLattice { .. } => around(&mut random, index, [0.0; 3], 3.0),
             Self::InFacePlanes => in_face_plane(scene, &mut random, index),
@@ -80,17 +94,6 @@ fn around(random: &mut u64, index: usize, centre: [f32; 3], radius: f32) -> Ligh
         return Light::directional(from_centre);
     }
     weighted(index, std::array::from_fn(|axis| centre[axis] + from_centre[axis]))
-}
-
-/// A light in the plane through the origin that `tilt` makes of y = 0, on a lattice there.
-fn in_plane(random: &mut u64, index: usize, tilt: fn([f32; 3]) -> [f32; 3]) -> Light {
-    let [x, z] = [0; 2].map(|_: u32| lattice(random));
-    weighted(index, tilt([x, 0.0, z]))
-}
-
-/// A multiple of 1/16 from −4 to 4.
-fn lattice(random: &mut u64) -> f32 {
-    (splitmix64(random) % 129) as f32 / 16.0 - 4.0
 }
 
 /// In the plane of a face, so many times its sides from its corner: on a lattice nothing is rounded. Every fourth is
