@@ -68,7 +68,8 @@ impl Plan {
         }
         let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
         let most = args.rounds.map_or(most, usize::from);
-        let rounds = Rounds { least: most.min(if args.quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
+        let rounds =
+            Rounds { least: most.min(if args.quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
         Ok(Self { subjects, rounds })
     }
 

@@ -208,7 +208,9 @@ impl Plane {
                 }
             }
         }
-        labelled.iter_mut().for_each(|(_, places)| places.sort_by(|a, b| a[0].total_cmp(&b[0])));
+        for (_, places) in &mut labelled {
+            places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
         labelled
     }
 
