@@ -86,8 +86,10 @@ impl Page {
 /// The keys' colours as variables, for a light and a dark ground.
 fn palette() -> String {
     let list = |choose: fn(&(&'static str, &'static str)) -> &'static str| {
-        let colours = PALETTE.iter().enumerate();
-        colours.map(|(index, colour)| format!("--key{index}: {}; ", choose(colour))).collect::<String>()
+        PALETTE.iter().enumerate().fold(String::new(), |mut list, (index, colour)| {
+            let _ = write!(list, "--key{index}: {}; ", choose(colour));
+            list
+        })
     };
     format!(
         ":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n",

@@ -40,35 +40,29 @@ pub(crate) fn interleave(
     mut contenders: Vec<Contender<'_>>,
     is_stopped: impl Fn() -> bool,
 ) -> Result<Option<Vec<Vec<Sample>>>, Failure> {
-    let mut samples = vec![Vec::new(); contenders.len()];
-    let mut run = |index: usize| match is_stopped() {
-        true => Ok(None),
-        false => contenders[index]().map(Some),
-    };
+    let count = contenders.len();
+    let mut samples = vec![Vec::new(); count];
+    let mut run = |index: usize| if is_stopped() { Ok(None) } else { contenders[index]().map(Some) };
     let mut round_time = Duration::ZERO;
-    for index in 0..samples.len() {
-        // The first run compiles and allocates; the second is what a round will take.
-        for _ in 0..2 {
+    for index in 0..count {
+        // The first run compiles and allocates; a later one is what a round will take.
+        let mut last = Duration::ZERO;
+        for _ in 0..3 {
             let begin = Instant::now();
             if run(index)?.is_none() {
                 return Ok(None);
             }
-            if begin.elapsed() > rounds.time {
+            last = begin.elapsed();
+            if last > rounds.time {
                 break;
             }
         }
-        let begin = Instant::now();
-        match run(index)? {
-            Some(sample) => samples[index].push(sample),
-            None => return Ok(None),
-        }
-        round_time += begin.elapsed();
+        round_time += last;
     }
-    samples.iter_mut().for_each(Vec::clear);
     let fitting = rounds.time.as_secs_f64() / round_time.as_secs_f64().max(1e-9);
     for round in 0..(fitting as usize).clamp(rounds.least, rounds.most) {
-        for at in 0..samples.len() {
-            let index = if round % 2 == 0 { at } else { samples.len() - 1 - at };
+        for at in 0..count {
+            let index = if round % 2 == 0 { at } else { count - 1 - at };
             match run(index)? {
                 Some(sample) => samples[index].push(sample),
                 None => return Ok(None),

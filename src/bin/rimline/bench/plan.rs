@@ -29,7 +29,7 @@ const QUICK_SCENES: [&str; 10] = [
     "slivers-1e6",
     "plate-third",
     "lights-on-faces",
-    "sphere-afar-1e6",
+    "afar-1e6",
     "bent-179",
     "noise-1e-6",
     "touching-boxes",

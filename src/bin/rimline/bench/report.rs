@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::BenchArgs;
 use super::figures;
+use super::machine::Adapter;
 use super::results::Results;
 use super::text::grouped;
 use crate::chart::{Target, write_png};
@@ -59,7 +60,7 @@ fn write(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// The line below a plot that travels alone.
 fn origin(results: &Results) -> String {
-    let device = results.adapter.as_ref().map_or_else(|| "no GPU".to_owned(), |adapter| adapter.line());
+    let device = results.adapter.as_ref().map_or_else(|| "no GPU".to_owned(), Adapter::line);
     let machine = &results.machine;
     let day = machine.date.get(..10).unwrap_or_default();
     let origin = format!(

@@ -42,7 +42,7 @@ pub(crate) struct Group {
 /// A length.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Value {
-    pub(crate) value: f64,
+    pub(crate) length: f64,
     /// From where to where values spread.
     pub(crate) spread: Option<(f64, f64)>,
     /// Stands at a bar's end.
@@ -130,13 +130,13 @@ impl Bars {
             match self.kind {
                 BarsKind::Grouped => {
                     let y = top + index as f64 * BAR;
-                    svg.bar([left, y + 1.5], [at(value.value) - left, BAR - 3.0], key, &value.tip);
+                    svg.bar([left, y + 1.5], [at(value.length) - left, BAR - 3.0], key, &value.tip);
                     draw_spread(svg, value, Ink::Text, y + 0.5 * BAR, at);
-                    let past = value.spread.map_or(value.value, |(_, high)| high.max(value.value));
+                    let past = value.spread.map_or(value.length, |(_, high)| high.max(value.length));
                     svg.text(Label { x: at(past) + 6.0, y: y + 0.5 * BAR + 4.0, ..end }, &value.label);
                 }
                 BarsKind::Stacked => {
-                    let [begin, finish] = [at(sum), at(sum + value.value)];
+                    let [begin, finish] = [at(sum), at(sum + value.length)];
                     svg.rectangle([begin, top], [finish - begin - 1.0, 26.0], Ink::Key(key.colour), &value.tip);
                     if finish - begin > text_width(&value.label, 12.0) + 6.0 {
                         let x = f64::midpoint(begin, finish);
@@ -146,13 +146,13 @@ impl Bars {
                             &value.label,
                         );
                     }
-                    sum += value.value;
+                    sum += value.length;
                 }
                 BarsKind::Dots => {
                     // A little apart, so that equal values show both.
                     let y = middle + 5.0 * (index as f64 - 0.5 * (self.keys.len() - 1) as f64);
                     draw_spread(svg, value, Ink::Key(key.colour), y, at);
-                    svg.mark([at(value.value), y], key, 4.5, &value.tip);
+                    svg.mark([at(value.length), y], key, 4.5, &value.tip);
                 }
             }
         }

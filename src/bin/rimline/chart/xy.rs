@@ -53,7 +53,7 @@ const LANE: f64 = 17.0;
 const MARK: f64 = 5.5;
 const SMALL: f64 = 12.0;
 /// How much wider bold text is.
-const BOLD: f64 = 1.08;
+const BOLD: f64 = 1.2;
 
 /// Left, top, right and bottom of something that must not be covered.
 type Extent = [f64; 4];
@@ -208,7 +208,9 @@ impl Plane {
                 }
             }
         }
-        labelled.iter_mut().for_each(|(_, places)| places.sort_by(|a, b| a[0].total_cmp(&b[0])));
+        for (_, places) in &mut labelled {
+            places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
         labelled
     }
 
@@ -234,6 +236,8 @@ impl Plane {
                 is_inside && !taken.iter().any(|other| overlap(place, other))
             });
             if let Some(place) = free {
+                // Lines behind it stay off the letters.
+                svg.rectangle([place[0] - 2.0, place[1]], [width * 0.95, HEIGHT], Ink::Ground, "");
                 let (x, y, anchor) = (place[0], place[1] + 10.5, Anchor::Start);
                 svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Text, bold: false }, text);
                 taken.push(place);

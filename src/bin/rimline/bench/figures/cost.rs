@@ -28,7 +28,7 @@ pub(super) fn cost_of_exactness(results: &Results) -> Figure {
         let share = share_of_undecided(row);
         let value = |device: &str, ratio: Option<Summary>| {
             ratio.map(|ratio| Value {
-                value: ratio.median,
+                length: ratio.median,
                 spread: Some(ratio.quartiles),
                 label: String::new(),
                 tip: format!(

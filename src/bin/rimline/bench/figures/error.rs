@@ -117,7 +117,7 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
         id: "time_against_error",
         title: format!("Run time against error, {}", lights_text(lights)),
         lead: "One mark for each method and class of scenes. Above, the higher the more silhouette bits are wrong; in the \
-               band below, none is. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's."
+               band below, none is. Grey lines join the methods on the same scenes. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's."
             .to_owned(),
         chart: Some(chart),
         table,

@@ -1,6 +1,6 @@
 //! Run time against the number of lights.
 
-use super::super::results::{Results, Row};
+use super::super::results::{Entry, Results, Row};
 use super::super::text::{figures, grouped, tick};
 use super::{lights_text, ordinary};
 use crate::chart::{Axis, Bars, BarsKind, Chart, Group, Scale, Value};
@@ -21,7 +21,7 @@ pub(super) fn time_against_lights(results: &Results, all: &[usize]) -> Option<Fi
     let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new() };
     table.head.extend(rows.iter().map(|row| lights_text(row.lights)));
     for contestant in contestants() {
-        let times = rows.iter().map(|row| row.entry(contestant.id).and_then(|entry| entry.time()));
+        let times = rows.iter().map(|row| row.entry(contestant.id).and_then(Entry::time));
         let mut cells = vec![contestant.name.to_owned()];
         cells.extend(
             times.map(|time| time.map_or_else(|| "–".to_owned(), |time| format!("{} ms", figures(time.median)))),
@@ -33,13 +33,13 @@ pub(super) fn time_against_lights(results: &Results, all: &[usize]) -> Option<Fi
             let time = row.entry(contestant.id)?.time()?;
             let label = format!("{} ms", figures(time.median));
             let tip = format!("{}, {}: {label}", contestant.name, lights_text(row.lights));
-            Some(Value { value: time.median, spread: Some(time.quartiles), label, tip })
+            Some(Value { length: time.median, spread: Some(time.quartiles), label, tip })
         });
         let values = values.collect();
         Group { name: lights_text(row.lights), heading: String::new(), values, remark: String::new() }
     });
     let groups: Vec<Group> = groups.collect();
-    let longest = groups.iter().flat_map(|group| group.values.iter().flatten()).map(|value| value.value);
+    let longest = groups.iter().flat_map(|group| group.values.iter().flatten()).map(|value| value.length);
     let chart = Chart::Bars(Bars {
         kind: BarsKind::Grouped,
         axis: Axis::over("milliseconds", Scale::Linear, tick, longest.collect::<Vec<_>>()),

@@ -68,7 +68,7 @@ fn figure(
         let values = names.iter().map(|name| {
             let value = of(name)?;
             let (label, tip) = (figures(value), format!("{method}, {name}: {} ms", figures(value)));
-            Some(Value { value, spread: None, label, tip })
+            Some(Value { length: value, spread: None, label, tip })
         });
         let values: Vec<_> = values.collect();
         let mut cells = vec![(*method).to_owned()];
