@@ -124,29 +124,27 @@ impl<'a> Cast<'a> {
             if polygon.len() > 5 {
                 return Err(format!("{}: light {index}: {} vertices of {edges:?}", self.scene.name, polygon.len()));
             }
-            self.check_vertices(light, &polygon)?;
-            let labels = polygon.iter().map(|&clip| self.label(light, clip, &edges)).collect::<Result<_, _>>()?;
-            Ok((labels, count))
+            let labelled = polygon.iter().map(|&clip| {
+                let label = self.label(light, clip, &edges)?;
+                self.check_vertex(light, clip, label.0)?;
+                Ok(label)
+            });
+            Ok((labelled.collect::<Result<_, String>>()?, count))
         });
         labelled.collect()
     }
 
-    /// Nothing before the near plane, no negative w.
-    fn check_vertices(&self, light: &ShadowLight, polygon: &[Vec4]) -> Outcome {
-        for clip in polygon {
-            // Far vertices rise by what `consistent_rise` says, and have depth by the matrix.
-            let slack = 4e-6 * clip.abs().max_element().max(light.light[3]) * self.scale();
-            let depth = if self.view.near_z == 0.0 { clip.z } else { clip.w - clip.z };
-            let is_before = depth < if clip.w > 0.0 { -1e-5 * clip.w } else { -slack };
-            if clip.is_nan() || clip.w < -slack || is_before {
-                return Err(format!("{}: {clip} for {light:?}", self.scene.name));
-            }
+    /// Nothing before the near plane, no negative w; far vertices but for the rounding of their depth, which decides
+    /// nothing.
+    fn check_vertex(&self, light: &ShadowLight, clip: Vec4, kind: Kind) -> Outcome {
+        let columns = self.view.view_projection[..3].as_flattened();
+        let largest = columns.iter().fold(1.0_f32, |largest, c| c.abs().max(largest));
+        let slack = if kind == Kind::Far { 4e-6 * largest * clip.abs().max_element() } else { 0.0 };
+        let depth = if self.view.near_z == 0.0 { clip.z } else { clip.w - clip.z };
+        if clip.w >= -slack && depth >= -slack {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    fn scale(&self) -> f32 {
-        self.view.view_projection.as_flattened().iter().fold(1.0, |largest, c| c.abs().max(largest))
+        Err(format!("{}: {kind:?} {clip} for {light:?}", self.scene.name))
     }
 }
 
