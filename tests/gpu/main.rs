@@ -1,6 +1,7 @@
 //! GPU tests. Without an adapter they fail; they are never passed over.
 
 mod assets;
+mod clipped;
 mod closure;
 #[path = "../common/mod.rs"]
 mod common;
@@ -37,6 +38,7 @@ fn main() {
         limits::TESTS,
         refusals::TESTS,
         shadow_stages::TESTS,
+        clipped::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());

@@ -51,12 +51,26 @@ impl Dispatch {
         Self::new(gpu, &stage.wgsl(), stage.name)
     }
 
-    /// Runs with each group's buffers bound from 0 on.
-    pub(crate) fn run(&self, gpu: &Gpu, groups: &[&[&wgpu::Buffer]], workgroups: u32) -> Result<(), String> {
-        let bind = |(group, buffers): (u32, &&[&wgpu::Buffer])| {
-            let entries: Vec<_> = (0..)
-                .zip(*buffers)
-                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+    /// Runs with a group of buffers bound from 0 on.
+    fn run(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: u32) -> Result<(), String> {
+        let bound: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
+        self.run_bound(gpu, &[&bound], workgroups)
+    }
+
+    /// Runs with the groups' buffers bound where each says.
+    pub(crate) fn run_bound(
+        &self,
+        gpu: &Gpu,
+        groups: &[&[(u32, &wgpu::Buffer)]],
+        workgroups: u32,
+    ) -> Result<(), String> {
+        let bind = |(group, buffers): (u32, &&[(u32, &wgpu::Buffer)])| {
+            let entries: Vec<_> = buffers
+                .iter()
+                .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                    binding: *binding,
+                    resource: buffer.as_entire_binding(),
+                })
                 .collect();
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
@@ -140,7 +154,7 @@ fn bounds() -> Result<(), String> {
             let found = gpu.storage(&EMPTY);
             let shape = uniform(gpu, &shape(&mesh, 1, place));
             let buffers = [&shape, &placed(gpu, &positions, place), &faces, &found];
-            stage.run(gpu, &[&buffers], [1, 3, 50][random.below(3)])?;
+            stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 6)?;
             let twin = cpu::bounds(&positions, mesh.faces());
             same(&format!("{name}, round {round}"), &found, &twin)?;
@@ -194,7 +208,7 @@ impl Staged {
         let words = self.given.len().div_ceil(32);
         let (lights, dispatches) = (gpu.storage(&self.given), gpu.storage(&[0_u32, 1, 1].repeat(words)));
         let (shape, view) = (uniform(gpu, &self.shape), uniform(gpu, &self.view));
-        stage.run(gpu, &[&[&shape, &view, &gpu.storage(&self.bounds), &lights, &dispatches]], 1)?;
+        stage.run(gpu, &[&shape, &view, &gpu.storage(&self.bounds), &lights, &dispatches], 1)?;
         Ok((gpu.read(&lights, self.given.len())?, gpu.read(&dispatches, 3 * words)?))
     }
 
@@ -218,7 +232,7 @@ impl Staged {
             let list = gpu.storage(&vec![u32::MAX; 2 * count * cap_capacity as usize]);
             let masks = gpu.storage(plane);
             let buffers = [&shape, &view, &draw, &self.positions, &self.faces, &masks, &chosen, &counts, &list];
-            stage.run(gpu, &[&buffers], 3)?;
+            stage.run(gpu, &buffers, 3)?;
             let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
             lists.extend(list.chunks(cap_capacity as usize).take(2 * count).map(<[u32]>::to_vec));
         }
@@ -301,7 +315,7 @@ fn shadow_arguments() -> Result<(), String> {
             &draws,
             &statistics,
         ];
-        stage.run(gpu, &[&buffers], 1 + round as u32 % 3)?;
+        stage.run(gpu, &buffers, 1 + round as u32 % 3)?;
         let mut found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
         let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &silhouettes, &caps, &lights);
         same(&format!("round {round}, draws"), &found, &twins)?;
