@@ -18,6 +18,11 @@ pub enum Counting {
     /// z-pass, begun with near caps: casting faces projected from the light onto the near plane (after Hornus et al.
     /// 2005), with sides and caps clipped by the same functions. See NUMERICS.md, "Shadow volumes".
     ZpPlus,
+    /// ZP+ as Hornus et al. published it in 2005, to compare with: near caps by a matrix of the light's own, side vertices
+    /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
+    /// near plane cuts both ends of a side (its case D). Not right from every camera; for perspective ones only. Never
+    /// chosen by [`Self::Auto`]. Needs what z-fail needs.
+    ZpPlusPaper,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does.
     ZFail,
@@ -30,6 +35,7 @@ impl Counting {
             Self::ZpPlus => 1,
             Self::ZFail => 2,
             Self::Auto => 3,
+            Self::ZpPlusPaper => 4,
         }
     }
 }
@@ -134,9 +140,17 @@ impl ShadowCamera {
         let from_origin = (DVec3::new(x, y, z) - w * self.origin.as_dvec3()).extend(w);
         let matrix: DMat4 = self.view_projection.as_dmat4();
         let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
+        let clip = matrix * from_origin;
+        // Section 3.1 without its rotation: positive w between light and near plane.
+        let side = if height < 0.0 { -1.0 } else { 1.0 };
+        let plane = DVec4::from_array(view.near_plane.map(f64::from));
+        let frustum = |row: usize| (side * (height * matrix.row(row) - clip[row] * plane)).as_vec4().to_array();
         ShadowLight {
             light,
-            clip: (matrix * from_origin).as_vec4().to_array(),
+            clip: clip.as_vec4().to_array(),
+            frustum_x: frustum(0),
+            frustum_y: frustum(1),
+            frustum_w: frustum(3),
             height: height as f32,
             range: if range.is_finite() { range } else { 0.0 },
             ..bytemuck::Zeroable::zeroed()

@@ -96,5 +96,15 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   return CapVertex(picked.clip);
 }
 
+// The near cap as published: the face by the matrix of the light's frustum, clipped by the hardware.
+@vertex fn paper_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let face = cap_face(light, instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  return CapVertex(frustum_to_clip(view, light, cap_position(face.corners[vertex])));
+}
+
 // For passes with colour attachments, which stay as they are.
 @fragment fn nothing() {}

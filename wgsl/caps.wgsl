@@ -1,5 +1,6 @@
-// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail every
-// face that casts. Each light has two lists: of faces whose cap counts up on its front, and on its back.
+// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail and
+// the published ZP+ every face that casts. Each light has two lists: of faces whose cap counts up on its front, and on
+// its back.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;

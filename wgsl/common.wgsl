@@ -101,6 +101,10 @@ struct ShadowDraws {
   // Caps that count up on their front, and on their back.
   front: DrawArguments,
   back: DrawArguments,
+  // What the published ZP+ leaves to z-fail: sides, then light and dark caps.
+  switched: DrawArguments,
+  far_front: DrawArguments,
+  far_back: DrawArguments,
 }
 
 struct ShadowStatistics {

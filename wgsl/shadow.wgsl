@@ -33,9 +33,15 @@ struct ShadowLight {
   counting: u32,
   // 1: the light is far, and `star` takes V as it is; 0: it takes V - L.
   is_far: u32,
+  // Where the published ZP+ puts the near end of the light's frustum: its distance over the far end's for a point light,
+  // its height over the near plane for a light at infinity.
+  frustum_near: f32,
   reserved_0: u32,
   reserved_1: u32,
-  reserved_2: u32,
+  // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
+  frustum_x: vec4<f32>,
+  frustum_y: vec4<f32>,
+  frustum_w: vec4<f32>,
 }
 
 // What the caster is and what the caller wants.
@@ -78,6 +84,8 @@ const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;
 // z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
 const COUNT_AUTO: u32 = 3u;
+// ZP+ as published.
+const COUNT_ZP_PAPER: u32 = 4u;
 
 // A position in clip space. A caller's depth pass that computes it so gets the same bits.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {

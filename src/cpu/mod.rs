@@ -14,6 +14,7 @@ mod exact_facing;
 mod extraction;
 mod facing;
 mod filter;
+mod paper_cases;
 mod parallel;
 mod per_edge;
 
@@ -25,6 +26,7 @@ pub use exact_arguments::exact_arguments;
 pub use exact_facing::exact_facing;
 pub use extraction::{CpuExtraction, extract};
 pub use facing::{FacingCounts, facing, facing_into, is_finite};
+pub use paper_cases::paper_cases;
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;

@@ -25,6 +25,9 @@ const PLAIN: u64 = 0;
 const CLIPPED: u64 = 1;
 /// The first of the two lists of cap faces.
 const CAPS: u64 = 2;
+/// What ZP+ as published leaves to z-fail: sides, then the first of two lists of cap faces.
+const SWITCHED: u64 = 4;
+const SWITCHED_CAPS: u64 = 5;
 
 impl DrawGroups {
     /// Draws the volume of `light`.
@@ -49,17 +52,28 @@ impl DrawGroups {
             pass.set_pipeline(clipped);
             pass.draw_indirect(draws, offset(light, CLIPPED));
         }
+        if let Some((sides, near_caps)) = &pipelines.paper {
+            pass.set_bind_group(1, caps, &[]);
+            for (class, pipeline) in (0..).zip(near_caps) {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draws, offset(light, CAPS + class));
+            }
+            pass.set_bind_group(1, results, &[]);
+            pass.set_pipeline(sides);
+            pass.draw_indirect(draws, offset(light, CLIPPED));
+        }
+        let (side_kind, cap_kind) = if pipelines.paper.is_some() { (SWITCHED, SWITCHED_CAPS) } else { (PLAIN, CAPS) };
         if let Some(classes) = &pipelines.caps {
             pass.set_bind_group(1, caps, &[]);
             for (class, pipelines) in (0..).zip(classes) {
                 for pipeline in pipelines {
                     pass.set_pipeline(pipeline);
-                    pass.draw_indirect(draws, offset(light, CAPS + class));
+                    pass.draw_indirect(draws, offset(light, cap_kind + class));
                 }
             }
         }
         pass.set_bind_group(1, results, &[]);
         pass.set_pipeline(&pipelines.side);
-        pass.draw_indirect(draws, offset(light, PLAIN));
+        pass.draw_indirect(draws, offset(light, side_kind));
     }
 }

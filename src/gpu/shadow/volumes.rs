@@ -22,8 +22,8 @@ use crate::{Counting, Mesh};
 pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
-    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail every face, else 1,024
-    /// and sixteen times the square root of the faces. A list that overflows loses nothing: its draw goes over all faces.
+    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail and ZP+ as published every
+    /// face, else 1,024 and sixteen times the square root of the faces. A list that overflows loses nothing: its draw goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for lights whose shadow of it the camera cannot see.
     pub skip_unseen: bool,
@@ -110,7 +110,7 @@ impl ShadowVolumes {
         let counts = mesh.edges().counts();
         let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
         let face_count = extraction.faces;
-        let is_fail = pipelines.counting() == Counting::ZFail;
+        let is_fail = matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
             || if is_fail { face_count } else { 1024 + 16 * face_count.isqrt() },
             |capacity| capacity.max(1) as usize,
@@ -137,7 +137,7 @@ impl ShadowVolumes {
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
         let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(device, &buffers, &results);
+        let choice = Choice::new(device, &buffers, &results, pipelines.counting());
         Ok(Self { buffers, choice, groups: None, shape, max_lights: extraction.max_lights, bound_to: None })
     }
 
@@ -182,7 +182,7 @@ impl ShadowVolumes {
             bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
             lights: (lights.len() as u32).div_ceil(64),
         };
-        self.choice.record(encoder, buffers, groups, words, timer);
+        self.choice.record(encoder, buffers, groups, lights.len(), timer);
         Ok(())
     }
 
