@@ -208,10 +208,10 @@ shared_structs! {
         /// With ZP+ as published the near end of the light's frustum: for a point light its distance over the far end's,
         /// for a light at infinity its height over the near plane.
         frustum_near: f32,
+        /// Where the volume ends: a lower bound of the caster's distance from the light, over the range. 0: at infinity.
+        end: f32,
         /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
+        reserved: u32,
         /// Row x of that frustum's matrix, from (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.
@@ -244,8 +244,8 @@ shared_structs! {
         position_stride: u32,
         /// Workgroups of the caps stage.
         cap_groups: u32,
-        /// 0.
-        reserved: u32,
+        /// 1: volumes end where their light's range does.
+        end_at_range: u32,
     }
 
     /// The light, or the word of lights, that a draw or dispatch is for.
@@ -272,9 +272,9 @@ shared_structs! {
         back: DrawArguments,
         /// Sides that ZP+ as published leaves to z-fail.
         switched: DrawArguments,
-        /// Their light and dark caps of class 0.
+        /// Their light and dark caps, or with z-pass the dark caps of a volume that ends: those of the first list.
         far_front: DrawArguments,
-        /// And of class 1.
+        /// Of the second.
         far_back: DrawArguments,
     }
 
@@ -288,6 +288,8 @@ shared_structs! {
         capped: u32,
         /// Lights whose list of cap faces overflowed; drawn over all faces.
         overflowed_caps: u32,
+        /// Lights whose volume ends at their range.
+        ended: u32,
     }
 }
 

@@ -168,8 +168,8 @@ fn power_of_two_below(size: f64) -> f64 {
 pub struct RangedLight {
     /// The light, in the space of the positions.
     pub light: Light,
-    /// Casters farther away throw no shadow. In the unit of the positions, positive; infinite for no limit. Of no
-    /// meaning for lights at infinity.
+    /// Casters farther away throw no shadow; see [`crate::gpu::ShadowOptions::end_at_range`], too. In the unit of the
+    /// positions, positive; infinite for no limit. Of no meaning for lights at infinity.
     pub range: f32,
 }
 

@@ -1,5 +1,5 @@
-// Cap faces: light caps and dark caps as faces at their place and at infinity, near caps as faces clipped to what lies
-// between the light and the near plane and projected onto that.
+// Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
+// lies between the light and the near plane and projected onto that.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -55,7 +55,7 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(direction_to_clip(view, away(light, cap_position(face.corners[vertex]))));
+  return CapVertex(far_end(view, light, cap_position(face.corners[vertex])));
 }
 
 // From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.

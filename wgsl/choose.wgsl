@@ -125,6 +125,7 @@ fn choose_light(index: u32) {
   var light = shadow_lights[index];
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
+  light.end = 0.0;
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
@@ -141,7 +142,12 @@ fn choose_light(index: u32) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
     }
   }
-  if (light.casting != CAST_NOTHING && light.counting != COUNT_Z_PASS) {
+  // Near caps are seen from a light whose volumes go on, so with ZP+ they do.
+  let may_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
+  if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
+    light.end = min(distance_below(light, low, high) / light.range, 1.0);
+  }
+  if (light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0)) {
     cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
   }
   shadow_lights[index] = light;

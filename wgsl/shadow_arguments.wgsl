@@ -31,6 +31,9 @@ fn write_arguments(index: u32) {
   } else if (light.casting == CAST_EVERY) {
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
+  if (light.casting != CAST_NOTHING && light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
   if (max(front, back) > shape.cap_capacity) {
     atomicAdd(&shadow_statistics.overflowed_caps, 1u);
   }
@@ -56,8 +59,13 @@ fn write_arguments(index: u32) {
     let cap_vertices = select(3u, 5u, light.counting == COUNT_ZP_PLUS);
     draws.plain = arguments(4u, select(sides, 0u, is_clipped));
     draws.clipped = arguments(5u, select(0u, sides, is_clipped));
-    draws.front = arguments(cap_vertices, front);
-    draws.back = arguments(cap_vertices, back);
+    if (light.counting == COUNT_Z_PASS) {
+      draws.far_front = arguments(3u, front);
+      draws.far_back = arguments(3u, back);
+    } else {
+      draws.front = arguments(cap_vertices, front);
+      draws.back = arguments(cap_vertices, back);
+    }
   }
   shadow_draws[index] = draws;
 }

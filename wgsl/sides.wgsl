@@ -44,7 +44,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   if (vertex < 2u) {
     return SideVertex(to_clip(view, position));
   }
-  return SideVertex(direction_to_clip(view, away(light, position)));
+  return SideVertex(far_end(view, light, position));
 }
 
 // Depth that rounding may have put before the near plane.

@@ -56,7 +56,12 @@ impl Traced {
     }
 
     /// Fails where the GPU is wrong; returns the pixels compared.
-    fn check(&self, renderer: &Renderer<'_>, counting: Counting, counts: bool) -> Result<(Wrong, Counted), String> {
+    pub(crate) fn check(
+        &self,
+        renderer: &Renderer<'_>,
+        counting: Counting,
+        counts: bool,
+    ) -> Result<(Wrong, Counted), String> {
         let counted = renderer.count(&self.frame, counting)?;
         let mut wrong = self.compared().lit(&counted.stencils[0]);
         if counts {

@@ -68,6 +68,8 @@ pub struct ShadowPipelines {
     pub(super) side: wgpu::RenderPipeline,
     /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
     pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    /// With z-pass: dark caps of volumes that end, of the two lists.
+    pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
     /// With ZP+ as published: sides, then near caps likewise.
     pub(super) paper: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// With z-fail: light and dark caps of the faces that count up on their front, then of the others.
@@ -100,19 +102,16 @@ impl ShadowPipelines {
         let caps = Maker::new(device, format, &CAP_FACES, "", [&frame, &cap_data]);
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
         let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
-        let far = |class| {
-            // A dark cap is seen from its other side.
-            let turned = class == 1;
-            [
-                caps.pipeline("light_cap", class, Count::Hidden, turned),
-                caps.pipeline("dark_cap", class, Count::Hidden, !turned),
-            ]
-        };
+        // A dark cap is seen from its other side.
+        let dark = |class, count| caps.pipeline("dark_cap", class, count, class != 1);
+        let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
+        let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         Ok(Self {
             counting,
             side: sides.pipeline("side", 0, if is_fail { Count::Hidden } else { Count::Visible }, false),
             clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
             paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
+            ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
             frame,
             results,
