@@ -21,7 +21,7 @@ pub const COUNT_Z_FAIL: u32 = 2;
 /// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
 pub const COUNT_AUTO: u32 = 3;
 /// [`ShadowLight::counting`]: ZP+ as published.
-pub const COUNT_ZP_PLUS_PAPER: u32 = 4;
+pub const COUNT_ZP_PAPER: u32 = 4;
 
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Counting {
             Self::ZpPlus => COUNT_ZP_PLUS,
             Self::ZFail => COUNT_Z_FAIL,
             Self::Auto => COUNT_AUTO,
-            Self::ZpPlusPaper => COUNT_ZP_PLUS_PAPER,
+            Self::ZpPlusPaper => COUNT_ZP_PAPER,
         }
     }
 }
