@@ -5,6 +5,7 @@
 
 mod archive;
 mod bad_input;
+mod bench;
 mod contract;
 mod draw;
 #[path = "../common/files.rs"]
@@ -13,6 +14,7 @@ mod info;
 mod models;
 mod npz_input;
 mod run;
+mod schema;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -35,7 +37,16 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, verify_wrong::TESTS];
+    let always = [
+        archive::TESTS,
+        usage::TESTS,
+        npz_input::TESTS,
+        contract::TESTS,
+        draw::TESTS,
+        verify_wrong::TESTS,
+        schema::TESTS,
+        bench::TESTS,
+    ];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()

@@ -1,7 +1,9 @@
-//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices.
+//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices, measure.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
+mod bench;
+mod chart;
 mod device;
 mod devices;
 mod displacement;
@@ -14,6 +16,7 @@ mod info;
 mod input;
 mod npz;
 mod output;
+mod page;
 mod positions;
 mod progress;
 mod spec;
@@ -48,5 +51,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }
