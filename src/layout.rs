@@ -220,6 +220,129 @@ shared_structs! {
         /// Words from a vertex to the next.
         position_stride: u32,
     }
+
+    /// A camera, as the stages of shadow volumes see it.
+    struct ShadowView {
+        /// Columns of the matrix from positions less `origin` to clip space.
+        view_projection: [[f32; 4]; 4],
+        /// Height over the near plane: this times (position − origin, 1).
+        near_plane: [f32; 4],
+        /// What positions are taken relative to.
+        origin: [f32; 3],
+        /// Clip w of points on the near plane.
+        near_w: f32,
+        /// Lowest corner of the near rectangle's bounds.
+        near_min: [f32; 3],
+        /// z / w of points on the near plane.
+        near_z: f32,
+        /// Highest corner of the near rectangle's bounds.
+        near_max: [f32; 3],
+        /// 0.
+        reserved: u32,
+    }
+
+    /// A light, and what the GPU chose for it and a caster.
+    struct ShadowLight {
+        /// Homogeneous, scaled so that w is 0 or a power of two.
+        light: [f32; 4],
+        /// The same in clip space.
+        clip: [f32; 4],
+        /// Its height over the near plane, times its w.
+        height: f32,
+        /// Casters beyond are skipped; 0: none are.
+        range: f32,
+        /// Which faces cast: 0 none, 1 those averted from the light, 2 every one.
+        casting: u32,
+        /// How is counted: 0 z-pass, 1 ZP+, 2 z-fail, 4 ZP+ as published.
+        counting: u32,
+        /// With ZP+ as published the near end of the light's frustum: for a point light its distance over the far end's,
+        /// for a light at infinity its height over the near plane.
+        frustum_near: f32,
+        /// Where the volume ends: a lower bound of the caster's distance from the light, over the range. 0: at infinity.
+        end: f32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// Row x of that frustum's matrix, from (position − origin, 1).
+        frustum_x: [f32; 4],
+        /// Row y.
+        frustum_y: [f32; 4],
+        /// Row w.
+        frustum_w: [f32; 4],
+    }
+
+    /// What a caster is and what the caller wants of its volumes.
+    struct ShadowShape {
+        /// Lights in use.
+        lights: u32,
+        /// Faces of the mesh.
+        faces: u32,
+        /// Edge records of the mesh.
+        edges: u32,
+        /// Entries that each light's list of silhouettes has room for.
+        capacity: u32,
+        /// Entries that each list of cap faces has room for.
+        cap_capacity: u32,
+        /// 1: closed and consistently oriented, and every face was not asked for.
+        averted: u32,
+        /// 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
+        counting: u32,
+        /// 1: skip casters whose shadow the camera cannot see.
+        skip_unseen: u32,
+        /// First word of vertex 0 in the bound positions.
+        position_offset: u32,
+        /// Words from a vertex to the next.
+        position_stride: u32,
+        /// Workgroups of the caps stage.
+        cap_groups: u32,
+        /// 1: volumes end where their light's range does.
+        end_at_range: u32,
+    }
+
+    /// The light, or the word of lights, that a draw or dispatch is for.
+    struct ShadowDraw {
+        /// Its number.
+        light: u32,
+        /// The first light of its word.
+        first_light: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+    }
+
+    /// The draws of one light's shadow volume.
+    struct ShadowDraws {
+        /// Sides as they are.
+        plain: DrawArguments,
+        /// Sides clipped at the near plane.
+        clipped: DrawArguments,
+        /// Caps that count up on their front.
+        front: DrawArguments,
+        /// Caps that count up on their back.
+        back: DrawArguments,
+        /// Sides that ZP+ as published leaves to z-fail.
+        switched: DrawArguments,
+        /// Their light and dark caps, or with z-pass the dark caps of a volume that ends: those of the first list.
+        far_front: DrawArguments,
+        /// Of the second.
+        far_back: DrawArguments,
+    }
+
+    /// What an encode of shadow volumes counts, a light at a time.
+    struct ShadowStatistics {
+        /// Lights for which the caster is skipped: out of range, or its shadow out of sight.
+        skipped: u32,
+        /// Lights for which every face casts.
+        every_face: u32,
+        /// Lights with a near cap.
+        capped: u32,
+        /// Lights whose list of cap faces overflowed; drawn over all faces.
+        overflowed_caps: u32,
+        /// Lights whose volume ends at their range.
+        ended: u32,
+    }
 }
 
 impl LightWord {

@@ -9,6 +9,7 @@
 //! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
 //! * [`gpu::include_wgsl`]: reads the results in your own shaders;
 //! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
+//! * [`stress`], [`score`]: scenes that are hard on floating-point arithmetic, and how wrong a method is on them;
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
 //!
 //! ```no_run
@@ -47,14 +48,18 @@ pub mod light;
 pub mod mesh;
 pub mod method;
 pub mod model;
+pub mod score;
+pub mod shadow;
 pub mod shapes;
 pub mod stages;
+pub mod stress;
 
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::{Method, Predicate};
 pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
+pub use shadow::{Counting, DepthDirection, RangedLight, ShadowCamera};
 
 pub use {glam, wgpu};
 

@@ -95,7 +95,7 @@ pub enum LightError {
     #[error(
         "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
     )]
-    Negative {
+    NegativeWeight {
         /// Position in the list.
         index: usize,
         /// Its weight.
@@ -133,7 +133,7 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
 pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
     check_lights(lights, limit)?;
     match lights.iter().enumerate().find(|(_, light)| light.w < 0.0) {
-        Some((index, &Light { w, .. })) => Err(LightError::Negative { index, w }),
+        Some((index, &Light { w, .. })) => Err(LightError::NegativeWeight { index, w }),
         None => Ok(()),
     }
 }

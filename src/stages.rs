@@ -18,22 +18,28 @@ macro_rules! files {
 /// Morph, skin, displace: mesh space to world space.
 pub const DEFORM: Stage = Stage { name: "deform", files: files!["common", "deform"], entry_points: &["deform"] };
 /// Facing masks.
-pub const FACING: Stage =
-    Stage { name: "facing", files: files!["common", "positions", "filter", "facing"], entry_points: &["facing"] };
+pub const FACING: Stage = Stage {
+    name: "facing",
+    files: files!["common", "positions", "determinant", "filter", "facing"],
+    entry_points: &["facing"],
+};
 /// The indirect dispatch of the exact facing stage.
 pub const EXACT_ARGUMENTS: Stage =
     Stage { name: "exact_arguments", files: files!["common", "exact_arguments"], entry_points: &["exact_arguments"] };
 /// Exact facing of what the facing stage left undecided.
 pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
-    files: files!["common", "positions", "filter", "exact_sign", "exact_facing"],
+    files: files!["common", "positions", "determinant", "filter", "exact_sign", "fixed_sign", "exact_facing"],
     entry_points: &["exact_facing"],
 };
 /// Silhouette and winding masks from facing masks, and unordered lists.
 pub const EDGES: Stage = Stage { name: "edges", files: files!["common", "emit", "edges"], entry_points: &["edges"] };
 /// The same from positions, as published in 2003.
-pub const PER_EDGE: Stage =
-    Stage { name: "per_edge", files: files!["common", "positions", "emit", "per_edge"], entry_points: &["per_edge"] };
+pub const PER_EDGE: Stage = Stage {
+    name: "per_edge",
+    files: files!["common", "positions", "determinant", "emit", "per_edge"],
+    entry_points: &["per_edge"],
+};
 /// Ordered lists from masks.
 pub const COMPACT: Stage = Stage {
     name: "compact",
@@ -43,6 +49,27 @@ pub const COMPACT: Stage = Stage {
 /// Indirect draw arguments from counts.
 pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common", "arguments"], entry_points: &["arguments"] };
+/// The box of a caster.
+pub const BOUNDS: Stage =
+    Stage { name: "bounds", files: files!["common", "shadow", "bounds"], entry_points: &["bounds"] };
+/// Which faces cast, and how is counted.
+pub const CHOOSE: Stage =
+    Stage { name: "choose", files: files!["common", "shadow", "pyramid", "choose"], entry_points: &["choose"] };
+/// Where ZP+ as published goes over to z-fail.
+pub const PAPER_CASES: Stage = Stage {
+    name: "paper_cases",
+    files: files!["common", "shadow", "paper", "paper_cases"],
+    entry_points: &["paper_cases"],
+};
+/// Lists of the faces that caps are drawn from.
+pub const CAPS: Stage =
+    Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
+/// Indirect draw arguments of shadow volumes.
+pub const SHADOW_ARGUMENTS: Stage = Stage {
+    name: "shadow_arguments",
+    files: files!["common", "shadow", "shadow_arguments"],
+    entry_points: &["shadow_arguments"],
+};
 
 /// Boxes around clusters of faces, for the shadow depth query.
 pub const SHADOW_BOXES: Stage = Stage {
@@ -53,7 +80,7 @@ pub const SHADOW_BOXES: Stage = Stage {
 /// Faces strictly between points and lights.
 pub const SHADOW_DEPTH: Stage = Stage {
     name: "shadow_depth",
-    files: files!["common", "positions", "filter", "shadow_segments", "shadow_pairs", "shadow_depth"],
+    files: files!["common", "positions", "determinant", "filter", "shadow_segments", "shadow_pairs", "shadow_depth"],
     entry_points: &["shadow_depth"],
 };
 /// The faces that the shadow depth stage left undecided.
@@ -62,8 +89,10 @@ pub const EXACT_SHADOW_DEPTH: Stage = Stage {
     files: files![
         "common",
         "positions",
+        "determinant",
         "filter",
         "exact_sign",
+        "fixed_sign",
         "shadow_segments",
         "shadow_pairs",
         "exact_shadow_depth"
@@ -71,14 +100,11 @@ pub const EXACT_SHADOW_DEPTH: Stage = Stage {
     entry_points: &["exact_shadow_depth", "exact_shadow_depth_recount"],
 };
 /// The indirect dispatch of what is counted anew.
-pub const DEPTH_ARGUMENTS: Stage = Stage {
-    name: "depth_arguments",
-    files: files!["common", "depth_arguments"],
-    entry_points: &["depth_arguments"],
-};
+pub const DEPTH_ARGUMENTS: Stage =
+    Stage { name: "depth_arguments", files: files!["common", "depth_arguments"], entry_points: &["depth_arguments"] };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 12] = [
+pub const STAGES: [Stage; 17] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -87,11 +113,29 @@ pub const STAGES: [Stage; 12] = [
     PER_EDGE,
     COMPACT,
     ARGUMENTS,
+    BOUNDS,
+    CHOOSE,
+    PAPER_CASES,
+    CAPS,
+    SHADOW_ARGUMENTS,
     SHADOW_BOXES,
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
 ];
+
+/// Vertex shaders of the sides of shadow volumes; [`crate::gpu::include_wgsl`] on group 1 comes after.
+pub const SIDES: Stage = Stage {
+    name: "sides",
+    files: files!["common", "shadow", "polygon", "paper", "sides"],
+    entry_points: &["side", "side_clipped", "paper_side"],
+};
+/// Vertex shaders of the caps of shadow volumes.
+pub const CAP_FACES: Stage = Stage {
+    name: "cap_faces",
+    files: files!["common", "shadow", "polygon", "paper", "casting", "cap_faces"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap"],
+};
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] =

@@ -53,7 +53,7 @@ fn refused_lights() {
     assert_eq!(refused(&[]), LightError::None);
     assert_eq!(refused(&[good, Light::homogeneous([0.0; 4])]), LightError::Zero { index: 1 });
     let negative = refused(&[good, good, Light::homogeneous([1.0, 1.0, 1.0, -2.0])]);
-    assert_eq!(negative, LightError::Negative { index: 2, w: -2.0 });
+    assert_eq!(negative, LightError::NegativeWeight { index: 2, w: -2.0 });
     assert!(matches!(refused(&[Light::point([f32::NAN; 3])]), LightError::NotFinite { index: 0, .. }));
     assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
 }

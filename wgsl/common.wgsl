@@ -146,3 +146,31 @@ struct DeformChunk {
   displaced: u32,
   time: f32,
 }
+
+// The draws of one light's shadow volume.
+struct ShadowDraws {
+  // Sides as they are, and sides clipped at the near plane: one of them draws nothing.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Caps that count up on their front, and on their back.
+  front: DrawArguments,
+  back: DrawArguments,
+  // Sides that the published ZP+ leaves to z-fail.
+  switched: DrawArguments,
+  // Their light and dark caps; or with z-pass the dark caps of volumes that end.
+  far_front: DrawArguments,
+  far_back: DrawArguments,
+}
+
+struct ShadowStatistics {
+  // Lights out of whose reach the caster is, or whose shadow the camera cannot see.
+  skipped: atomic<u32>,
+  // Lights for which every face casts.
+  every_face: atomic<u32>,
+  // Lights with a near cap.
+  capped: atomic<u32>,
+  // Lights whose list of cap faces overflowed.
+  overflowed_caps: atomic<u32>,
+  // Lights whose volume ends at their range.
+  ended: atomic<u32>,
+}

@@ -1,5 +1,6 @@
 // Exact facing: the masks of the faces that the facing stage left undecided. A bound of each light's own decides most
-// signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in integers ("Exact facing").
+// signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in integers that no compiler can
+// round, fuse or flush, in fixed point where the numbers fit and else for every finite f32 ("Exact facing").
 
 @group(0) @binding(0) var<uniform> word: LightWord;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -44,7 +45,7 @@ fn filter_lights(face: Face) -> Decision {
     let light = firstTrailingBit(rest);
     let l = word.lights[light];
     let to_light = l.xyz - l.w * a;
-    let d = n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
+    let d = local_form(n, a, l);
     // The rounding of w a counts only where w is no power of two.
     let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
@@ -57,40 +58,18 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// The bits of 1.0.
-const ONE: u32 = 0x3f800000u;
-
-// A point light in the plane of a face that lies along two axes is on neither side; of a face that is a line none is.
-fn leave_out_coplanar(doubt: u32, face: Face) -> u32 {
-  if (all(face.a == face.b) || all(face.a == face.c) || all(face.b == face.c)) {
-    return 0u;
-  }
-  let flat = (face.a == face.b) & (face.a == face.c);
-  var left = doubt;
-  for (var rest = select(0u, doubt, any(flat)); rest != 0u; rest &= rest - 1u) {
-    let at = firstTrailingBit(rest);
-    let light = word.light_bits[at];
-    if (light.w == ONE && any(flat & (light.xyz == face.a))) {
-      left &= ~(1u << at);
-    }
-  }
-  return left;
-}
-
 // The bits of the lights in doubt, by integers.
 fn settle(doubt: u32, face: Face) -> u32 {
-  decode_vertex(0u, face.a);
-  decode_vertex(3u, face.b);
-  decode_vertex(6u, face.c);
-  decode_one();
+  let fixed = fixed_face(face.a, face.b, face.c);
   var facing = 0u;
   var zeros = 0u;
   for (var rest = doubt; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let bits = word.light_bits[light];
-    decode_vertex(9u, bits.xyz);
-    decode(12u, bits.w);
-    let sign = determinant_sign();
+    var sign = fixed_sign(fixed, bits);
+    if (sign == 2) {
+      sign = exact_sign(face.a, face.b, face.c, bits);
+    }
     facing |= select(0u, 1u, sign > 0) << light;
     zeros += select(0u, 1u, sign == 0);
   }
@@ -118,7 +97,6 @@ fn decide(index: u32) -> u32 {
     return 0u;
   }
   var decision = filter_lights(face);
-  decision.doubt = leave_out_coplanar(decision.doubt, face);
   if (decision.doubt != 0u) {
     decision.facing |= settle(decision.doubt, face);
   }

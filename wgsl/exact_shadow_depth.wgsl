@@ -1,16 +1,6 @@
-// Exact shadow depth: the faces that shadow_depth.wgsl left in doubt, settled in integers. The line and an edge that it
-// meets are told apart as if the light were moved by (e, e^2, e^3); NUMERICS.md, "Shadow depth".
-
-// The sign of det[b - a, c - a, l - w a].
-fn sign_of(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
-  decode_vertex(0u, a);
-  decode_vertex(3u, b);
-  decode_vertex(6u, c);
-  decode_vertex(9u, light.xyz);
-  decode(12u, light.w);
-  decode_one();
-  return determinant_sign();
-}
+// Exact shadow depth: the faces that shadow_depth.wgsl left in doubt, settled in integers, in fixed point where the
+// numbers fit. The line and an edge that it meets are told apart as if the light were moved by (e, e^2, e^3);
+// NUMERICS.md, "Shadow depth".
 
 // The light, and then the axes along which it is moved.
 fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
@@ -37,18 +27,23 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
       a = face.c;
       b = face.a;
     }
+    let fixed = fixed_face(a, b, c);
     let towards = select(light, vec4<u32>(p, ONE), test == 0u);
     let ties = select(1u, 4u, test >= 2u);
-    var side = 0;
-    for (var tie = 0u; tie < ties && side == 0; tie++) {
-      side = sign_of(a, b, c, light_at(towards, tie));
+    var sign = 0;
+    for (var tie = 0u; tie < ties && sign == 0; tie++) {
+      let at = light_at(towards, tie);
+      sign = fixed_sign(fixed, at);
+      if (sign == 2) {
+        sign = exact_sign(a, b, c, at);
+      }
     }
-    if (side == 0) {
+    if (sign == 0) {
       return false;
     }
     if (test == 0u) {
-      light_side = -side;
-    } else if (side != light_side) {
+      light_side = -sign;
+    } else if (sign != light_side) {
       return false;
     }
   }

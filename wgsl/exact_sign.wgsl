@@ -1,62 +1,11 @@
-// The sign of det[b - a, c - a, l - w a] in pure integer arithmetic that no compiler can round, fuse or flush, exact for
-// every finite f32; NUMERICS.md, "Exact facing". Decode the operands, then ask for `determinant_sign`.
+// The sign of det[b - a, c - a, l - w a] for any finite f32 whatever, in pure integer arithmetic: rare and slow, so as
+// short as can be. NUMERICS.md, "Exact facing".
 
 // Digits of 24 bits; 48 of them hold every sum of products of four finite f32.
 const DIGITS: u32 = 48u;
 const DIGIT: u32 = 0xffffffu;
+// Zeros between uses.
 var<private> digits: array<i32, 48>;
-
-// a, b, c, l, w and 1 as integers: mantissas, exponents (the value is mantissa * 2^(exponent - 149)) and signs.
-var<private> mantissas: array<u32, 14>;
-var<private> exponents: array<u32, 14>;
-var<private> negatives: array<u32, 14>;
-
-fn decode(at: u32, bits: u32) {
-  let exponent = (bits >> 23u) & 0xffu;
-  mantissas[at] = (bits & 0x7fffffu) | select(0u, 0x800000u, exponent != 0u);
-  exponents[at] = max(exponent, 1u) - 1u;
-  negatives[at] = bits >> 31u;
-}
-
-fn decode_vertex(at: u32, bits: vec3<u32>) {
-  decode(at, bits.x);
-  decode(at + 1u, bits.y);
-  decode(at + 2u, bits.z);
-}
-
-// The determinant is det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those
-// without w have a 1. Operands of the products, six of each determinant; the second of a pair is subtracted.
-fn operands(term: u32) -> vec4<u32> {
-  let determinant = term / 6u;
-  let axis = term % 6u / 2u;
-  let turned = (term & 1u) != 0u;
-  let second = (axis + select(1u, 2u, turned)) % 3u;
-  let third = (axis + select(2u, 1u, turned)) % 3u;
-  // First operands of the determinants' three vectors, a nibble each, and the factor.
-  var at = vec4<u32>(3u, 6u, 9u, 13u);
-  switch (determinant) {
-    case 0u: {}
-    case 1u: { at = vec4<u32>(0u, 3u, 9u, 13u); }
-    case 2u: { at = vec4<u32>(6u, 0u, 9u, 13u); }
-    default: { at = vec4<u32>(0u, 6u, 3u, 12u); }
-  }
-  return at + vec4<u32>(axis, second, third, 0u);
-}
-
-// The factor of products that have no w.
-fn decode_one() {
-  mantissas[13] = 1u;
-  exponents[13] = 149u;
-  negatives[13] = 0u;
-}
-
-fn exponent_of(at: vec4<u32>) -> u32 {
-  return exponents[at.x] + exponents[at.y] + exponents[at.z] + exponents[at.w];
-}
-
-fn is_zero(at: vec4<u32>) -> bool {
-  return mantissas[at.x] == 0u || mantissas[at.y] == 0u || mantissas[at.z] == 0u || mantissas[at.w] == 0u;
-}
 
 // The 48-bit product of two digits, as two digits.
 fn multiply(a: u32, b: u32) -> vec2<u32> {
@@ -79,57 +28,55 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-fn add(at: u32, value: u32, negative: bool) {
-  digits[at] += select(i32(value), -i32(value), negative);
-}
-
-// Adds a term at its place over `least`, the exponent of the lowest digit.
-fn add_term(at: vec4<u32>, turned: bool, least: u32) {
-  let two = multiply(mantissas[at.x], mantissas[at.y]);
-  let three = multiply_three(vec3<u32>(two, 0u), mantissas[at.z]).xyz;
-  let product = multiply_three(three, mantissas[at.w]);
-  let above = exponent_of(at) - least;
-  let digit = above / 24u;
+// Adds the product of four mantissas `above` bits over the lowest digit.
+fn add_product(mantissas: vec4<u32>, above: u32, negative: bool) {
+  let two = multiply(mantissas.x, mantissas.y);
+  let three = multiply_three(vec3<u32>(two, 0u), mantissas.z).xyz;
+  var product = multiply_three(three, mantissas.w);
   let shift = above % 24u;
-  let negative = ((negatives[at.x] + negatives[at.y] + negatives[at.z] + negatives[at.w]) & 1u) != u32(turned);
-  for (var part = 0u; part < 4u; part++) {
-    let value = product[part];
-    add(digit + part, (value & (DIGIT >> shift)) << shift, negative);
-    add(digit + part + 1u, value >> (24u - shift), negative);
+  let end = above / 24u + 5u;
+  var below = 0u;
+  for (var at = above / 24u; at < end; at++) {
+    let value = i32(((product.x << shift) & DIGIT) | below);
+    digits[at] += select(value, -value, negative);
+    below = product.x >> (24u - shift);
+    product = vec4<u32>(product.yzw, 0u);
   }
 }
 
-// The sign of the determinant: 1, 0 or -1.
-fn determinant_sign() -> i32 {
-  var least = 0xffffffffu;
-  var most = 0u;
+// The sign of the determinant, from bits: 1, 0 or -1.
+fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
+  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Of
+  // each pair the second is subtracted; then the next axis comes first.
+  var p = b;
+  var q = c;
+  var r = light.xyz;
+  var factor = 0x3f800000u;
   for (var term = 0u; term < 24u; term++) {
-    let at = operands(term);
-    if (!is_zero(at)) {
-      least = min(least, exponent_of(at));
-      most = max(most, exponent_of(at));
-    }
-  }
-  if (least > most) {
-    return 0;
-  }
-  // Each product has four digits and its shift one more; sums of 24 of them carry into a last.
-  let used = min((most - least) / 24u + 6u, DIGITS);
-  for (var at = 0u; at < used; at++) {
-    digits[at] = 0;
-  }
-  for (var term = 0u; term < 24u; term++) {
-    let at = operands(term);
-    if (!is_zero(at)) {
-      add_term(at, (term & 1u) != 0u, least);
+    let is_second = (term & 1u) != 0u;
+    let bits = vec4<u32>(p.x, select(q.y, q.z, is_second), select(r.z, r.y, is_second), factor);
+    let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
+    let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
+    let places = max(exponents, vec4<u32>(1u)) - 1u;
+    let signs = bits.x ^ bits.y ^ bits.z ^ bits.w ^ (term << 31u);
+    add_product((bits & vec4<u32>(0x7fffffu)) | implied, places.x + places.y + places.z + places.w, signs >> 31u != 0u);
+    p = select(p, p.yzx, is_second);
+    q = select(q, q.yzx, is_second);
+    r = select(r, r.yzx, is_second);
+    switch (term) {
+      case 5u: { p = a; q = b; }
+      case 11u: { p = c; q = a; }
+      case 17u: { p = a; q = c; r = b; factor = light.w; }
+      default: {}
     }
   }
   var carry = 0;
   var any_digit = 0;
-  for (var at = 0u; at < used; at++) {
+  for (var at = 0u; at < DIGITS; at++) {
     let sum = digits[at] + carry;
     any_digit |= sum & i32(DIGIT);
     carry = sum >> 24u;
+    digits[at] = 0;
   }
   if (carry < 0) {
     return -1;

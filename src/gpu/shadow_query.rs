@@ -16,7 +16,7 @@ use super::timer::StageTimer;
 use crate::cpu::clustered;
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
-use crate::stages::{EXACT_SHADOW_DEPTH, DEPTH_ARGUMENTS, SHADOW_BOXES, SHADOW_DEPTH, Stage};
+use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
 
 /// What a [`ShadowQuery`] has room for.

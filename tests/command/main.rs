@@ -5,6 +5,7 @@
 
 mod archive;
 mod bad_input;
+mod bench;
 mod contract;
 mod draw;
 #[path = "../common/files.rs"]
@@ -14,7 +15,10 @@ mod models;
 mod npz_input;
 mod query;
 mod run;
+mod schema;
 mod usage;
+mod verify;
+mod verify_wrong;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -34,7 +38,17 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, query::TESTS];
+    let always = [
+        archive::TESTS,
+        usage::TESTS,
+        npz_input::TESTS,
+        contract::TESTS,
+        draw::TESTS,
+        query::TESTS,
+        verify_wrong::TESTS,
+        schema::TESTS,
+        bench::TESTS,
+    ];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()
@@ -43,5 +57,6 @@ fn main() {
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
     trials.extend(info::trials());
+    trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

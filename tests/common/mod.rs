@@ -8,7 +8,9 @@ pub(crate) mod device;
 pub(crate) mod files;
 pub(crate) mod models;
 pub(crate) mod oracle;
+pub(crate) mod predicates;
 pub(crate) mod random;
+pub(crate) mod scenes;
 pub(crate) mod shadow_cases;
 pub(crate) mod shadow_oracle;
 

@@ -1,6 +1,7 @@
 //! GPU tests. Without an adapter they fail; they are never passed over.
 
 mod assets;
+mod clipped;
 mod closure;
 #[path = "../common/mod.rs"]
 mod common;
@@ -14,7 +15,9 @@ mod limits;
 mod positions;
 mod refusals;
 mod shadow_query;
+mod shadow_stages;
 mod stages;
+mod stress;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -27,6 +30,7 @@ fn main() {
         exact::TESTS,
         facing::TESTS,
         closure::TESTS,
+        stress::TESTS,
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,
@@ -34,6 +38,8 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
+        shadow_stages::TESTS,
+        clipped::TESTS,
         shadow_query::TESTS,
     ]
     .concat();

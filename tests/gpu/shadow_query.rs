@@ -224,7 +224,7 @@ fn refusals() -> Result<(), String> {
             matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
         }),
         ("a negative w", good, 1, vec![Light::homogeneous([1.0, 1.0, 1.0, -1.0])], |error| {
-            matches!(error, QueryError::Light(LightError::Negative { index: 0, .. }))
+            matches!(error, QueryError::Light(LightError::NegativeWeight { index: 0, .. }))
         }),
         ("many points", good, 11, vec![light], |error| {
             matches!(error, QueryError::TooManyPoints { count: 11, limit: 10 })

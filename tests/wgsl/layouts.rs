@@ -24,6 +24,7 @@ fn rust_type(module: &Module, ty: naga::Handle<naga::Type>) -> String {
         TypeInner::Array { base, size: ArraySize::Constant(count), .. } => {
             format!("[{}; {count}]", rust_type(module, *base))
         }
+        TypeInner::Struct { .. } => module.types[ty].name.clone().unwrap_or_default(),
         other => format!("{other:?}"),
     }
 }

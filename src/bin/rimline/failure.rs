@@ -26,6 +26,15 @@ pub(crate) enum Failure {
     /// The device stopped in the middle.
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
+    /// `verify` found what should not be.
+    #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
+    Differs { folder: PathBuf, different: usize, checked: usize },
+    /// `verify` could not do all of its checks.
+    #[error("{count} of the checks could not be done; the first: {first}")]
+    Unchecked { count: usize, first: Box<Failure> },
+    /// Ctrl-C, after what there was has been written.
+    #[error("stopped; what was finished is kept")]
+    Interrupted,
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     Output {
@@ -60,6 +69,10 @@ pub(crate) enum InputError {
     Depths { points: usize, lights: usize },
     #[error("no vertex has a finite position, so there is nothing to look at")]
     NoFinitePosition,
+    #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
+    NoArchives,
+    #[error("it has the same name as {}, and both would be written to the same file; rename one", .other.display())]
+    SameName { other: PathBuf },
 }
 
 /// What is wrong with the command line, beyond what the parser of options sees.
@@ -67,6 +80,8 @@ pub(crate) enum InputError {
 pub(crate) enum UsageError {
     #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
     DisplaceOnCpu,
+    #[error("the per-edge method has no exact form; leave out `--predicate exact`, or `--method per-edge`")]
+    ExactPerEdge,
     #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
     DrawOnCpu,
     #[error("there is no animation `{wanted}`; {there}")]
@@ -77,6 +92,10 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
+    #[error("there is nothing to measure; give --meshes or --scenes something other than `none`")]
+    NothingToMeasure,
+    #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
+    Scene { wanted: String, there: String },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
@@ -111,13 +130,17 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 130 stopped.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Input { .. } => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
+            Self::Differs { .. } => 5,
+            Self::Unchecked { first, .. } => return first.exit_code(),
+            // 128 and the number of the signal, as shells have it.
+            Self::Interrupted => 130,
         })
     }
 }

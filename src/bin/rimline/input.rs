@@ -47,11 +47,12 @@ pub(crate) enum Shape<'a> {
 
 impl Input {
     pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
-        let file = args.file.clone();
-        match open(&file, args.weld()) {
-            Ok(source) => Ok(Self { file, source }),
-            Err(error) => Err(Failure::input(&file)(error)),
-        }
+        Self::read(&args.file, args.weld())
+    }
+
+    pub(crate) fn read(file: &Path, weld: Weld) -> Result<Self, Failure> {
+        let source = open(file, weld).map_err(Failure::input(file))?;
+        Ok(Self { file: file.to_owned(), source })
     }
 
     pub(crate) fn model(&self) -> &Model {

@@ -1,7 +1,9 @@
-//! The command `rimline`: extract silhouettes, draw outlines, count shadow depths, look into models and devices.
+//! The command `rimline`: extract silhouettes, draw outlines, count shadow depths, look into models and devices, measure.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
+mod bench;
+mod chart;
 mod device;
 mod devices;
 mod displacement;
@@ -14,11 +16,13 @@ mod info;
 mod input;
 mod npz;
 mod output;
+mod page;
 mod positions;
 mod progress;
 mod query;
 mod spec;
 mod times;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -49,5 +53,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
         Command::Query(args) => query::run(args),
+        Command::Verify(args) => verify::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }

@@ -1,10 +1,12 @@
-//! Times of stages, for reports.
+//! How long what took.
 
 use std::time::Instant;
 
+use serde_json::{Map, Value};
+
 /// Milliseconds of each stage, in the order they ran.
 #[derive(Debug, Default)]
-pub(crate) struct Times(pub(crate) Vec<(&'static str, f64)>);
+pub(crate) struct Times(Vec<(&'static str, f64)>);
 
 impl Times {
     pub(crate) fn add(&mut self, stage: &'static str, milliseconds: f64) {
@@ -20,5 +22,17 @@ impl Times {
         let result = run();
         self.add(stage, begin.elapsed().as_secs_f64() * 1e3);
         result
+    }
+
+    /// In a line.
+    pub(crate) fn text(&self) -> String {
+        let times: Vec<String> =
+            self.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
+        times.join(", ")
+    }
+
+    /// By stage.
+    pub(crate) fn json(&self) -> Map<String, Value> {
+        self.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect()
     }
 }

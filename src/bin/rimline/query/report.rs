@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use rimline::Mesh;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use crate::extract::report::per_light;
 use crate::times::Times;
@@ -40,8 +40,6 @@ impl Report {
 
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
-        let times: Map<String, Value> =
-            self.times.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect();
         let report = json!({
             "adapter": self.adapter,
             "vertices": self.vertices,
@@ -51,7 +49,7 @@ impl Report {
             "lights": self.deepest.len(),
             "points_in_shadow": self.points_in_shadow,
             "deepest": self.deepest,
-            "milliseconds": times,
+            "milliseconds": self.times.json(),
         });
         format!("{report:#}\n")
     }
@@ -72,9 +70,7 @@ impl Report {
         let deepest: Vec<String> = self.deepest.iter().take(8).map(usize::to_string).collect();
         let more = if self.deepest.len() > 8 { ", …" } else { "" };
         line("deepest", &format!("{}{more}", deepest.join(", ")));
-        let times: Vec<String> =
-            self.times.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
-        line("milliseconds", &times.join(", "));
+        line("milliseconds", &self.times.text());
         line("written", &out.display().to_string());
         text
     }

@@ -1,0 +1,194 @@
+//! The compute passes before the draws: bounds, choose, caps, shadow_arguments.
+
+use super::volumes::Buffers;
+use crate::Counting;
+use crate::gpu::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::positions::BoundPositions;
+use crate::gpu::split::binding;
+use crate::gpu::timer::StageTimer;
+use crate::gpu::{Results, frame::UniformTable};
+use crate::layout::ShadowDraw;
+use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, Stage};
+
+const BOUNDS_SLOTS: [Slot; 4] = [Uniform, Read, Read, Write];
+const CHOOSE_SLOTS: [Slot; 5] = [Uniform, Uniform, Read, Write, Write];
+const PAPER_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
+const CAPS_SLOTS: [Slot; 9] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write, Write];
+const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
+
+/// Pipelines and bind groups of the stages that choose.
+#[derive(Debug)]
+pub(super) struct Choice {
+    bounds: Pipeline,
+    choose: Pipeline,
+    /// Only for ZP+ as published.
+    paper_cases: Option<Pipeline>,
+    caps: Pipeline,
+    arguments: Pipeline,
+    choose_group: wgpu::BindGroup,
+    arguments_group: wgpu::BindGroup,
+    /// Made for the positions at hand.
+    position_groups: Option<PositionGroups>,
+}
+
+/// Bind groups of the stages that read positions.
+#[derive(Debug)]
+struct PositionGroups {
+    bounds: wgpu::BindGroup,
+    /// One a word of lights, as those of the caps are; none but for ZP+ as published.
+    paper_cases: Vec<wgpu::BindGroup>,
+    caps: Vec<wgpu::BindGroup>,
+}
+
+/// How many workgroups the stages take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Groups {
+    pub(super) bounds: u32,
+    pub(super) lights: u32,
+}
+
+fn pipeline(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> Pipeline {
+    Pipeline::new(device, stage, &stage.wgsl(), stage.name, slots, None, &[])
+}
+
+impl Choice {
+    pub(super) fn new(device: &wgpu::Device, buffers: &Buffers, results: &Results<'_>, counting: Counting) -> Self {
+        let choose = pipeline(device, &CHOOSE, &CHOOSE_SLOTS);
+        let arguments = pipeline(device, &SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
+        let whole = wgpu::Buffer::as_entire_binding;
+        let choose_group = choose.bind(
+            device,
+            &[
+                whole(&buffers.shape),
+                whole(&buffers.view),
+                whole(&buffers.bounds),
+                whole(&buffers.lights),
+                whole(&buffers.cap_dispatches),
+            ],
+        );
+        let arguments_group = arguments.bind(
+            device,
+            &[
+                whole(&buffers.shape),
+                whole(results.counts),
+                whole(&buffers.cap_counts),
+                whole(&buffers.lights),
+                whole(&buffers.draws),
+                whole(&buffers.statistics),
+            ],
+        );
+        Self {
+            bounds: pipeline(device, &BOUNDS, &BOUNDS_SLOTS),
+            paper_cases: (counting == Counting::ZpPlusPaper)
+                .then(|| pipeline(device, &PAPER_CASES, &PAPER_CASES_SLOTS)),
+            caps: pipeline(device, &CAPS, &CAPS_SLOTS),
+            choose,
+            arguments,
+            choose_group,
+            arguments_group,
+            position_groups: None,
+        }
+    }
+
+    /// Binds the stages that read positions.
+    pub(super) fn bind_positions(
+        &mut self,
+        device: &wgpu::Device,
+        buffers: &Buffers,
+        results: &Results<'_>,
+        positions: &wgpu::Buffer,
+        bound: &BoundPositions,
+    ) {
+        let whole = wgpu::Buffer::as_entire_binding;
+        let window = &bound.windows.ranges[0];
+        let positions = binding(positions, bound.base + window.start..bound.base + window.end);
+        let bounds = self
+            .bounds
+            .bind(device, &[whole(&buffers.shape), positions.clone(), whole(&buffers.faces), whole(&buffers.bounds)]);
+        let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
+            self.caps.bind(
+                device,
+                &[
+                    whole(&buffers.shape),
+                    whole(&buffers.view),
+                    binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
+                    positions.clone(),
+                    whole(&buffers.faces),
+                    whole(facing),
+                    whole(&buffers.lights),
+                    whole(&buffers.cap_counts),
+                    whole(list),
+                ],
+            )
+        });
+        let paper_cases = self.paper_cases.iter().flat_map(|stage| {
+            results.lists.iter().map(|list| {
+                stage.bind(
+                    device,
+                    &[
+                        whole(&buffers.shape),
+                        whole(&buffers.view),
+                        binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
+                        positions.clone(),
+                        whole(results.edge_vertices),
+                        whole(list),
+                        whole(results.counts),
+                        whole(&buffers.lights),
+                    ],
+                )
+            })
+        });
+        self.position_groups =
+            Some(PositionGroups { bounds, paper_cases: paper_cases.collect(), caps: caps.collect() });
+    }
+
+    /// Records the stages for `lights` lights.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &Buffers,
+        groups: Groups,
+        lights: usize,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        let words = crate::light::words(lights);
+        let Some(PositionGroups { bounds, paper_cases, caps }) = &self.position_groups else { return };
+        let mut pass = begin(encoder, &self.bounds, timer.as_deref_mut());
+        pass.set_bind_group(0, bounds, &[0]);
+        pass.dispatch_workgroups(groups.bounds, 1, 1);
+        drop(pass);
+        let mut pass = begin(encoder, &self.choose, timer.as_deref_mut());
+        pass.set_bind_group(0, &self.choose_group, &[0, 0]);
+        pass.dispatch_workgroups(groups.lights, 1, 1);
+        drop(pass);
+        let first_light = |word: usize| (32 * word * UniformTable::stride::<ShadowDraw>()) as u32;
+        if let Some(stage) = &self.paper_cases {
+            let mut pass = begin(encoder, stage, timer.as_deref_mut());
+            for (word, group) in paper_cases.iter().enumerate().take(words) {
+                pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
+                pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
+            }
+        }
+        let mut pass = begin(encoder, &self.caps, timer.as_deref_mut());
+        for (word, group) in caps.iter().enumerate().take(words) {
+            pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
+            pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * word as u64);
+        }
+        drop(pass);
+        let mut pass = begin(encoder, &self.arguments, timer);
+        pass.set_bind_group(0, &self.arguments_group, &[0]);
+        pass.dispatch_workgroups(groups.lights, 1, 1);
+    }
+}
+
+fn begin<'encoder>(
+    encoder: &'encoder mut wgpu::CommandEncoder,
+    pipeline: &Pipeline,
+    timer: Option<&mut StageTimer>,
+) -> wgpu::ComputePass<'encoder> {
+    let timestamp_writes = timer.and_then(|timer| timer.writes(pipeline.label));
+    let mut pass =
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(pipeline.label), timestamp_writes });
+    pass.set_pipeline(&pipeline.compute);
+    pass
+}

@@ -1,0 +1,262 @@
+//! Render pipelines that count shadow volumes in a stencil buffer.
+
+use wgpu::{CompareFunction, StencilOperation};
+
+use crate::gpu::{include_wgsl, results_bind_group_layout};
+use crate::shadow::{Counting, DepthDirection};
+use crate::stages::{CAP_FACES, SIDES, Stage};
+
+/// The attachments that volumes are drawn into.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShadowFormat {
+    /// The format of the depth-stencil attachment; it must have both.
+    pub depth_stencil: wgpu::TextureFormat,
+    /// Which depth is near.
+    pub depth: DepthDirection,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Formats of the pass's colour attachments, which are left as they are. Empty: a pass without any.
+    pub colors: Vec<Option<wgpu::TextureFormat>>,
+    /// Front faces on the screen: `Ccw` but for cameras that mirror.
+    pub front_face: wgpu::FrontFace,
+    /// The far plane is at a finite distance. Only z-fail minds: it then needs `Features::DEPTH_CLIP_CONTROL`.
+    pub has_far_plane: bool,
+}
+
+impl Default for ShadowFormat {
+    /// Depth32FloatStencil8 is an optional feature, so 24 bits; reversed, one sample, no colour, infinite far plane.
+    fn default() -> Self {
+        Self {
+            depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,
+            depth: DepthDirection::Reversed,
+            samples: 1,
+            colors: Vec::new(),
+            front_face: wgpu::FrontFace::Ccw,
+            has_far_plane: false,
+        }
+    }
+}
+
+/// Why pipelines cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowFormatError {
+    /// Counting needs a stencil, and telling near from far a depth.
+    #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
+    NoStencil(wgpu::TextureFormat),
+    /// The device was not asked for the format's feature.
+    #[error("{format:?} needs {needed:?}, which the device was not made with")]
+    Feature {
+        /// The format.
+        format: wgpu::TextureFormat,
+        /// What the device lacks.
+        needed: wgpu::Features,
+    },
+    /// Dark caps would be cut off at the far plane.
+    #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
+    DepthClip,
+}
+
+/// The pipelines that one counting method draws with; casters share them.
+#[derive(Debug)]
+pub struct ShadowPipelines {
+    pub(super) counting: Counting,
+    pub(super) frame: wgpu::BindGroupLayout,
+    pub(super) results: wgpu::BindGroupLayout,
+    pub(super) cap_data: wgpu::BindGroupLayout,
+    /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
+    pub(super) side: wgpu::RenderPipeline,
+    /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
+    pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    /// With z-pass: dark caps of volumes that end, of the two lists.
+    pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
+    /// With ZP+ as published: sides, then near caps likewise.
+    pub(super) paper: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    /// With z-fail: light and dark caps of the faces that count up on their front, then of the others.
+    pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
+}
+
+impl ShadowPipelines {
+    /// Makes the pipelines.
+    ///
+    /// # Errors
+    /// [`ShadowFormatError`] when attachments or device do not serve.
+    pub fn new(device: &wgpu::Device, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
+        let is_paper = counting == Counting::ZpPlusPaper;
+        let is_fail = counting == Counting::ZFail || is_paper;
+        check(device, format, is_fail)?;
+        let uniform = |dynamic| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: dynamic,
+            min_binding_size: None,
+        };
+        let storage = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let frame = layout(device, "shadow frame", &[uniform(false), storage, uniform(true), storage]);
+        let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
+        let cap_data = layout(device, "shadow caps", &[storage; 5]);
+        let sides = Maker::new(device, format, &SIDES, &include_wgsl(1), [&frame, &results]);
+        let caps = Maker::new(device, format, &CAP_FACES, "", [&frame, &cap_data]);
+        let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
+        let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
+        // A dark cap is seen from its other side.
+        let dark = |class, count| caps.pipeline("dark_cap", class, count, class != 1);
+        let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
+        let ends = matches!(counting, Counting::Auto | Counting::ZPass);
+        Ok(Self {
+            counting,
+            side: sides.pipeline("side", 0, if is_fail { Count::Hidden } else { Count::Visible }, false),
+            clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
+            paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
+            ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
+            caps: is_fail.then(|| [far(0), far(1)]),
+            frame,
+            results,
+            cap_data,
+        })
+    }
+
+    /// The counting method these pipelines are for.
+    pub fn counting(&self) -> Counting {
+        self.counting
+    }
+}
+
+fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
+    let depth_stencil = format.depth_stencil;
+    if !(depth_stencil.has_stencil_aspect() && depth_stencil.has_depth_aspect()) {
+        return Err(ShadowFormatError::NoStencil(depth_stencil));
+    }
+    let needed = depth_stencil.required_features();
+    if !device.features().contains(needed) {
+        return Err(ShadowFormatError::Feature { format: depth_stencil, needed });
+    }
+    if is_fail && format.has_far_plane && !device.features().contains(wgpu::Features::DEPTH_CLIP_CONTROL) {
+        return Err(ShadowFormatError::DepthClip);
+    }
+    Ok(())
+}
+
+fn layout(device: &wgpu::Device, label: &str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    let entry = |(binding, &ty): (u32, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX,
+        ty,
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// Which fragments count.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Count {
+    /// Those strictly nearer than the scene: fronts up, backs down.
+    Visible,
+    /// The others: fronts down, backs up.
+    Hidden,
+    /// All: fronts up, backs down.
+    Always,
+}
+
+/// Makes the pipelines of one module.
+struct Maker<'a> {
+    device: &'a wgpu::Device,
+    format: &'a ShadowFormat,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    has_classes: bool,
+}
+
+impl<'a> Maker<'a> {
+    fn new(
+        device: &'a wgpu::Device,
+        format: &'a ShadowFormat,
+        stage: &Stage,
+        further: &str,
+        groups: [&wgpu::BindGroupLayout; 2],
+    ) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(stage.name),
+            source: wgpu::ShaderSource::Wgsl(format!("{}\n{further}", stage.wgsl()).into()),
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(stage.name),
+            bind_group_layouts: &groups.map(Some),
+            immediate_size: 0,
+        });
+        Self { device, format, module, layout, has_classes: *stage == CAP_FACES }
+    }
+
+    /// `turned` swaps what fronts and backs count; the vertex order stays, and with it the bits of depth.
+    fn pipeline(&self, entry_point: &'static str, class: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
+        let format = self.format;
+        let is_reversed = format.depth == DepthDirection::Reversed;
+        let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
+        let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
+        let stencil = stencil(count, turned);
+        let constants = [("CAP_CLASS", f64::from(class))];
+        let constants = if self.has_classes { &constants[..] } else { &[] };
+        let targets: Vec<_> = format
+            .colors
+            .iter()
+            .map(|color| {
+                color.map(|format| wgpu::ColorTargetState {
+                    format,
+                    blend: None,
+                    write_mask: wgpu::ColorWrites::empty(),
+                })
+            })
+            .collect();
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module: &self.module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "paper_cap") {
+                    wgpu::PrimitiveTopology::TriangleList
+                } else {
+                    wgpu::PrimitiveTopology::TriangleStrip
+                },
+                front_face: format.front_face,
+                unclipped_depth: count == Count::Hidden && format.has_far_plane,
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: format.depth_stencil,
+                depth_write_enabled: Some(false),
+                depth_compare: Some(compare),
+                stencil,
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some("nothing"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+fn stencil(count: Count, turned: bool) -> wgpu::StencilState {
+    let face = |is_front: bool| {
+        let ups = is_front == (count != Count::Hidden);
+        let operation = if ups == turned { StencilOperation::DecrementWrap } else { StencilOperation::IncrementWrap };
+        let keep = StencilOperation::Keep;
+        let (fail, pass) = if count == Count::Hidden { (operation, keep) } else { (keep, operation) };
+        wgpu::StencilFaceState { compare: CompareFunction::Always, fail_op: keep, depth_fail_op: fail, pass_op: pass }
+    };
+    wgpu::StencilState { front: face(true), back: face(false), read_mask: 0xff, write_mask: 0xff }
+}

@@ -1,0 +1,319 @@
+//! Shadow volumes of one caster.
+
+use wgpu::BufferUsages;
+
+use super::choice::{Choice, Groups};
+use super::draws::DrawGroups;
+use super::pipelines::ShadowPipelines;
+use crate::gpu::extractor::Extractor;
+use crate::gpu::frame::{UniformTable, upload};
+use crate::gpu::include::IncludeError;
+use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::positions::{PositionBuffer, PositionError};
+use crate::gpu::split::{WORKGROUP, binding};
+use crate::gpu::timer::StageTimer;
+use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use crate::light;
+use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_ranged_lights};
+use crate::{Counting, Mesh};
+
+/// How a caster casts.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowOptions {
+    /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
+    pub every_face: bool,
+    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
+    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces. A list that
+    /// overflows loses nothing: its draw goes over all faces.
+    pub cap_capacity: Option<u32>,
+    /// Skip the caster for lights whose shadow of it the camera cannot see.
+    pub skip_unseen: bool,
+    /// Volumes end beyond their light's range, at a sphere around the light (Bergeron 1986), instead of at infinity, but
+    /// where ZP+ counts them or the light may be within the caster's box. Receivers out of range hold any count then: they
+    /// must not be lit by that light. Less to fill; z-pass then draws dark caps, too.
+    pub end_at_range: bool,
+    /// As of [`crate::gpu::ExtractorOptions`].
+    pub memory_limit: Option<u64>,
+}
+
+impl Default for ShadowOptions {
+    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, infinite volumes, no memory limit.
+    fn default() -> Self {
+        Self { every_face: false, cap_capacity: None, skip_unseen: true, end_at_range: false, memory_limit: None }
+    }
+}
+
+/// Why shadow volumes cannot be made or recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowError {
+    /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
+    #[error(transparent)]
+    Include(#[from] IncludeError),
+    /// The volumes' own buffers do not fit the device.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// The position buffer is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// The camera is refused.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The lights are refused.
+    #[error(transparent)]
+    Light(#[from] ShadowLightError),
+}
+
+/// What the stages and draws share.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    pub(super) shape: wgpu::Buffer,
+    pub(super) view: wgpu::Buffer,
+    pub(super) draw_lights: wgpu::Buffer,
+    pub(super) faces: wgpu::Buffer,
+    pub(super) bounds: wgpu::Buffer,
+    pub(super) lights: wgpu::Buffer,
+    pub(super) cap_dispatches: wgpu::Buffer,
+    pub(super) cap_counts: wgpu::Buffer,
+    /// One a word of lights.
+    pub(super) cap_lists: Vec<wgpu::Buffer>,
+    pub(super) draws: wgpu::Buffer,
+    pub(super) statistics: wgpu::Buffer,
+}
+
+/// The shadow volumes of one caster, for the lights of its [`Extractor`]. Records compute passes into the caller's encoder
+/// after the extraction's, and draws into the caller's render pass; nothing is read back.
+///
+/// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
+/// the stencil is still 0. What casts must be in the depth buffer before.
+#[derive(Debug)]
+pub struct ShadowVolumes {
+    buffers: Buffers,
+    choice: Choice,
+    groups: Option<DrawGroups>,
+    shape: ShadowShape,
+    max_lights: usize,
+    bound_to: Option<(wgpu::Buffer, u64, u64)>,
+}
+
+impl ShadowVolumes {
+    /// Buffers and pipelines for the mesh that `extractor` was made for.
+    ///
+    /// # Errors
+    /// [`ShadowError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
+    pub fn new(
+        pipelines: &ShadowPipelines,
+        extractor: &Extractor,
+        mesh: &Mesh,
+        options: ShadowOptions,
+    ) -> Result<Self, ShadowError> {
+        let (device, split, extraction) = extractor.parts();
+        let results = extractor.results();
+        if results.lists.is_empty() || results.facing.is_empty() {
+            return Err(IncludeError::NoLists.into());
+        }
+        let counts = mesh.edges().counts();
+        let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
+        let face_count = extraction.faces;
+        let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
+        let cap_capacity = options.cap_capacity.map_or_else(
+            || if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() },
+            |capacity| capacity.max(1) as usize,
+        );
+        let cap_capacity = cap_capacity.clamp(1, face_count.max(1));
+        let workgroups = device.limits().max_compute_workgroups_per_dimension;
+        let most = |wanted: usize| (wanted as u32).clamp(1, workgroups);
+        let shape = ShadowShape {
+            lights: 0,
+            faces: face_count as u32,
+            edges: extraction.edges as u32,
+            capacity: extraction.capacity,
+            cap_capacity: cap_capacity as u32,
+            averted: u32::from(is_closed && !options.every_face),
+            counting: pipelines.counting().code(),
+            skip_unseen: u32::from(options.skip_unseen),
+            position_offset: 0,
+            position_stride: 0,
+            cap_groups: most(face_count.div_ceil(WORKGROUP as usize)),
+            end_at_range: u32::from(options.end_at_range),
+        };
+        if extractor.faces().size() > split.binding {
+            let (bytes, limit) = (extractor.faces().size(), split.binding);
+            return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
+        }
+        let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
+        let choice = Choice::new(device, &buffers, &results, pipelines.counting());
+        Ok(Self { buffers, choice, groups: None, shape, max_lights: extraction.max_lights, bound_to: None })
+    }
+
+    /// Records, after the extraction's encode for the same positions and lights, what chooses and lists for `camera`.
+    ///
+    /// # Errors
+    /// [`ShadowError`] when positions, camera or lights are refused; nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &ShadowPipelines,
+        extractor: &Extractor,
+        positions: PositionBuffer<'_>,
+        camera: &ShadowCamera,
+        lights: &[RangedLight],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), ShadowError> {
+        check_ranged_lights(lights, self.max_lights)?;
+        let view = camera.view()?;
+        let (device, split, extraction) = extractor.parts();
+        let bound = positions.bind(extraction.vertices, split)?;
+        self.bind(pipelines, extractor, positions)?;
+        let shape = ShadowShape {
+            lights: lights.len() as u32,
+            position_offset: bound.offset_words,
+            position_stride: bound.stride_words,
+            ..self.shape
+        };
+        let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
+        let words = light::words(lights.len());
+        let buffers = &self.buffers;
+        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
+        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
+        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
+        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0]));
+        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)));
+        encoder.clear_buffer(&buffers.cap_counts, 0, None);
+        encoder.clear_buffer(&buffers.draws, 0, None);
+        encoder.clear_buffer(&buffers.statistics, 0, None);
+        // A thread takes some 64 faces: few atomics, and still all cores.
+        let groups = Groups {
+            bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
+            lights: (lights.len() as u32).div_ceil(64),
+        };
+        self.choice.record(encoder, buffers, groups, lights.len(), timer);
+        Ok(())
+    }
+
+    /// Draws the volume of light `light`, as it was encoded, into a pass whose attachments are those of `pipelines`.
+    /// Counts up from whatever the stencil holds; no other state of the pass matters, and bind groups 0 and 1 and the
+    /// pipeline are left changed. A light that was not encoded draws nothing.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines, light: usize) {
+        if let Some(groups) = &self.groups {
+            groups.draw(pass, pipelines, &self.buffers, light, self.shape.end_at_range != 0);
+        }
+    }
+
+    /// A [`ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
+    pub fn statistics(&self) -> &wgpu::Buffer {
+        &self.buffers.statistics
+    }
+
+    /// What was chosen for each light: [`ShadowLight`]s, once submitted; usage `COPY_SRC`.
+    pub fn lights(&self) -> &wgpu::Buffer {
+        &self.buffers.lights
+    }
+
+    /// The draws of each light: [`ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
+    pub fn draw_arguments(&self) -> &wgpu::Buffer {
+        &self.buffers.draws
+    }
+
+    /// Makes the bind groups that read positions, unless they are made for this very place already.
+    fn bind(
+        &mut self,
+        pipelines: &ShadowPipelines,
+        extractor: &Extractor,
+        positions: PositionBuffer<'_>,
+    ) -> Result<(), ShadowError> {
+        let target = (positions.buffer.clone(), positions.offset, positions.stride);
+        if self.bound_to.as_ref() == Some(&target) {
+            return Ok(());
+        }
+        let (device, split, extraction) = extractor.parts();
+        let results = extractor.results();
+        let groups = (0..results.facing.len())
+            .map(|word| extractor.results_bind_group(&pipelines.results, word, positions))
+            .collect::<Result<Vec<_>, _>>()?;
+        let bound = positions.bind(extraction.vertices, split)?;
+        let buffers = &self.buffers;
+        self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
+        let whole = wgpu::Buffer::as_entire_binding;
+        let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
+            let entries: Vec<_> = (0..)
+                .zip(resources)
+                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+                .collect();
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("shadow volumes"),
+                layout,
+                entries: &entries,
+            })
+        };
+        let frame = group(
+            &pipelines.frame,
+            &[
+                whole(&buffers.shape),
+                whole(&buffers.view),
+                binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
+                whole(&buffers.lights),
+            ],
+        );
+        let window = &bound.windows.ranges[0];
+        let placed = binding(positions.buffer, bound.base + window.start..bound.base + window.end);
+        let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
+            group(
+                &pipelines.cap_data,
+                &[placed.clone(), whole(&buffers.faces), whole(facing), whole(&buffers.cap_counts), whole(list)],
+            )
+        });
+        let caps = caps.collect();
+        self.groups = Some(DrawGroups { frame, results: groups, caps });
+        self.bound_to = Some(target);
+        Ok(())
+    }
+}
+
+impl Buffers {
+    fn new(extractor: &Extractor, cap_capacity: usize, memory_limit: Option<u64>) -> Result<Self, MemoryError> {
+        let (device, split, extraction) = extractor.parts();
+        let lights = extraction.max_lights as u64;
+        let words = extraction.words();
+        let list_bytes = |word: usize| 8 * cap_capacity as u64 * extraction.word_lights(word) as u64;
+        let widest = list_bytes(0);
+        if padded(widest) > split.binding {
+            let what = "lists of cap faces";
+            return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
+        }
+        let wanted: Vec<Allocation> = (0..words)
+            .map(|word| ("lists of cap faces", list_bytes(word)))
+            .chain([
+                ("shadow lights", lights * size_of::<ShadowLight>() as u64),
+                ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
+                ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
+            ])
+            .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
+            .collect();
+        let bytes = check(&wanted, split.buffer, memory_limit)?;
+        let mut draw_lights = UniformTable::default();
+        for light in 0..extraction.max_lights as u32 {
+            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 });
+        }
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        guarded(device, bytes, || Self {
+            shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
+            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
+            draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
+            faces: extractor.faces().clone(),
+            bounds: buffer(device, "caster bounds", 24, storage),
+            lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
+            cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
+            cap_counts: buffer(device, "cap counts", 8 * lights, storage),
+            cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
+            draws: buffer(
+                device,
+                "shadow draws",
+                lights * size_of::<ShadowDraws>() as u64,
+                storage | BufferUsages::INDIRECT,
+            ),
+            statistics: buffer(device, "shadow statistics", size_of::<ShadowStatistics>() as u64, storage),
+        })
+    }
+}

@@ -1,0 +1,354 @@
+//! What shadow volumes are asked for: camera, lights with a range, counting method.
+
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+
+use crate::Light;
+use crate::layout::{ShadowLight, ShadowView};
+use crate::light::{LightError, check_shadow_lights};
+
+/// [`ShadowLight::casting`]: no face casts.
+pub const CAST_NOTHING: u32 = 0;
+/// [`ShadowLight::casting`]: the faces averted from the light cast.
+pub const CAST_AVERTED: u32 = 1;
+/// [`ShadowLight::casting`]: every face casts.
+pub const CAST_EVERY: u32 = 2;
+/// [`ShadowLight::counting`]: z-pass.
+pub const COUNT_Z_PASS: u32 = 0;
+/// [`ShadowLight::counting`]: ZP+.
+pub const COUNT_ZP_PLUS: u32 = 1;
+/// [`ShadowLight::counting`]: z-fail.
+pub const COUNT_Z_FAIL: u32 = 2;
+/// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
+pub const COUNT_AUTO: u32 = 3;
+/// [`ShadowLight::counting`]: ZP+ as published.
+pub const COUNT_ZP_PAPER: u32 = 4;
+
+/// How the shadow volumes that contain a point are counted in the stencil buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Counting {
+    /// For each caster and light, on the GPU: z-pass where no face lies between the light and the near rectangle, else
+    /// ZP+. Right from every camera.
+    #[default]
+    Auto,
+    /// What passes the depth test is counted (Heidmann 1991). Wrong where a volume reaches the near rectangle.
+    ZPass,
+    /// z-pass, begun with near caps: casting faces projected from the light onto the near plane (after Hornus et al.
+    /// 2005), with sides and caps clipped by the same functions. See NUMERICS.md, "Shadow volumes".
+    ZpPlus,
+    /// ZP+ as Hornus et al. published it in 2005, to compare with: near caps by a matrix of the light's own, side vertices
+    /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
+    /// near plane cuts both ends of a side (its case D). Not right from every camera; for perspective ones only. Never
+    /// chosen by [`Self::Auto`]. Needs what z-fail needs.
+    ZpPlusPaper,
+    /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
+    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does.
+    ZFail,
+}
+
+impl Counting {
+    pub(crate) const fn code(self) -> u32 {
+        match self {
+            Self::ZPass => COUNT_Z_PASS,
+            Self::ZpPlus => COUNT_ZP_PLUS,
+            Self::ZFail => COUNT_Z_FAIL,
+            Self::Auto => COUNT_AUTO,
+            Self::ZpPlusPaper => COUNT_ZP_PAPER,
+        }
+    }
+}
+
+/// Which end of clip space's depth is near.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthDirection {
+    /// Near is 1 and far is 0; larger is nearer.
+    #[default]
+    Reversed,
+    /// Near is 0 and far is 1.
+    Standard,
+}
+
+/// The camera that shadow volumes are drawn for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowCamera {
+    /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.
+    pub view_projection: Mat4,
+    /// What positions are taken relative to. Zero for a plain view-projection matrix; the eye's position, with a matrix
+    /// that does not move, keeps its precision far from the world's origin.
+    pub origin: Vec3,
+    /// Which depth is near.
+    pub depth: DepthDirection,
+}
+
+/// Why a camera cannot have shadow volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// The matrix or the origin has an infinite or NaN component, or the matrix cannot be inverted.
+    #[error("the camera's matrix is singular or not finite")]
+    Singular,
+    /// The near plane is not at right angles to the direction in which w grows.
+    #[error("the camera's near plane is oblique; clip w must be constant on it")]
+    Oblique,
+    /// Depth runs the other way. Of an orthographic camera that cannot be told.
+    #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
+    Backwards,
+}
+
+impl ShadowCamera {
+    /// What the GPU needs of it.
+    ///
+    /// # Errors
+    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    pub fn view(&self) -> Result<ShadowView, CameraError> {
+        let matrix = self.view_projection.as_dmat4();
+        let inverse = matrix.inverse();
+        if !inverse.is_finite() || !self.origin.is_finite() || matrix.determinant() == 0.0 {
+            return Err(CameraError::Singular);
+        }
+        let (depth, w) = (matrix.row(2), matrix.row(3));
+        let (near_z, plane) = match self.depth {
+            DepthDirection::Reversed => (1.0, w - depth),
+            DepthDirection::Standard => (0.0, depth),
+        };
+        let length = plane.truncate().length();
+        if length == 0.0 {
+            // That depth is at infinity alone.
+            return Err(CameraError::Backwards);
+        }
+        let plane = plane / length;
+        let growth = w.truncate().dot(plane.truncate());
+        let aside = (w.truncate() - growth * plane.truncate()).length();
+        if aside > 1e-4 * w.truncate().length() {
+            return Err(CameraError::Oblique);
+        }
+        let near_w = w.w - growth * plane.w;
+        // Where w shrinks behind the plane, it is the far plane. An orthographic camera's planes are alike.
+        if near_w <= 0.0 || growth < 0.0 {
+            return Err(CameraError::Backwards);
+        }
+        let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            let corner = inverse * (DVec4::new(x, y, near_z, 1.0) * near_w);
+            let place = corner.truncate() / corner.w + self.origin.as_dvec3();
+            near_min = near_min.min(place);
+            near_max = near_max.max(place);
+        }
+        if !near_min.is_finite() || !near_max.is_finite() {
+            return Err(CameraError::Singular);
+        }
+        Ok(ShadowView {
+            view_projection: self.view_projection.to_cols_array_2d(),
+            near_plane: plane.as_vec4().to_array(),
+            origin: self.origin.to_array(),
+            near_w: near_w as f32,
+            near_min: near_min.as_vec3().to_array(),
+            near_z: near_z as f32,
+            near_max: near_max.as_vec3().to_array(),
+            reserved: 0,
+        })
+    }
+
+    /// A light as this camera sees it; nothing chosen yet. `view` is [`Self::view`] of this camera. Meaningless for lights
+    /// that are refused: all zeros, or not finite.
+    pub fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
+        let given = light.to_array().map(f64::from);
+        // A w that is a power of two times a position is exact, and so is what it says of the light's place.
+        let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
+        let given = given.map(|c| c / mantissa);
+        let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+        let scaled = given.map(|c| c * power_of_two_below(largest).recip());
+        // What f32 holds of it is what the shaders see.
+        let light = scaled.map(|c| c as f32);
+        let [x, y, z, w] = light.map(f64::from);
+        let from_origin = (DVec3::new(x, y, z) - w * self.origin.as_dvec3()).extend(w);
+        let matrix: DMat4 = self.view_projection.as_dmat4();
+        let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
+        let clip = matrix * from_origin;
+        // Section 3.1 without its rotation: positive w between light and near plane.
+        let side = if height < 0.0 { -1.0 } else { 1.0 };
+        let plane = DVec4::from_array(view.near_plane.map(f64::from));
+        let frustum = |row: usize| (side * (height * matrix.row(row) - clip[row] * plane)).as_vec4().to_array();
+        ShadowLight {
+            light,
+            clip: clip.as_vec4().to_array(),
+            frustum_x: frustum(0),
+            frustum_y: frustum(1),
+            frustum_w: frustum(3),
+            height: height as f32,
+            range: if range.is_finite() { range } else { 0.0 },
+            ..bytemuck::Zeroable::zeroed()
+        }
+    }
+}
+
+/// The largest power of two that is not above `size`, which is positive and finite.
+fn power_of_two_below(size: f64) -> f64 {
+    f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
+}
+
+/// A light that reaches only so far: Bergeron's sphere of influence (1986).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangedLight {
+    /// The light, in the space of the positions.
+    pub light: Light,
+    /// Casters farther away throw no shadow; see [`crate::gpu::ShadowOptions::end_at_range`], too. In the unit of the
+    /// positions, positive; infinite for no limit. Of no meaning for lights at infinity.
+    pub range: f32,
+}
+
+impl From<Light> for RangedLight {
+    fn from(light: Light) -> Self {
+        Self { light, range: f32::INFINITY }
+    }
+}
+
+/// Why lights cannot have shadow volumes.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowLightError {
+    /// Refused by the extraction, too, or for its negative weight.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// A range must be positive, or infinite.
+    #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
+    Range {
+        /// Position in the list.
+        index: usize,
+        /// The range given.
+        range: f32,
+    },
+}
+
+/// Checks lights for shadows: those that the extraction takes, with w ≥ 0 and a positive range.
+pub(crate) fn check_ranged_lights(lights: &[RangedLight], limit: usize) -> Result<(), ShadowLightError> {
+    let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
+    check_shadow_lights(&plain, limit)?;
+    for (index, &RangedLight { range, .. }) in lights.iter().enumerate() {
+        if range.is_nan() || range <= 0.0 {
+            return Err(ShadowLightError::Range { index, range });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec4, Vec4Swizzles};
+
+    const REVERSED: DepthDirection = DepthDirection::Reversed;
+    const STANDARD: DepthDirection = DepthDirection::Standard;
+
+    /// x, y, z and w of clip space by rows, before a camera at the origin that looks along −z.
+    fn camera(z: [f32; 4], w: [f32; 4], depth: DepthDirection) -> ShadowCamera {
+        let rows = [[2.0, 0.0, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0], z, w];
+        ShadowCamera { view_projection: Mat4::from_cols_array_2d(&rows).transpose(), origin: Vec3::ZERO, depth }
+    }
+
+    const PERSPECTIVE: [f32; 4] = [0.0, 0.0, -1.0, 0.0];
+    const PARALLEL: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+    /// Near at 0.5, far at 8.5 or nowhere.
+    fn cameras() -> [ShadowCamera; 6] {
+        [
+            camera([0.0, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED),
+            camera([0.0, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD),
+            camera([0.0, 0.0, 0.0625, 0.531_25], PERSPECTIVE, REVERSED),
+            camera([0.0, 0.0, -1.0625, -0.531_25], PERSPECTIVE, STANDARD),
+            camera([0.0, 0.0, 0.125, 1.0625], PARALLEL, REVERSED),
+            camera([0.0, 0.0, -0.125, -0.0625], PARALLEL, STANDARD),
+        ]
+    }
+
+    #[test]
+    fn views_know_their_near_plane() {
+        for (number, camera) in cameras().into_iter().enumerate() {
+            let view = camera.view().expect("a good camera");
+            assert_eq!(view.near_plane, [0.0, 0.0, -1.0, -0.5], "{number}");
+            let near_w = if number < 4 { 0.5 } else { 1.0 };
+            let near_z = if camera.depth == REVERSED { 1.0 } else { 0.0 };
+            assert_eq!((view.near_w, view.near_z), (near_w, near_z), "{number}");
+            let half = [near_w / 2.0, near_w / 4.0];
+            assert_eq!(view.near_min, [-half[0], -half[1], -0.5], "{number}");
+            assert_eq!(view.near_max, [half[0], half[1], -0.5], "{number}");
+        }
+    }
+
+    #[test]
+    fn the_origin_moves_the_near_rectangle_and_the_light() {
+        for camera in cameras() {
+            let moved = ShadowCamera { origin: Vec3::new(100.0, -20.0, 3.0), ..camera };
+            let (view, moved_view) = (camera.view().expect("good"), moved.view().expect("good"));
+            for axis in 0..3 {
+                assert_eq!(moved_view.near_min[axis], view.near_min[axis] + moved.origin[axis]);
+            }
+            let at = |place: Vec3| RangedLight::from(Light::point(place.to_array()));
+            let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));
+            let moved_light = moved.light(&moved_view, at(Vec3::new(101.0, -18.0, 0.0)));
+            // Each is scaled by its own power of two.
+            let point = |light: &ShadowLight| {
+                (Vec4::from_array(light.clip) / light.light[3], light.height / light.light[3], light.range)
+            };
+            assert_eq!(point(&light), point(&moved_light));
+            assert_eq!(point(&light).1, 2.5);
+            assert_eq!(point(&light).0.xy().to_array(), [2.0, 8.0]);
+        }
+    }
+
+    #[test]
+    fn lights_have_a_weight_that_is_a_power_of_two() {
+        let camera = cameras()[0];
+        let view = camera.view().expect("good");
+        let light = |light| camera.light(&view, RangedLight { light, range: 2.0 });
+        let given = light(Light::homogeneous([9.0, 3.0, -6.0, 3.0]));
+        assert_eq!(given.light, [1.5, 0.5, -1.0, 0.5]);
+        assert_eq!((given.height, given.range), (0.75, 2.0));
+        assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).light, [0.0, 0.75, 1.0, 0.0]);
+        assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).height, -1.0);
+        assert_eq!(camera.light(&view, Light::point([0.0; 3]).into()).range, 0.0);
+    }
+
+    #[test]
+    fn cameras_that_cannot_serve_are_typed_errors() {
+        let error = |camera: ShadowCamera| camera.view().expect_err("a bad camera");
+        let infinite = cameras()[0];
+        let good = infinite.view_projection;
+        let with = |view_projection| error(ShadowCamera { view_projection, ..infinite });
+        assert_eq!(with(Mat4::ZERO), CameraError::Singular);
+        assert_eq!(with(good * f32::NAN), CameraError::Singular);
+        assert_eq!(with(good * Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))), CameraError::Singular);
+        let origin = Vec3::new(0.0, f32::INFINITY, 0.0);
+        assert_eq!(error(ShadowCamera { origin, ..infinite }), CameraError::Singular);
+        assert_eq!(error(camera([0.3, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED)), CameraError::Oblique);
+        assert_eq!(error(camera([0.3, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD)), CameraError::Oblique);
+        let backwards = |camera: ShadowCamera, depth| error(ShadowCamera { depth, ..camera });
+        // Each has its near plane at infinity or behind, or its far plane for one.
+        assert_eq!(backwards(infinite, STANDARD), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[1], REVERSED), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[2], STANDARD), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[3], REVERSED), CameraError::Backwards);
+        assert_eq!(error(camera([0.0, 0.0, -1.0, 0.5], PERSPECTIVE, STANDARD)), CameraError::Backwards);
+    }
+
+    #[test]
+    fn ranges_and_weights_are_checked() {
+        let point = Light::point([1.0, 2.0, 3.0]);
+        let check = |light, range| check_ranged_lights(&[point.into(), RangedLight { light, range }], 2);
+        assert_eq!(check(point, 1.0), Ok(()));
+        assert_eq!(check(point, f32::INFINITY), Ok(()));
+        for range in [0.0, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(check(point, range), Err(ShadowLightError::Range { index: 1, range }));
+        }
+        assert!(matches!(check(point, f32::NAN), Err(ShadowLightError::Range { index: 1, range }) if range.is_nan()));
+        let negative = Light::homogeneous([1.0, 2.0, 3.0, -1.0]);
+        assert_eq!(
+            check(negative, 1.0),
+            Err(ShadowLightError::Light(LightError::NegativeWeight { index: 1, w: -1.0 }))
+        );
+        assert_eq!(check(Light::homogeneous([1.0, 2.0, 3.0, -0.0]), 1.0), Ok(()));
+        let zero = Light::homogeneous([0.0; 4]);
+        assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
+        let many = check_ranged_lights(&[point.into(); 3], 2);
+        assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
+    }
+}

@@ -1,0 +1,34 @@
+//! Shadows against rays. Without an adapter these tests fail; they are never passed over.
+
+mod classes;
+#[path = "../common/mod.rs"]
+mod common;
+mod compare;
+mod paper;
+mod range;
+mod rays;
+mod render;
+mod scene;
+mod trials;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+use crate::classes::CLASSES;
+use crate::common::device::Gpu;
+
+fn main() {
+    let name = Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());
+    println!("adapter: {name}");
+    let mut trials = Vec::new();
+    for class in CLASSES {
+        let run = move || trials::right(class).map_err(Failed::from);
+        trials.push(Trial::test(class.name, run).with_kind("gpu"));
+    }
+    for &(name, test) in trials::TESTS.iter().chain(paper::TESTS).chain(range::TESTS) {
+        trials.push(Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
+    }
+    println!("gpu tests: {}", trials.len());
+    let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
+    Gpu::close();
+    conclusion.exit();
+}

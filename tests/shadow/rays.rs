@@ -1,0 +1,192 @@
+//! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
+
+use bvh::aabb::{Aabb, Bounded};
+use bvh::bounding_hierarchy::BHShape;
+use bvh::bvh::Bvh;
+use bvh::ray::Ray;
+use nalgebra::{Point3, Vector3};
+use rimline::Light;
+use rimline::glam::DVec3;
+
+use crate::common::oracle;
+use crate::scene::{Frame, Rays};
+
+struct Triangle {
+    corners: [DVec3; 3],
+    /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
+    sides: Vec<i32>,
+    /// The body's number among the casters.
+    caster: Option<usize>,
+    node: usize,
+}
+
+impl Bounded<f64, 3> for Triangle {
+    fn aabb(&self) -> Aabb<f64, 3> {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // A flat box could be missed by a ray that only just meets it.
+        let slack = 1e-9 * (1.0 + high.abs().max(low.abs()));
+        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
+        Aabb::with_bounds(point(low - slack), point(high + slack))
+    }
+}
+
+impl BHShape<f64, 3> for Triangle {
+    fn set_bh_node_index(&mut self, index: usize) {
+        self.node = index;
+    }
+
+    fn bh_node_index(&self) -> usize {
+        self.node
+    }
+}
+
+/// Casters that a frame may have.
+pub(crate) const MOST_CASTERS: usize = 12;
+
+/// What is seen through a pixel, for one light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Truth {
+    /// Nothing.
+    Background,
+    /// The light is on the other side of the surface.
+    Averted,
+    /// A surface on the light's side.
+    Surface(Between),
+}
+
+/// Faces strictly between a point and a light: of each caster those averted from the light, and those that face it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Between(pub(crate) [[u16; 2]; MOST_CASTERS]);
+
+impl Between {
+    /// What the stencil holds where `every` says of which casters every face casts.
+    pub(crate) fn count(&self, every: &[bool]) -> u16 {
+        let faces = self.0.iter().zip(every);
+        faces.map(|(&[averted, facing], &every)| if every { averted + facing } else { averted }).sum()
+    }
+}
+
+impl Truth {
+    pub(crate) fn is_lit(self) -> bool {
+        matches!(self, Self::Surface(between) if between == Between::default())
+    }
+
+    pub(crate) fn is_shadowed(self) -> bool {
+        matches!(self, Self::Surface(between) if between != Between::default())
+    }
+}
+
+pub(crate) struct Tracer {
+    triangles: Vec<Triangle>,
+    bvh: Bvh<f64, 3>,
+}
+
+impl Tracer {
+    pub(crate) fn new(frame: &Frame) -> Self {
+        let mut triangles = Vec::new();
+        let mut casters = 0;
+        for body in &frame.bodies {
+            let caster = body.casts.then_some(casters);
+            casters += usize::from(body.casts);
+            for &face in &body.shape.faces {
+                let corners = face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
+                let exact = oracle::ExactFace::new(&body.shape.positions, face);
+                let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));
+                let sides = frame.lights.iter().map(side).collect();
+                triangles.push(Triangle { corners, sides, caster, node: 0 });
+            }
+        }
+        let bvh = Bvh::build(&mut triangles);
+        Self { triangles, bvh }
+    }
+
+    /// Where a ray first meets a surface, and which.
+    fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
+        let hits = self.along(from, direction).filter_map(|triangle| {
+            let t = meeting(triangle, from, direction)?;
+            (t > 0.0).then_some((t, triangle))
+        });
+        let (t, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((from + direction * t, triangle))
+    }
+
+    fn along(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = &Triangle> {
+        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
+        self.bvh.traverse(&ray, &self.triangles).into_iter()
+    }
+
+    /// What a pixel's ray sees, for each light.
+    pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
+        let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
+        let [a, b, c] = own.corners;
+        let normal = (b - a).cross(c - a);
+        let is_front = normal.dot(ray.1) < 0.0;
+        let truth = |(number, light): (usize, &Light)| {
+            let side = own.sides[number];
+            if side == 0 || (side > 0) != is_front {
+                return Truth::Averted;
+            }
+            let [x, y, z] = light.xyz.map(f64::from);
+            let w = f64::from(light.w);
+            let to_light = DVec3::new(x, y, z) - w * point;
+            // At t = 1 / w the ray is at the light.
+            let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
+            // Faces that coincide with the point's own are not strictly between.
+            let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
+            let mut between = Between::default();
+            for triangle in self.along(point, to_light) {
+                let Some(caster) = triangle.caster.filter(|_| !std::ptr::eq(triangle, own)) else { continue };
+                if meeting(triangle, point, to_light).is_some_and(|t| t > begin && t < end) {
+                    between.0[caster][usize::from(triangle.sides[number] > 0)] += 1;
+                }
+            }
+            Truth::Surface(between)
+        };
+        lights.iter().enumerate().map(truth).collect()
+    }
+}
+
+/// Where each pixel's ray first meets a surface, row by row.
+pub(crate) fn points(frame: &Frame) -> Vec<Option<DVec3>> {
+    let tracer = Tracer::new(frame);
+    let rays = Rays::new(&frame.eye.camera(), frame.size);
+    let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| (x, y)));
+    pixels.map(|(x, y)| tracer.first(rays.ray(x, y)).map(|(point, _)| point)).collect()
+}
+
+/// What each pixel sees, row by row, for each light.
+pub(crate) fn trace(frame: &Frame) -> Vec<Vec<Truth>> {
+    let tracer = Tracer::new(frame);
+    let rays = Rays::new(&frame.eye.camera(), frame.size);
+    let rows: Vec<u32> = (0..frame.size).collect();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let share = rows.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        let run = |rows: Vec<u32>| {
+            let (tracer, rays) = (&tracer, &rays);
+            scope.spawn(move || {
+                let pixels = rows.iter().flat_map(|&y| (0..frame.size).map(move |x| (x, y)));
+                pixels.map(|(x, y)| tracer.pixel(rays.ray(x, y), &frame.lights)).collect::<Vec<_>>()
+            })
+        };
+        let runs: Vec<_> = rows.chunks(share).map(|rows| run(rows.to_vec())).collect();
+        runs.into_iter().flat_map(|run| run.join().expect("tracing does not panic")).collect()
+    })
+}
+
+/// Möller and Trumbore, from both sides.
+fn meeting(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<f64> {
+    let [a, b, c] = triangle.corners;
+    let (u, v) = (b - a, c - a);
+    let p = direction.cross(v);
+    let determinant = u.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = from - a;
+    let x = s.dot(p) / determinant;
+    let q = s.cross(u);
+    let y = direction.dot(q) / determinant;
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then(|| v.dot(q) / determinant)
+}

@@ -1,0 +1,110 @@
+// Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
+// lies between the light and the near plane and projected onto that.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(1) var<storage, read> view: ShadowView;
+@group(0) @binding(2) var<uniform> draw: ShadowDraw;
+@group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(1) @binding(0) var<storage, read> positions: array<u32>;
+@group(1) @binding(1) var<storage, read> faces: array<u32>;
+@group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
+@group(1) @binding(3) var<storage, read> cap_counts: array<u32>;
+@group(1) @binding(4) var<storage, read> cap_list: array<u32>;
+
+// Which of the two lists is drawn.
+override CAP_CLASS: u32 = 0u;
+
+struct CapVertex {
+  @invariant @builtin(position) clip: vec4<f32>,
+}
+
+struct CapFace {
+  valid: bool,
+  corners: vec3<u32>,
+}
+
+fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
+  let list = 2u * draw.light + CAP_CLASS;
+  let overflowed = cap_counts[list] > shape.cap_capacity;
+  var face = instance;
+  if (!overflowed) {
+    face = cap_list[(list - 2u * draw.first_light) * shape.cap_capacity + instance];
+  }
+  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  var valid = true;
+  if (overflowed) {
+    let facing = ((facing_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
+    valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS &&
+      corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
+      is_finite(cap_position(corners.x)) && is_finite(cap_position(corners.y)) && is_finite(cap_position(corners.z));
+  }
+  return CapFace(valid, corners);
+}
+
+@vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let face = cap_face(shadow_lights[draw.light], instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  return CapVertex(to_clip(view, cap_position(face.corners[vertex])));
+}
+
+@vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let face = cap_face(light, instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  return CapVertex(far_end(view, light, cap_position(face.corners[vertex])));
+}
+
+// From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.
+fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
+  let a_above = a.height >= 0.0;
+  let a_rises = a.rise >= 0.0;
+  let meets_plane = a_above != (b.height >= 0.0);
+  let turns = a_rises != (b.rise >= 0.0);
+  var meeting = NOTHING;
+  var turning = NOTHING;
+  if (is_ordered) {
+    meeting = on_near_plane(view, a, b);
+    turning = parallel_to_near_plane(a, b);
+  } else {
+    meeting = on_near_plane(view, b, a);
+    turning = parallel_to_near_plane(b, a);
+  }
+  let turns_first = a_above == (light_side(light) > 0.0);
+  var next = offer(picked, star(view, light, a), a_above != a_rises);
+  next = offer(next, turning, turns && turns_first);
+  next = offer(next, meeting, meets_plane);
+  return offer(next, turning, turns && !turns_first);
+}
+
+@vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let face = cap_face(light, instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  let a = corner(view, light, cap_position(face.corners.x));
+  let b = corner(view, light, cap_position(face.corners.y));
+  let c = corner(view, light, cap_position(face.corners.z));
+  var picked = pick(vertex);
+  picked = offer_edge(picked, light, a, b, face.corners.x < face.corners.y);
+  picked = offer_edge(picked, light, b, c, face.corners.y < face.corners.z);
+  picked = offer_edge(picked, light, c, a, face.corners.z < face.corners.x);
+  return CapVertex(picked.clip);
+}
+
+// The near cap as published: the face by the matrix of the light's frustum, clipped by the hardware.
+@vertex fn paper_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let face = cap_face(light, instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  return CapVertex(frustum_to_clip(view, light, cap_position(face.corners[vertex])));
+}
+
+// For passes with colour attachments, which stay as they are.
+@fragment fn nothing() {}

@@ -1,0 +1,24 @@
+// Which faces cast, and what their caps count.
+
+fn casts(light: ShadowLight, facing: bool) -> bool {
+  return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);
+}
+
+// 0: the cap counts up where its front is seen; 1: where its back is. With ZP+ a face that faces the light is seen from
+// its front on the near plane where the light is on the eye's side.
+fn cap_class(light: ShadowLight, facing: bool) -> u32 {
+  let has_near_cap = light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PAPER;
+  let turned = has_near_cap && light_side(light) > 0.0;
+  return select(0u, 1u, facing == turned);
+}
+
+fn cap_position(vertex: u32) -> vec3<f32> {
+  let word = shape.position_offset + vertex * shape.position_stride;
+  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
+}
+
+// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+fn is_finite(position: vec3<f32>) -> bool {
+  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
+  return all(exponent != vec3<u32>(0x7f800000u));
+}

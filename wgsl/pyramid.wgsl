@@ -1,0 +1,38 @@
+// The pyramid between a light and the near rectangle, as planes: what lies in it casts onto the near rectangle.
+
+struct PyramidPlanes {
+  // Left, right, bottom, top; negative outside. And what bounds the terms that each is the sum of.
+  value: vec4<f32>,
+  size: vec4<f32>,
+  // Negative on the far side of the near plane as seen from the light.
+  depth: f32,
+  depth_size: f32,
+}
+
+// Bounds on the terms that a position's clip coordinates are the sums of.
+fn clip_size(view: ShadowView, q: vec3<f32>) -> vec4<f32> {
+  return abs(view.view_projection[0]) * q.x + abs(view.view_projection[1]) * q.y + abs(view.view_projection[2]) * q.z +
+    abs(view.view_projection[3]);
+}
+
+fn height_size(view: ShadowView, q: vec3<f32>) -> f32 {
+  return dot_3(abs(view.near_plane.xyz), q) + abs(view.near_plane.w);
+}
+
+fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
+  let s = light_side(light);
+  let v = corner(view, light, position);
+  let q = abs(position - view.origin);
+  let size = clip_size(view, q);
+  let height = height_size(view, q);
+  let xy = s * (v.near.xy * light.height - light.clip.xy * v.height);
+  let w = s * view.near_w * (light.height - light.light.w * v.height);
+  let xy_size = size.xy * abs(light.height) + abs(light.clip.xy) * height;
+  let w_size = view.near_w * (abs(light.height) + light.light.w * height);
+  return PyramidPlanes(
+    vec4<f32>(w + xy.x, w - xy.x, w + xy.y, w - xy.y),
+    w_size + vec4<f32>(xy_size.xx, xy_size.yy),
+    s * v.height,
+    height,
+  );
+}

@@ -1,0 +1,185 @@
+// What the stages of shadow volumes share: structs, clip space, and the three forms that a vertex V of a volume takes:
+// V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
+// volumes".
+
+// The caller's camera.
+struct ShadowView {
+  // Columns of the matrix from positions less `origin` to clip space.
+  view_projection: array<vec4<f32>, 4>,
+  // Height over the near plane: this times (position - origin, 1). Positive in front of the camera.
+  near_plane: vec4<f32>,
+  origin: vec3<f32>,
+  // Clip w of points on the near plane.
+  near_w: f32,
+  // Bounds of the near rectangle, in the space of the positions.
+  near_min: vec3<f32>,
+  // z / w of points on the near plane: 1 with reversed depth, else 0.
+  near_z: f32,
+  near_max: vec3<f32>,
+  reserved: u32,
+}
+
+// A light, and what the GPU chose for it and this caster.
+struct ShadowLight {
+  // Homogeneous, scaled so that w is 0 or a power of two.
+  light: vec4<f32>,
+  // The same in clip space, and its height over the near plane.
+  clip: vec4<f32>,
+  height: f32,
+  // Casters beyond are skipped; 0: none are.
+  range: f32,
+  // Which faces cast, and how is counted.
+  casting: u32,
+  counting: u32,
+  // Where the published ZP+ puts the near end of the light's frustum: its distance over the far end's for a point light,
+  // its height over the near plane for a light at infinity.
+  frustum_near: f32,
+  // Where the volume ends: the caster's distance over the range, so that every far vertex, (position - light) / end from
+  // the light, is out of range. 0: at infinity.
+  end: f32,
+  reserved_0: u32,
+  reserved_1: u32,
+  // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
+  frustum_x: vec4<f32>,
+  frustum_y: vec4<f32>,
+  frustum_w: vec4<f32>,
+}
+
+// What the caster is and what the caller wants.
+struct ShadowShape {
+  lights: u32,
+  faces: u32,
+  edges: u32,
+  // Entries that each list of silhouettes and each list of cap faces has room for.
+  capacity: u32,
+  cap_capacity: u32,
+  // 1: closed and consistently oriented, and the caller does not ask for every face.
+  averted: u32,
+  // One of the constants below.
+  counting: u32,
+  // 1: casters whose shadow the camera cannot see are skipped.
+  skip_unseen: u32,
+  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  position_offset: u32,
+  position_stride: u32,
+  // Workgroups of the caps stage.
+  cap_groups: u32,
+  // 1: volumes end where their light's range does.
+  end_at_range: u32,
+}
+
+// The light or the word of lights at hand.
+struct ShadowDraw {
+  light: u32,
+  // The first light of its word.
+  first_light: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+}
+
+const CAST_NOTHING: u32 = 0u;
+const CAST_AVERTED: u32 = 1u;
+const CAST_EVERY: u32 = 2u;
+
+const COUNT_Z_PASS: u32 = 0u;
+const COUNT_ZP_PLUS: u32 = 1u;
+const COUNT_Z_FAIL: u32 = 2u;
+// z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
+const COUNT_AUTO: u32 = 3u;
+// ZP+ as published.
+const COUNT_ZP_PAPER: u32 = 4u;
+
+// A position in clip space. A caller's depth pass that computes it so gets the same bits.
+fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
+  let q = position - view.origin;
+  return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
+    view.view_projection[3];
+}
+
+// From the light through a position, times the light's w.
+fn away(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+  return light.light.w * position - light.light.xyz;
+}
+
+// A direction in clip space: a point at infinity.
+fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
+  return view.view_projection[0] * direction.x + view.view_projection[1] * direction.y +
+    view.view_projection[2] * direction.z;
+}
+
+// A position's far vertex: at infinity, or where the volume ends.
+fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
+  return direction_to_clip(view, away(light, position)) + light.end * light.clip;
+}
+
+// A vertex of a volume.
+struct Corner {
+  // In clip space, and its height over the near plane.
+  near: vec4<f32>,
+  height: f32,
+  // Its far vertex, and how that rises over the near plane.
+  far: vec4<f32>,
+  rise: f32,
+  // The light is farther from it than the origin: `star` takes V as it is, else V - L.
+  is_far: bool,
+}
+
+// Largest of three absolute values.
+fn size_3(a: vec3<f32>) -> f32 {
+  return max(max(abs(a.x), abs(a.y)), abs(a.z));
+}
+
+// The rise is the light's w times the height, less the light's height: so what is above the near plane rises if the
+// light is below, and what is below does not if the light is not. Rounding must not say otherwise.
+fn consistent_rise(light: ShadowLight, height: f32, rise: f32) -> f32 {
+  let below = light.height < 0.0;
+  return select(
+    select(rise, min(rise, -1e-37), !below && height < 0.0), max(rise, 0.0), below && height >= 0.0);
+}
+
+fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
+  let d = away(light, position);
+  let q = position - view.origin;
+  let height = dot_3(view.near_plane.xyz, q) + view.near_plane.w;
+  return Corner(
+    to_clip(view, position),
+    height,
+    direction_to_clip(view, d),
+    consistent_rise(light, height, dot_3(view.near_plane.xyz, d)),
+    size_3(d) > light.light.w * size_3(q),
+  );
+}
+
+// Spelled out, so that it is the same everywhere.
+fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Where the light stands: -1 before the near plane, on the eye's side, else 1.
+fn light_side(light: ShadowLight) -> f32 {
+  return select(1.0, -1.0, light.height < 0.0);
+}
+
+// The vertex seen from the light on the near plane.
+fn star(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
+  let s = light_side(light);
+  var xy = v.far.xy * light.height - light.clip.xy * v.rise;
+  var w = view.near_w * (light.light.w * v.rise);
+  if (v.is_far) {
+    xy = v.near.xy * light.height - light.clip.xy * v.height;
+    w = view.near_w * v.rise;
+  }
+  return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
+}
+
+// Where an edge meets the near plane; `a` is the vertex of the lower index.
+fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
+  let t = a.height / (a.height - b.height);
+  return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
+}
+
+// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
+fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
+  let t = a.rise / (a.rise - b.rise);
+  return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);
+}

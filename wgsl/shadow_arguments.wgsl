@@ -1,0 +1,78 @@
+// Shadow arguments: for each light the indirect draws of its volume. A light whose caps found no face is counted by
+// plain z-pass. Lists that overflowed are drawn over all edges or faces, and the vertex shader rejects what is none.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(1) var<storage, read> silhouette_counts: array<u32>;
+@group(0) @binding(2) var<storage, read> cap_counts: array<u32>;
+@group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(0) @binding(4) var<storage, read_write> shadow_draws: array<ShadowDraws>;
+@group(0) @binding(5) var<storage, read_write> shadow_statistics: ShadowStatistics;
+
+fn arguments(vertices: u32, instances: u32) -> DrawArguments {
+  return DrawArguments(select(vertices, 0u, instances == 0u), instances, 0u, 0u);
+}
+
+fn cap_instances(count: u32) -> u32 {
+  return select(count, shape.faces, count > shape.cap_capacity);
+}
+
+fn write_arguments(index: u32) {
+  let light = shadow_lights[index];
+  var sides = select(silhouette_counts[index], shape.edges, silhouette_counts[index] > shape.capacity);
+  // Weight 2: drawn twice.
+  sides *= select(1u, 2u, light.casting == CAST_EVERY);
+  var front = cap_counts[2u * index];
+  var back = cap_counts[2u * index + 1u];
+  if (light.casting == CAST_NOTHING) {
+    sides = 0u;
+    front = 0u;
+    back = 0u;
+    atomicAdd(&shadow_statistics.skipped, 1u);
+  } else if (light.casting == CAST_EVERY) {
+    atomicAdd(&shadow_statistics.every_face, 1u);
+  }
+  if (light.casting != CAST_NOTHING && light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
+  if (max(front, back) > shape.cap_capacity) {
+    atomicAdd(&shadow_statistics.overflowed_caps, 1u);
+  }
+  let has_caps = front + back > 0u;
+  let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
+  if (is_clipped || (light.counting == COUNT_ZP_PAPER && has_caps)) {
+    atomicAdd(&shadow_statistics.capped, 1u);
+  }
+  front = cap_instances(front);
+  back = cap_instances(back);
+  var draws = ShadowDraws();
+  if (shape.counting == COUNT_ZP_PAPER) {
+    if (light.counting == COUNT_ZP_PAPER) {
+      draws.clipped = arguments(4u, 3u * sides);
+      draws.front = arguments(3u, front);
+      draws.back = arguments(3u, back);
+    } else {
+      draws.switched = arguments(4u, sides);
+      draws.far_front = arguments(3u, front);
+      draws.far_back = arguments(3u, back);
+    }
+  } else {
+    let cap_vertices = select(3u, 5u, light.counting == COUNT_ZP_PLUS);
+    draws.plain = arguments(4u, select(sides, 0u, is_clipped));
+    draws.clipped = arguments(5u, select(0u, sides, is_clipped));
+    if (light.counting == COUNT_Z_PASS) {
+      draws.far_front = arguments(3u, front);
+      draws.far_back = arguments(3u, back);
+    } else {
+      draws.front = arguments(cap_vertices, front);
+      draws.back = arguments(cap_vertices, back);
+    }
+  }
+  shadow_draws[index] = draws;
+}
+
+@compute @workgroup_size(64)
+fn shadow_arguments(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  for (var light = id.x; light < shape.lights; light += 64u * groups.x) {
+    write_arguments(light);
+  }
+}
