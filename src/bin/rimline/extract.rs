@@ -5,8 +5,6 @@ mod on_cpu;
 mod on_gpu;
 mod report;
 
-use std::time::Instant;
-
 use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
 use rimline::{Method, Predicate};
@@ -18,6 +16,7 @@ use crate::failure::{Failure, UsageError};
 use crate::input::Input;
 use crate::output::{Output, print};
 use crate::progress::Progress;
+use crate::times::Times;
 use report::Report;
 
 /// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
@@ -26,27 +25,6 @@ struct Found<'a> {
     facing: Vec<u32>,
     masks: Vec<Masks>,
     counts: FacingCounts,
-}
-
-/// Milliseconds of each stage, in the order they ran.
-#[derive(Debug, Default)]
-struct Times(Vec<(&'static str, f64)>);
-
-impl Times {
-    fn add(&mut self, stage: &'static str, milliseconds: f64) {
-        match self.0.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += milliseconds,
-            None => self.0.push((stage, milliseconds)),
-        }
-    }
-
-    /// Runs a stage and takes its time by the clock.
-    fn measure<T>(&mut self, stage: &'static str, run: impl FnOnce() -> T) -> T {
-        let begin = Instant::now();
-        let result = run();
-        self.add(stage, begin.elapsed().as_secs_f64() * 1e3);
-        result
-    }
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
@@ -59,7 +37,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
 
     progress.step("reading the model");
-    let input = times.measure("load", || Input::open(&args.model))?;
+    let input = times.measure("load", || Input::open(&args.model.file, args.model.weld()))?;
     let animation = input.animation(&args.pose)?;
     displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
     let lights = input.lights(&args.lights, animation, args.pose.time)?;

@@ -10,7 +10,7 @@ use rimline::mesh::{Weld, WeldCounts};
 use rimline::model::{Geometry, Instance, InstancePose};
 use rimline::{Light, LightError, Mesh, Model, Pose};
 
-use crate::args::{ModelArgs, PoseArgs};
+use crate::args::PoseArgs;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::npz;
 use crate::spec::LightSpec;
@@ -46,9 +46,9 @@ pub(crate) enum Shape<'a> {
 }
 
 impl Input {
-    pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
-        let file = args.file.clone();
-        match open(&file, args.weld()) {
+    pub(crate) fn open(file: &Path, weld: Weld) -> Result<Self, Failure> {
+        let file = file.to_owned();
+        match open(&file, weld) {
             Ok(source) => Ok(Self { file, source }),
             Err(error) => Err(Failure::input(&file)(error)),
         }

@@ -8,6 +8,7 @@ mod displacement;
 mod draw;
 mod extract;
 mod failure;
+mod film;
 mod gpu_error;
 mod image;
 mod info;
@@ -16,7 +17,10 @@ mod npz;
 mod output;
 mod positions;
 mod progress;
+mod render;
+mod shadow;
 mod spec;
+mod times;
 
 use std::process::ExitCode;
 
@@ -46,5 +50,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Shadow(args) => shadow::run(args),
+        Command::Film(args) => film::run(args),
     }
 }

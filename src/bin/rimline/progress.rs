@@ -19,6 +19,21 @@ impl Progress {
         Self(bar)
     }
 
+    /// A bar of so many things to do.
+    pub(crate) fn count(things: u64, name: &'static str) -> Self {
+        let bar = ProgressBar::new(things);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}, {eta} left") {
+            bar.set_style(style);
+        }
+        bar.set_message(name);
+        Self(bar)
+    }
+
+    /// One of them is done.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+
     /// Says what is done from now on.
     pub(crate) fn step(&self, what: &'static str) {
         self.0.set_message(what);

@@ -6,7 +6,8 @@ use rimline::cpu::{self, Threads};
 use rimline::method::Predicate;
 use rimline::{Light, Method};
 
-use super::{Found, Times};
+use super::Found;
+use crate::times::Times;
 use crate::input::{Scene, Shape};
 
 pub(super) fn extract<'a>(

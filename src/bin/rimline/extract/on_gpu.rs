@@ -7,7 +7,8 @@ use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back
 use rimline::layout::Statistics;
 use rimline::{Displacement, Light, Method, Predicate, wgpu};
 
-use super::{Found, Times};
+use super::Found;
+use crate::times::Times;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
