@@ -9,6 +9,7 @@
 //! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
 //! * [`gpu::include_wgsl`]: reads the results in your own shaders;
 //! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
+//! * [`stress`], [`score`]: scenes that are hard on floating-point arithmetic, and how wrong a method is on them;
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
 //!
 //! ```no_run
@@ -49,8 +50,10 @@ pub mod mesh;
 pub mod method;
 pub mod model;
 pub mod shadow;
+pub mod score;
 pub mod shapes;
 pub mod stages;
+pub mod stress;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};

@@ -6,9 +6,21 @@ pub enum Method {
     /// Each face is decided once, and its edges read that: loops always close.
     #[default]
     FaceMask,
-    /// As published by Brabec and Seidel in 2003: each edge tests the plane equations of both its faces. For
-    /// comparison; loops may fail to close, since a face's side is decided again at each of its edges.
+    /// As published by Brabec and Seidel in 2003: each edge tests both its faces. For comparison; loops may fail to
+    /// close, since a face's side is decided again at each of its edges. It has no exact form: see
+    /// [`Method::predicate`].
     PerEdge,
+}
+
+impl Method {
+    /// How this method decides a face's side when `asked` is asked for: as asked, but for the per-edge method, for which
+    /// [`Predicate::Exact`], the default of all options, stands for the published [`Predicate::Plane`].
+    pub const fn predicate(self, asked: Predicate) -> Predicate {
+        match (self, asked) {
+            (Self::PerEdge, Predicate::Exact) => Predicate::Plane,
+            _ => asked,
+        }
+    }
 }
 
 /// How a face's side is decided.
@@ -18,7 +30,10 @@ pub enum Predicate {
     /// `f32` decides almost all pairs of face and light, integers the rest. See NUMERICS.md, "Filter".
     #[default]
     Exact,
-    /// By the sign that `f32` arithmetic gives: wrong for some lights that are nearly in a face's plane, and not the
-    /// same on all devices. Silhouettes close all the same.
+    /// By the sign that `f32` arithmetic gives for `n · (l − w·a)`: wrong for some lights that are nearly in a face's
+    /// plane, and not the same on all devices. With face masks, silhouettes close all the same.
     Fast,
+    /// As `Fast`, by the plane's equation `n · l − w·(n · a)`, as published in 2003. Less accurate far from the origin,
+    /// where it cancels; for comparison.
+    Plane,
 }

@@ -18,22 +18,28 @@ macro_rules! files {
 /// Morph, skin, displace: mesh space to world space.
 pub const DEFORM: Stage = Stage { name: "deform", files: files!["common", "deform"], entry_points: &["deform"] };
 /// Facing masks.
-pub const FACING: Stage =
-    Stage { name: "facing", files: files!["common", "positions", "filter", "facing"], entry_points: &["facing"] };
+pub const FACING: Stage = Stage {
+    name: "facing",
+    files: files!["common", "positions", "determinant", "filter", "facing"],
+    entry_points: &["facing"],
+};
 /// The indirect dispatch of the exact facing stage.
 pub const EXACT_ARGUMENTS: Stage =
     Stage { name: "exact_arguments", files: files!["common", "exact_arguments"], entry_points: &["exact_arguments"] };
 /// Exact facing of what the facing stage left undecided.
 pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
-    files: files!["common", "positions", "filter", "exact_facing"],
+    files: files!["common", "positions", "determinant", "filter", "exact_facing"],
     entry_points: &["exact_facing"],
 };
 /// Silhouette and winding masks from facing masks, and unordered lists.
 pub const EDGES: Stage = Stage { name: "edges", files: files!["common", "emit", "edges"], entry_points: &["edges"] };
 /// The same from positions, as published in 2003.
-pub const PER_EDGE: Stage =
-    Stage { name: "per_edge", files: files!["common", "positions", "emit", "per_edge"], entry_points: &["per_edge"] };
+pub const PER_EDGE: Stage = Stage {
+    name: "per_edge",
+    files: files!["common", "positions", "determinant", "emit", "per_edge"],
+    entry_points: &["per_edge"],
+};
 /// Ordered lists from masks.
 pub const COMPACT: Stage = Stage {
     name: "compact",

@@ -222,9 +222,15 @@ fn compaction_is_a_filter_in_order() -> Outcome {
 fn threads_change_nothing() -> Outcome {
     let (_, positions, mesh) = cases::case("torus", shapes::torus(120, 70, 1.0, 0.4));
     let lights = lights(&mut Random::new(17), 33);
-    for method in [Method::FaceMask, Method::PerEdge] {
-        let of =
-            |threads| cpu::extract(&positions, &mesh, &lights, method, Predicate::Exact, threads).expect("good lights");
+    let ways = [
+        (Method::FaceMask, Predicate::Exact),
+        (Method::FaceMask, Predicate::Fast),
+        (Method::FaceMask, Predicate::Plane),
+        (Method::PerEdge, Predicate::Fast),
+        (Method::PerEdge, Predicate::Plane),
+    ];
+    for (method, predicate) in ways {
+        let of = |threads| cpu::extract(&positions, &mesh, &lights, method, predicate, threads).expect("good lights");
         let one = of(Threads::ONE);
         for threads in [Threads::all(), Threads::new(0), Threads::new(3), Threads::new(1000)] {
             let other = of(threads);

@@ -2,7 +2,7 @@
 // between the light and the near plane and projected onto that.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<uniform> view: ShadowView;
+@group(0) @binding(1) var<storage, read> view: ShadowView;
 @group(0) @binding(2) var<uniform> draw: ShadowDraw;
 @group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;

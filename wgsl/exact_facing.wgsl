@@ -174,7 +174,7 @@ fn filter_lights(face: Face) -> Decision {
     let light = firstTrailingBit(rest);
     let l = word.lights[light];
     let to_light = l.xyz - l.w * a;
-    let d = n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
+    let d = local_form(n, a, l);
     // The rounding of w a counts only where w is no power of two.
     let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +

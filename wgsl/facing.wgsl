@@ -1,6 +1,6 @@
 // Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
-// Sign of det[b - a, c - a, l - w a] in its local form n . (l - w a); NUMERICS.md, "Facing". One bound a face tells
-// whether all its signs are certain ("Filter"); if not, the face is listed for exact_facing.wgsl, which sets its mask.
+// Sign of det[b - a, c - a, l - w a]; NUMERICS.md, "Facing". One bound a face tells whether all its signs are certain
+// ("Filter"); if not, the face is listed for exact_facing.wgsl, which sets its mask.
 
 @group(0) @binding(0) var<uniform> word: LightWord;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -14,9 +14,11 @@
 override EXACT: bool = true;
 
 // The determinant for one of the word's lights.
-fn determinant(n: vec3<f32>, a: vec3<f32>, light: vec4<f32>) -> f32 {
-  let to_light = light.xyz - light.w * a;
-  return n.x * to_light.x + n.y * to_light.y + n.z * to_light.z;
+fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
+  if (PLANE) {
+    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(word.light_bits[light]));
+  }
+  return local_form(n, a, word.lights[light]);
 }
 
 // Bits of all lights, and the smallest absolute determinant.
@@ -30,10 +32,10 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   for (var light = 0u; light < word.count; light += 4u) {
     let d = vec4<f32>(
-      determinant(n, a, word.lights[light]),
-      determinant(n, a, word.lights[light + 1u]),
-      determinant(n, a, word.lights[light + 2u]),
-      determinant(n, a, word.lights[light + 3u]),
+      determinant(n, a, light),
+      determinant(n, a, light + 1u),
+      determinant(n, a, light + 2u),
+      determinant(n, a, light + 3u),
     );
     let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d > vec4<f32>(0.0));
     signs.mask |= (bits.x | bits.y | bits.z | bits.w) << light;

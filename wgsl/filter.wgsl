@@ -15,11 +15,6 @@ fn largest_magnitude(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>) -> u32 {
   return max(max(magnitudes.x, magnitudes.y), magnitudes.z);
 }
 
-// u x v, counter-clockwise outside.
-fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
-  return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
-}
-
 // What underflow may add for a face whose coordinates are up to `largest`, a unit of the light.
 fn underflow_bound(largest: f32) -> f32 {
   let reach = max(2.0 * largest, 1.0);

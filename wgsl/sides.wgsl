@@ -2,7 +2,7 @@
 // to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<uniform> view: ShadowView;
+@group(0) @binding(1) var<storage, read> view: ShadowView;
 @group(0) @binding(2) var<uniform> draw: ShadowDraw;
 @group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
 

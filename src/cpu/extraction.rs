@@ -11,7 +11,7 @@ use crate::{Light, Mesh};
 /// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CpuExtraction {
-    /// One facing mask a face.
+    /// One facing mask a face; empty for the per-edge method.
     pub facing: Vec<u32>,
     /// Silhouette and winding masks an edge record.
     pub masks: Vec<Masks>,
@@ -34,13 +34,17 @@ impl CpuExtraction {
         threads: Threads,
     ) -> Result<(), LightError> {
         check_lights(lights, MAX_LIGHTS)?;
-        self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
         match method {
             Method::FaceMask => {
                 let faces = mesh.faces().len();
+                self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
                 edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
             }
-            Method::PerEdge => self.masks = per_edge(positions, mesh, lights, threads),
+            Method::PerEdge => {
+                self.facing.clear();
+                self.counts = FacingCounts::default();
+                self.masks = per_edge(positions, mesh, lights, predicate, threads);
+            }
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::Threads;
 use super::batch::{Batch, LANES};
+use super::determinant::{cross_product, difference, local_form, local_mask, normal, plane_mask};
 use super::exact_facing::exact_facing;
 use super::filter;
 use crate::layout::LightWord;
@@ -66,6 +67,7 @@ pub fn facing_into(
                 (Predicate::Exact, _) => run.fill_exactly(masks),
                 (Predicate::Fast, 1) => run.fill_fast_for_one_light(masks),
                 (Predicate::Fast, _) => run.fill_fast(masks),
+                (Predicate::Plane, _) => run.fill_by_plane(masks),
             }
         });
         let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
@@ -123,11 +125,21 @@ impl Run<'_> {
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
             let n = normal(face.a, face.b, face.c);
-            *mask = u32::from(determinant(n, face.a, light) > 0.0);
+            *mask = u32::from(local_form(n, face.a, light) > 0.0);
             // As in `Batch::finite`.
             if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
                 *mask = face.mask_by_f32(self.word, &mut counts);
             }
+        }
+        counts
+    }
+
+    /// For comparison alone, so as plain as can be.
+    fn fill_by_plane(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (mask, &corners) in masks.iter_mut().zip(self.faces) {
+            let face = Face::new(self.positions, corners);
+            *mask = if face.may_face(&mut counts) { plane_mask(face.a, face.b, face.c, self.word) } else { 0 };
         }
         counts
     }
@@ -146,7 +158,7 @@ impl Run<'_> {
             for (d, &corners) in determinants.iter_mut().zip(faces) {
                 let face = Face::new(self.positions, corners);
                 let [u, v] = [difference(face.b, face.a), difference(face.c, face.a)];
-                *d = determinant(cross_product(u, v), face.a, light);
+                *d = local_form(cross_product(u, v), face.a, light);
                 for (longest, side) in longest.iter_mut().zip(u) {
                     *longest = if side.abs() > *longest { side.abs() } else { *longest };
                 }
@@ -197,26 +209,6 @@ fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
     positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
 }
 
-fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-/// `u × v`; of `b − a` and `c − a` it is the normal, counter-clockwise outside.
-pub(super) fn cross_product(u: [f32; 3], v: [f32; 3]) -> [f32; 3] {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-/// `(b − a) × (c − a)`.
-pub(super) fn normal(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
-    cross_product(difference(b, a), difference(c, a))
-}
-
-/// `n · (l − w·a)`.
-pub(super) fn determinant(n: [f32; 3], a: [f32; 3], [x, y, z, w]: [f32; 4]) -> f32 {
-    let to_light = [x - w * a[0], y - w * a[1], z - w * a[2]];
-    n[0] * to_light[0] + n[1] * to_light[1] + n[2] * to_light[2]
-}
-
 /// A face and its corners' positions.
 #[derive(Clone, Copy)]
 struct Face {
@@ -234,29 +226,22 @@ impl Face {
 
     /// The bits as `f32` gives them.
     fn mask_by_f32(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
-        let Self { corners, a, b, c } = *self;
-        let n = normal(a, b, c);
-        // A non-finite coordinate makes two components of the normal non-finite, so this one test stands for nine.
-        // Finite ones may overflow it, too.
-        if !(n[0] + n[1] + n[2]).is_finite() && ![a, b, c].into_iter().all(is_finite) {
+        if self.may_face(counts) { local_mask(self.a, self.b, self.c, word) } else { 0 }
+    }
+
+    /// Whether the face can face any light: its vertices are finite, which is counted, and differ.
+    fn may_face(&self, counts: &mut FacingCounts) -> bool {
+        if ![self.a, self.b, self.c].into_iter().all(is_finite) {
             counts.non_finite_faces += 1;
-            return 0;
+            return false;
         }
-        if is_degenerate(corners) {
-            return 0;
-        }
-        let lights = word.lights.iter().take(word.count as usize).enumerate();
-        lights.fold(0, |mask, (bit, &light)| mask | u32::from(determinant(n, a, light) > 0.0) << bit)
+        !is_degenerate(self.corners)
     }
 
     /// The bits of a face that one bound leaves uncertain, as `wgsl/exact_facing.wgsl` finds them.
     #[cold]
     fn decide(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
-        if ![self.a, self.b, self.c].into_iter().all(is_finite) {
-            counts.non_finite_faces += 1;
-            return 0;
-        }
-        if is_degenerate(self.corners) {
+        if !self.may_face(counts) {
             return 0;
         }
         let Decision { mut facing, doubt } = self.filter_lights(word);
@@ -285,7 +270,7 @@ impl Face {
         let underflow = filter::underflow_bound(largest);
         for light in bits(word.live & !word.doubtful) {
             let l = word.lights[light];
-            let d = determinant(n, a, l);
+            let d = local_form(n, a, l);
             let inexact_w = word.inexact_w[light / 4][light % 4];
             let sizes = [0, 1, 2].map(|axis| (l[axis] - l[3] * a[axis]).abs() + inexact_w * a[axis].abs());
             let bound = filter::RELATIVE * (n_abs[0] * sizes[0] + n_abs[1] * sizes[1] + n_abs[2] * sizes[2])

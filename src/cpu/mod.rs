@@ -7,6 +7,7 @@ mod arguments;
 mod batch;
 mod compact;
 mod deform;
+mod determinant;
 mod edges;
 mod exact_arguments;
 mod exact_facing;

@@ -1,21 +1,30 @@
-//! Per edge: the method as published in 2003. Both faces' plane equations are tested at each edge anew, so bits of the
-//! same face may differ from edge to edge.
+//! Per edge: the method as published in 2003. Both faces are tested at each edge anew, so bits of the same face may
+//! differ from edge to edge.
 
 use super::Threads;
-use super::facing::normal;
-use crate::layout::{Masks, live_bits};
+use super::determinant::{local_mask, plane_mask};
+use crate::layout::{LightWord, Masks};
 use crate::mesh::{INCONSISTENT, Mesh, NO_FACE};
+use crate::method::{Method, Predicate};
 use crate::{Light, light};
 
-/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record. Vertices that `positions` lacks count
-/// as NaN.
-pub fn per_edge(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], threads: Threads) -> Vec<Masks> {
+/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record. `predicate` is taken as
+/// [`Method::predicate`] says. Vertices that `positions` lacks count as NaN.
+pub fn per_edge(
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
+    predicate: Predicate,
+    threads: Threads,
+) -> Vec<Masks> {
+    let by_plane = Method::PerEdge.predicate(predicate) == Predicate::Plane;
     let corners = edge_corners(mesh);
     let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::words(lights.len())];
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
+        let word = LightWord::new(lights, 0, 3);
         threads.share(plane, |first, masks| {
             for (masks, &corners) in masks.iter_mut().zip(&corners[first..]) {
-                *masks = edge_masks(positions, corners, lights);
+                *masks = edge_masks(positions, corners, &word, by_plane);
             }
         });
     }
@@ -40,25 +49,16 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
         .collect()
 }
 
-fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], lights: &[Light]) -> Masks {
+fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightWord, by_plane: bool) -> Masks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
+    let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };
     let is_inconsistent = a & INCONSISTENT != 0;
     let (a, b) = (position(a & !INCONSISTENT), position(b));
-    let winding = plane_mask(a, b, position(c), lights);
+    let winding = mask(a, b, position(c));
     let silhouette = match d {
-        NO_FACE => live_bits(lights.len()),
-        _ if is_inconsistent => !(winding ^ plane_mask(a, b, position(d), lights)) & live_bits(lights.len()),
-        _ => winding ^ plane_mask(b, a, position(d), lights),
+        NO_FACE => word.live,
+        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & word.live,
+        _ => winding ^ mask(b, a, position(d)),
     };
     Masks { silhouette, winding }
-}
-
-/// One bit a light: in front of the plane through the three points.
-fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], lights: &[Light]) -> u32 {
-    let n = normal(a, b, c);
-    let d = -(n[0] * a[0] + n[1] * a[1] + n[2] * a[2]);
-    lights.iter().enumerate().fold(0, |mask, (bit, light)| {
-        let [x, y, z, w] = light.to_array();
-        mask | u32::from(n[0] * x + n[1] * y + n[2] * z + d * w > 0.0) << bit
-    })
 }

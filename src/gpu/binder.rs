@@ -33,15 +33,17 @@ impl Binder<'_> {
     /// The pipeline that reads positions: facing, or the per-edge method.
     pub(super) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
+        let predicate = options.method.predicate(options.predicate);
+        let plane = ("PLANE", f64::from(u8::from(predicate == Predicate::Plane)));
         match options.method {
             Method::FaceMask => {
-                let exact = ("EXACT", f64::from(u8::from(options.predicate == Predicate::Exact)));
-                let constants = [windows, exact];
+                let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
+                let constants = [windows, plane, exact];
                 Pipeline::new(self.device, &FACING, &FACING.wgsl(), "facing", &FACING_SLOTS, None, &constants)
             }
             Method::PerEdge => {
                 let [masks, append] = emit_constants(options);
-                let constants = [windows, masks, append];
+                let constants = [windows, plane, masks, append];
                 Pipeline::new(self.device, &PER_EDGE, &PER_EDGE.wgsl(), "per_edge", &EDGE_SLOTS, None, &constants)
             }
         }

@@ -80,7 +80,7 @@ pub(super) const UNDECIDED_HEAD: u64 = 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
-    if options.method == Method::PerEdge || options.predicate == Predicate::Fast {
+    if options.method.predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
     let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;

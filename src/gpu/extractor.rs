@@ -24,7 +24,7 @@ pub struct ExtractorOptions {
     pub max_lights: usize,
     /// How silhouettes are found.
     pub method: Method,
-    /// How a face's side is decided; the per-edge method is always fast.
+    /// How a face's side is decided; see [`Method::predicate`] for the per-edge method, which is never exact.
     pub predicate: Predicate,
     /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A
     /// list that overflows loses nothing: every face then goes through the exact stage, which is slow.
@@ -162,7 +162,7 @@ impl Extractor {
             pipeline: binder.positions_pipeline(&options, 0),
             dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
         };
-        let is_exact = !per_edge && options.predicate == Predicate::Exact;
+        let is_exact = options.method.predicate(options.predicate) == Predicate::Exact;
         let exact = is_exact.then(|| {
             let most_workgroups = device.limits().max_compute_workgroups_per_dimension;
             [

@@ -1,7 +1,7 @@
 //! Deterministic noise by integer hashing, + − × and floor: the same bits on every platform.
 
 /// The next number of a splitmix64 sequence (Steele, Lea and Flood 2014).
-pub(super) fn splitmix64(state: &mut u64) -> u64 {
+pub(crate) fn splitmix64(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -10,7 +10,7 @@ pub(super) fn splitmix64(state: &mut u64) -> u64 {
 }
 
 /// Smooth noise between −1 and 1: two octaves of value noise, the coarse one with two lattice cells to the unit.
-pub(super) fn smooth(point: [f32; 3], seed: u32) -> f32 {
+pub(crate) fn smooth(point: [f32; 3], seed: u32) -> f32 {
     let coarse = value(point.map(|axis| 2.0 * axis), seed);
     let fine = value(point.map(|axis| 4.0 * axis), seed.wrapping_add(1));
     (2.0 * coarse + fine) / 3.0

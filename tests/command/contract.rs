@@ -224,11 +224,14 @@ fn displaced() -> Outcome {
 
 fn per_edge() -> Outcome {
     for device in ["cpu", "gpu"] {
-        let options: [&[&str]; 2] = [&["--device", device], &["--device", device, "--method", "per-edge"]];
-        let [faces, edges] = extract(&model(1.0), &lights(), options)?;
-        let (faces, edges) = (read_zip(&faces)?, read_zip(&edges)?);
-        ensure!(named(&faces, "facing")? == named(&edges, "facing")?, "{device}: the face bits differ");
-        ensure!(edges.len() == NAMES.len(), "{device}: entries are missing");
+        for predicate in ["fast", "plane"] {
+            let per_edge = ["--device", device, "--method", "per-edge", "--predicate", predicate];
+            let options: [&[&str]; 2] = [&["--device", device], &per_edge];
+            let [faces, edges] = extract(&model(1.0), &lights(), options)?;
+            let (faces, edges) = (read_zip(&faces)?, read_zip(&edges)?);
+            ensure!(named(&faces, "facing")? == named(&edges, "facing")?, "{device}: the face bits differ");
+            ensure!(edges.len() == NAMES.len(), "{device}: entries are missing");
+        }
     }
     Ok(())
 }

@@ -14,6 +14,8 @@ mod models;
 mod npz_input;
 mod run;
 mod usage;
+mod verify;
+mod verify_wrong;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -33,7 +35,7 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS];
+    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, verify_wrong::TESTS];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()
@@ -42,5 +44,6 @@ fn main() {
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
     trials.extend(info::trials());
+    trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

@@ -17,10 +17,10 @@ pub(crate) const TESTS: &[Test] = &[
 fn help() -> Outcome {
     let run = rimline(["--help"]);
     run.expect(0, &[])?;
-    for part in ["draw", "extract", "info", "devices", "Exit codes: 0 done, 1 bad input"] {
+    for part in ["draw", "extract", "info", "devices", "verify", "Exit codes: 0 done, 1 bad input"] {
         ensure!(run.stdout.contains(part), "the help lacks `{part}`: {}", run.stdout);
     }
-    for command in ["draw", "extract", "info", "devices"] {
+    for command in ["draw", "extract", "info", "devices", "verify"] {
         let run = rimline([command, "--help"]);
         run.expect(0, &[])?;
         ensure!(run.stdout.contains("Usage: rimline"), "{}", run.stdout);
@@ -51,6 +51,8 @@ fn wrong_options() -> Outcome {
         ("extract", "--light dir:0,1,0 --animation Run", "Run"),
         ("extract", "--light dir:0,1,0 --time nan", "nan"),
         ("extract", "--light dir:0,1,0 --method best", "best"),
+        ("extract", "--light dir:0,1,0 --predicate rough", "rough"),
+        ("extract", "--light dir:0,1,0 --method per-edge --predicate exact", "no exact form"),
         ("extract", "--light dir:0,1,0 --weld data --no-weld", "--no-weld"),
         ("extract", "--light dir:0,1,0 --device cpu --displace a.wgsl", "--displace"),
         ("draw", "--device cpu", "GPU"),
@@ -87,7 +89,7 @@ fn unknown_adapter() -> Outcome {
 }
 
 /// wgpu's own variable hides all adapters.
-const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
+pub(crate) const HIDDEN: &[(&str, &str)] = &[("WGPU_BACKEND", "noop")];
 
 fn no_adapter() -> Outcome {
     let folder = folder();

@@ -106,8 +106,20 @@ pub(crate) struct Checked {
     pub(crate) wrong_inside: usize,
 }
 
-/// Fails on the first facing bit that is wrong outside the band, or set past the lights.
+/// Fails on the first facing bit that is wrong outside the band of the local form, or set past the lights.
 pub(crate) fn check_facing(
+    what: &str,
+    facing: &[u32],
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    lights: &[Light],
+) -> Result<Checked, String> {
+    check_facing_by(facing_bound, what, facing, positions, faces, lights)
+}
+
+/// The same outside another form's band.
+pub(crate) fn check_facing_by(
+    bound: Bound,
     what: &str,
     facing: &[u32],
     positions: &[[f32; 3]],
@@ -124,7 +136,7 @@ pub(crate) fn check_facing(
         for (number, &light) in lights.iter().enumerate() {
             let bit = facing[number / 32 * faces.len() + index] >> (number % 32) & 1 != 0;
             let right = exact.as_ref().is_some_and(|exact| exact.sign(light) > 0);
-            if exact.is_some() && !is_outside(corners, light, facing_bound) {
+            if exact.is_some() && !is_outside(corners, light, bound) {
                 checked.inside += 1;
                 checked.wrong_inside += usize::from(bit != right);
             } else if bit == right {

@@ -8,6 +8,7 @@ pub(crate) mod device;
 pub(crate) mod files;
 pub(crate) mod models;
 pub(crate) mod oracle;
+pub(crate) mod predicates;
 pub(crate) mod random;
 
 use std::path::PathBuf;

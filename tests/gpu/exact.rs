@@ -1,21 +1,23 @@
 //! Exact facing against big integers: every bit, no band, on the GPU and on the CPU.
 
 use rimline::cpu::{self, Threads};
-use rimline::gpu::ExtractorOptions;
+use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::{Light, Mesh, Predicate, shapes};
 
 use crate::common::cases::{case, hard_positions, topologies};
 use crate::common::device::Gpu;
+use crate::common::predicates::{CLASSES, FACES, LIGHTS, Signs};
 use crate::common::random::Random;
 use crate::common::{is_long, lights, must_fail, oracle, same};
-use crate::stages::extract;
+use crate::stages::{extract, read};
 
 pub(crate) const TESTS: &[crate::Test] = &[
     ("exact_facing_is_exact_on_hard_positions", hard),
     ("exact_facing_is_exact_on_any_topology", any_topology),
     ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
     ("exact_facing_survives_an_overflowing_list", overflow),
+    ("exact_facing_is_exact_for_every_class_of_pairs", every_class),
 ];
 
 fn exact(max_lights: usize) -> ExtractorOptions {
@@ -139,6 +141,63 @@ fn overflow() -> Result<(), String> {
     for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(44)) {
         let options = ExtractorOptions { undecided_capacity: Some(3), ..exact(lights.len()) };
         check(gpu, &name, &positions, &mesh, &lights, options)?;
+    }
+    Ok(())
+}
+
+/// The pairs of `tests/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
+/// made for against big integers, all others against the twin.
+fn every_class() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 45;
+    let cases = if is_long() { 10_000_000 } else { 200_000 };
+    let batches = usize::div_ceil(cases, CLASSES.len() * FACES);
+    println!("seed {seed}; {} cases", batches * CLASSES.len() * FACES);
+    let mut made: Option<(Mesh, Extractor)> = None;
+    for (number, class) in (0..).zip(&CLASSES) {
+        let mut random = Random::new(seed + 1000 * number);
+        let (mut counts, mut undecided, mut negative_control) = (Signs::default(), 0, false);
+        for index in 0..batches {
+            let what = format!("{}, batch {index}", class.name);
+            let batch = class.batch(&mut random);
+            // One mesh serves all batches: faces that share no vertex.
+            let (mesh, extractor) = match &mut made {
+                Some(made) => made,
+                none => {
+                    let mesh = Mesh::new(&batch.positions, &batch.faces, Weld::Keep).map_err(|e| e.to_string())?;
+                    let extractor =
+                        Extractor::new(&gpu.device, &mesh, exact(LIGHTS)).map_err(|error| error.to_string())?;
+                    none.insert((mesh, extractor))
+                }
+            };
+            let buffer = gpu.storage(&batch.positions);
+            let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+            gpu.submit(|encoder| {
+                extractor.encode(encoder, positions, &batch.lights, None).map_err(|error| error.to_string())
+            })?;
+            let mut found = read(gpu, extractor, mesh, LIGHTS)?;
+            let twin = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Exact, Threads::all());
+            same(&format!("{what}, GPU and twin"), &found.facing, &twin)?;
+            let signs = batch.signs();
+            let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
+            let own = |masks: &[u32]| -> Vec<bool> {
+                (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
+            };
+            same(&format!("{what}, GPU"), &own(&found.facing), &right)?;
+            if !negative_control {
+                negative_control = true;
+                let face = random.below(FACES);
+                found.facing[face] ^= 1 << (face % LIGHTS);
+                must_fail("a flipped facing bit", &same(&what, &own(&found.facing), &right))?;
+            }
+            counts.count(&signs);
+            undecided += found.statistics.undecided_pairs as usize;
+        }
+        println!("{}: {counts:?}; {undecided} of {} pairs in integers", class.name, batches * FACES * LIGHTS);
+        class.check(counts)?;
+        if undecided == 0 && class.name != "random" {
+            return Err(format!("{}: the integers were never asked", class.name));
+        }
     }
     Ok(())
 }

@@ -14,6 +14,7 @@ mod limits;
 mod positions;
 mod refusals;
 mod stages;
+mod stress;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -26,6 +27,7 @@ fn main() {
         exact::TESTS,
         facing::TESTS,
         closure::TESTS,
+        stress::TESTS,
         lights::TESTS,
         positions::TESTS,
         deform::TESTS,

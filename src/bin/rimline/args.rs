@@ -21,7 +21,8 @@ Finds the silhouette edges of triangle meshes as seen from any number of lights,
 software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.";
+Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
+5 `verify` found other bits.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -37,6 +38,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// List the GPUs that can be used, with their limits
     Devices(DevicesArgs),
+    /// Check that this machine's devices find the very bits that a folder of extractions holds
+    Verify(VerifyArgs),
 }
 
 /// The model and how its vertices are joined.
@@ -98,8 +101,8 @@ pub(crate) struct PoseArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct DeviceArgs {
-    /// `auto` (a GPU, else the CPU), `gpu` (any wgpu adapter), `cpu`, or part of an adapter's name (see `rimline
-    /// devices`)
+    /// `auto` (a GPU, else the CPU), `gpu` (any wgpu adapter), `cpu`, or part of an adapter's name or backend (see
+    /// `rimline devices`)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     pub(crate) device: String,
 }
@@ -108,7 +111,8 @@ pub(crate) struct DeviceArgs {
 pub(crate) enum MethodArg {
     /// Decide each face once; edges compare their faces' bits. Always closed
     FaceMask,
-    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open
+    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open. The file's
+    /// face bits are exact
     PerEdge,
 }
 
@@ -118,6 +122,8 @@ pub(crate) enum PredicateArg {
     Exact,
     /// The sign that f32 arithmetic gives: may be wrong where a light is nearly in a face's plane. For comparison
     Fast,
+    /// The same by the face's plane equation, as published in 2003: worse far from the origin. For comparison
+    Plane,
 }
 
 #[derive(Args, Debug)]
@@ -146,9 +152,9 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
     pub(crate) method: MethodArg,
 
-    /// How a face's side is decided
-    #[arg(long, value_enum, default_value_t = PredicateArg::Exact)]
-    pub(crate) predicate: PredicateArg,
+    /// How a face's side is decided [default: exact; with `--method per-edge`, which has no exact form, plane]
+    #[arg(long, value_enum)]
+    pub(crate) predicate: Option<PredicateArg>,
 
     /// Where to write the arrays
     #[arg(long, value_name = "FILE.npz")]
@@ -448,6 +454,51 @@ pub(crate) struct DevicesArgs {
 const DEVICES_KEYS: &str = "\
 Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, limits (named \
 as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
+
+#[derive(Args, Debug)]
+#[command(after_help = VERIFY_EXAMPLES)]
+pub(crate) struct VerifyArgs {
+    /// The folder of .npz files that `rimline extract` or `rimline verify --make` wrote
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+
+    /// Write the files instead of checking them: an extraction of every stress scene, and of these models at rest and
+    /// within their first animation, each with lights that are hard on it. No file is written over
+    #[arg(long)]
+    pub(crate) make: bool,
+
+    /// With --make: .gltf, .glb or .npz files to extract, beside the stress scenes
+    #[arg(value_name = "MODEL", requires = "make")]
+    pub(crate) models: Vec<PathBuf>,
+
+    /// With --make: about how many faces a stress scene has
+    #[arg(long, value_name = "N", requires = "make", default_value = "2000")]
+    pub(crate) faces: usize,
+
+    /// `all` (every adapter, and the CPU), `gpu` (every adapter), `cpu`, or part of the name or backend of those to
+    /// check (see `rimline devices`). With --make the one device that finds the bits [default: all; with --make: cpu]
+    #[arg(long, value_name = "all|gpu|cpu|NAME")]
+    pub(crate) device: Option<String>,
+
+    /// Print JSON instead of text
+    #[arg(long, conflicts_with = "make")]
+    pub(crate) json: bool,
+}
+
+const VERIFY_EXAMPLES: &str = "\
+Examples:
+  rimline verify bits                               # on each device: the same bytes?
+  rimline verify --make bits fox.glb                # writes bits/fox.npz and the stress scenes
+  rimline verify bits --device vulkan --json
+
+From each file's positions, faces and lights everything else is found again, exactly, on each device, and the whole \
+file compared byte by byte. The exit code is 0 only if all is equal, 5 if anything differs. The command and the folder \
+are all that another machine needs.
+
+Keys of --json: devices (names), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
+lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \
+failed), differences: a list of array, wrong_bits, row, column, light, file, found (bits of the first element that \
+differs), message.";
 
 #[cfg(test)]
 mod tests {

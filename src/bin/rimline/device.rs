@@ -42,7 +42,7 @@ impl Wanted {
 
     fn fits(&self, adapter: &wgpu::Adapter) -> bool {
         match self {
-            Self::Named(part) => adapter.get_info().name.to_lowercase().contains(&part.to_lowercase()),
+            Self::Named(part) => describe(&adapter.get_info()).to_lowercase().contains(&part.to_lowercase()),
             _ => true,
         }
     }
@@ -52,6 +52,15 @@ impl Wanted {
 pub(crate) enum Device {
     Cpu,
     Gpu(Box<Gpu>),
+}
+
+impl Device {
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Cpu => "cpu".into(),
+            Self::Gpu(gpu) => describe(&gpu.info),
+        }
+    }
 }
 
 /// An opened adapter.
@@ -154,6 +163,18 @@ pub(crate) fn open_gpu(wanted: &Wanted) -> Result<Gpu, NoDevice> {
         }
         _ => Err(NoDevice::None),
     }
+}
+
+/// Opens every adapter that fits, and says of those that cannot be used why not.
+pub(crate) fn open_every(wanted: &Wanted) -> (Vec<Gpu>, Vec<NoDevice>) {
+    let (mut opened, mut unusable) = (Vec::new(), Vec::new());
+    for adapter in adapters().iter().filter(|adapter| wanted.fits(adapter)) {
+        match request(adapter) {
+            Ok(gpu) => opened.push(gpu),
+            Err(reason) => unusable.push(reason),
+        }
+    }
+    (opened, unusable)
 }
 
 /// An adapter's name and the way to it.

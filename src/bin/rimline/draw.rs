@@ -12,9 +12,9 @@ use rimline::mesh::Bounds;
 use rimline::{Light, wgpu};
 
 use crate::args::DrawArgs;
-use crate::device::{self, Wanted};
+use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
-use crate::failure::{Failure, InputError, UsageError};
+use crate::failure::{Failure, InputError, NoDevice, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::input::{Input, Shape};
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
     progress.step("reading the model");
-    let input = Input::open(&args.model.file, args.model.weld())?;
+    let input = Input::open(&args.model)?;
     let animation = input.animation(&args.pose)?;
     displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
     let scene = input.scene(animation, args.pose.time, displacement.is_some())?;
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
+    check_backend(&gpu)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
@@ -86,4 +87,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     gpu.check()?;
     progress.step("writing");
     output.finish(|file| picture.write_png(file))
+}
+
+/// The shaders read the depth buffer, which WGSL can and GLSL, as wgpu writes it, cannot.
+fn check_backend(gpu: &Gpu) -> Result<(), NoDevice> {
+    if gpu.info.backend == wgpu::Backend::Gl {
+        let lacking = "reading of depth textures, which drawing needs; `extract` runs there".to_owned();
+        return Err(NoDevice::Lacks { adapter: device::describe(&gpu.info), lacking });
+    }
+    Ok(())
 }

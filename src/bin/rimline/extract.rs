@@ -1,30 +1,42 @@
 //! `rimline extract`: facing, silhouette and winding bits for lights, as NumPy arrays.
 
-mod arrays;
+pub(crate) mod arrays;
 mod on_cpu;
 mod on_gpu;
 mod report;
 
 use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
-use rimline::{Method, Predicate};
+use rimline::{Light, Method, Predicate};
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::{self, Device, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, UsageError};
-use crate::input::Input;
+use crate::input::{Input, Scene};
 use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::times::Times;
 use report::Report;
 
 /// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
-struct Found<'a> {
+pub(crate) struct Found<'a> {
     positions: std::borrow::Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
     masks: Vec<Masks>,
     counts: FacingCounts,
+}
+
+/// Finds everything exactly on a device.
+pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
+    let (method, predicate) = (Method::FaceMask, Predicate::Exact);
+    match device {
+        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())),
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
+            job.run(gpu, &mut Times::default())
+        }
+    }
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
@@ -32,12 +44,13 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     if wanted == Wanted::Cpu && args.displace.is_some() {
         return Err(UsageError::DisplaceOnCpu.into());
     }
+    let (method, predicate) = way(args)?;
     let progress = Progress::start();
     let mut times = Times::default();
     let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
 
     progress.step("reading the model");
-    let input = times.measure("load", || Input::open(&args.model.file, args.model.weld()))?;
+    let input = times.measure("load", || Input::open(&args.model))?;
     let animation = input.animation(&args.pose)?;
     displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
     let lights = input.lights(&args.lights, animation, args.pose.time)?;
@@ -51,16 +64,8 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         return Err(UsageError::DisplaceOnCpu.into());
     }
     progress.step("extracting");
-    let method = match args.method {
-        MethodArg::FaceMask => Method::FaceMask,
-        MethodArg::PerEdge => Method::PerEdge,
-    };
-    let predicate = match args.predicate {
-        PredicateArg::Exact => Predicate::Exact,
-        PredicateArg::Fast => Predicate::Fast,
-    };
     let (found, adapter) = match &device {
-        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), "cpu".to_owned()),
+        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), device.name()),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job {
                 scene: &scene,
@@ -70,13 +75,29 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                 displacement: displacement.as_ref(),
                 time_s: args.pose.time,
             };
-            (job.run(gpu, &mut times)?, device::describe(&gpu.info))
+            (job.run(gpu, &mut times)?, device.name())
         }
     };
     progress.step("writing");
     let mesh = &scene.mesh;
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
-    let report = Report::new(mesh, &lights, &found, method, adapter, times);
+    let report = Report::new(mesh, &lights, &found, (method, predicate), adapter, times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
+}
+
+/// Method and predicate, which must go together.
+fn way(args: &ExtractArgs) -> Result<(Method, Predicate), UsageError> {
+    let method = match args.method {
+        MethodArg::FaceMask => Method::FaceMask,
+        MethodArg::PerEdge => Method::PerEdge,
+    };
+    let predicate = match args.predicate {
+        Some(PredicateArg::Exact) if method == Method::PerEdge => return Err(UsageError::ExactPerEdge),
+        None => method.predicate(Predicate::Exact),
+        Some(PredicateArg::Exact) => Predicate::Exact,
+        Some(PredicateArg::Fast) => Predicate::Fast,
+        Some(PredicateArg::Plane) => Predicate::Plane,
+    };
+    Ok((method, predicate))
 }

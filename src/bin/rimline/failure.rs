@@ -27,6 +27,12 @@ pub(crate) enum Failure {
     /// The device stopped in the middle.
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
+    /// `verify` found what should not be.
+    #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
+    Differs { folder: PathBuf, different: usize, checked: usize },
+    /// `verify` could not do all of its checks.
+    #[error("{count} of the checks could not be done; the first: {first}")]
+    Unchecked { count: usize, first: Box<Failure> },
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     Output {
@@ -59,6 +65,10 @@ pub(crate) enum InputError {
     DisplacementResources,
     #[error("no vertex has a finite position, so there is nothing to look at")]
     NoFinitePosition,
+    #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
+    NoArchives,
+    #[error("it has the same name as {}, and both would be written to the same file; rename one", .other.display())]
+    SameName { other: PathBuf },
 }
 
 /// What is wrong with the command line, beyond what the parser of options sees.
@@ -66,6 +76,8 @@ pub(crate) enum InputError {
 pub(crate) enum UsageError {
     #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
     DisplaceOnCpu,
+    #[error("the per-edge method has no exact form; leave out `--predicate exact`, or `--method per-edge`")]
+    ExactPerEdge,
     #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
     DrawOnCpu,
     #[error("there is no animation `{wanted}`; {there}")]
@@ -124,13 +136,15 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Input { .. } => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
+            Self::Differs { .. } => 5,
+            Self::Unchecked { first, .. } => return first.exit_code(),
         })
     }
 }

@@ -16,7 +16,7 @@ use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let input = Input::open(&args.model.file, args.model.weld())?;
+    let input = Input::open(&args.model)?;
     let report = Report::new(&input)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }

@@ -10,7 +10,7 @@ use rimline::mesh::{Weld, WeldCounts};
 use rimline::model::{Geometry, Instance, InstancePose};
 use rimline::{Light, LightError, Mesh, Model, Pose};
 
-use crate::args::PoseArgs;
+use crate::args::{ModelArgs, PoseArgs};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::npz;
 use crate::spec::LightSpec;
@@ -46,12 +46,13 @@ pub(crate) enum Shape<'a> {
 }
 
 impl Input {
-    pub(crate) fn open(file: &Path, weld: Weld) -> Result<Self, Failure> {
-        let file = file.to_owned();
-        match open(&file, weld) {
-            Ok(source) => Ok(Self { file, source }),
-            Err(error) => Err(Failure::input(&file)(error)),
-        }
+    pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
+        Self::read(&args.file, args.weld())
+    }
+
+    pub(crate) fn read(file: &Path, weld: Weld) -> Result<Self, Failure> {
+        let source = open(file, weld).map_err(Failure::input(file))?;
+        Ok(Self { file: file.to_owned(), source })
     }
 
     pub(crate) fn model(&self) -> &Model {

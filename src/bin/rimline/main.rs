@@ -21,6 +21,7 @@ mod render;
 mod shadow;
 mod spec;
 mod times;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -52,5 +53,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Draw(args) => draw::run(args),
         Command::Shadow(args) => shadow::run(args),
         Command::Film(args) => film::run(args),
+        Command::Verify(args) => verify::run(args),
     }
 }

@@ -1,5 +1,6 @@
 //! Progress, on a terminal only.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,8 +36,13 @@ impl Progress {
     }
 
     /// Says what is done from now on.
-    pub(crate) fn step(&self, what: &'static str) {
+    pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);
+    }
+
+    /// Runs what prints to the terminal, the line out of its way.
+    pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.0.suspend(print)
     }
 }
 

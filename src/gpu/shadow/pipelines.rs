@@ -90,7 +90,7 @@ impl ShadowPipelines {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let frame = layout(device, "shadow frame", &[uniform(false), uniform(false), uniform(true), storage]);
+        let frame = layout(device, "shadow frame", &[uniform(false), storage, uniform(true), storage]);
         let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
         let cap_data = layout(device, "shadow caps", &[storage; 5]);
         let sides = Maker::new(device, format, &SIDES, &include_wgsl(1), [&frame, &results]);
@@ -235,7 +235,7 @@ impl<'a> Maker<'a> {
                 bias: wgpu::DepthBiasState::default(),
             }),
             multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
-            fragment: (!targets.is_empty()).then(|| wgpu::FragmentState {
+            fragment: Some(wgpu::FragmentState {
                 module: &self.module,
                 entry_point: Some("nothing"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),

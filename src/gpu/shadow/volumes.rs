@@ -294,7 +294,7 @@ impl Buffers {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
         guarded(device, bytes, || Self {
             shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
-            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform),
+            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
             draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
             faces: extractor.faces().clone(),
             bounds: buffer(device, "caster bounds", 24, storage),

@@ -11,7 +11,7 @@ use super::Found;
 use crate::npz::{ElementType, NpzWriter};
 
 /// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
-pub(super) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
+pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
     let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), words(lights.len()));
     let mut npz = NpzWriter::new(file);
     npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;

@@ -26,13 +26,15 @@ pub(super) fn extract<'a>(
     };
     let faces = mesh.faces();
     let mut facing = Vec::new();
+    // The per-edge method has no face bits, so the file gets the exact ones.
+    let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
     let counts =
-        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, predicate, threads));
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
     let masks = match method {
         Method::FaceMask => {
             times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
         }
-        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, threads)),
+        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
     };
     Found { positions, facing, masks, counts }
 }

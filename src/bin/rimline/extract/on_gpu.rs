@@ -33,18 +33,20 @@ impl<'s> Job<'_, 's> {
         let (placed, mut extractors) = times
             .measure("prepare", || -> Result<_, GpuError> {
                 let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
-                // The per-edge method leaves the faces alone, so their bits come from a face pass of their own.
+                // The per-edge method has no face bits, so the file gets the exact ones, from a face pass of their own.
                 let methods = match self.method {
-                    Method::FaceMask => vec![(Method::FaceMask, true)],
-                    Method::PerEdge => vec![(Method::FaceMask, false), (Method::PerEdge, true)],
+                    Method::FaceMask => vec![(Method::FaceMask, self.predicate, true)],
+                    Method::PerEdge => {
+                        vec![(Method::FaceMask, Predicate::Exact, false), (Method::PerEdge, self.predicate, true)]
+                    }
                 };
                 let extractors = methods
                     .into_iter()
-                    .map(|(method, masks)| {
+                    .map(|(method, predicate, masks)| {
                         let options = ExtractorOptions {
                             max_lights: self.lights.len(),
                             method,
-                            predicate: self.predicate,
+                            predicate,
                             masks,
                             lists: None,
                             ..ExtractorOptions::default()

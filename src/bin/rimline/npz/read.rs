@@ -1,4 +1,4 @@
-//! Reading `positions` and `faces` from an archive that may hold anything.
+//! Reading arrays of an archive that may hold anything.
 
 use std::io::{self, Read, Seek};
 
@@ -19,7 +19,7 @@ pub(crate) struct Arrays {
 pub(crate) enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
     Archive(#[source] ZipError),
-    #[error("it has no array `{array}`, which a model needs; it has {}", listed(.found))]
+    #[error("it has no array `{array}`, which is needed; it has {}", listed(.found))]
     Missing { array: &'static str, found: Vec<String> },
     #[error("array `{array}`: its ZIP entry cannot be read: {source}")]
     Entry { array: &'static str, source: ZipError },
@@ -27,9 +27,9 @@ pub(crate) enum NpzError {
     Header { array: &'static str, source: HeaderError },
     #[error("array `{array}` has elements of type {found}; {wanted}")]
     Element { array: &'static str, found: String, wanted: &'static str },
-    #[error("array `{array}` has shape ({}), but ({array_rows}, 3) is needed", shown(.shape), array_rows = if *.array == "faces" { "F" } else { "V" })]
-    Shape { array: &'static str, shape: Vec<u64> },
-    #[error("array `{array}` has {rows} rows, more than the {limit} that indices can count")]
+    #[error("array `{array}` has shape ({}), but {wanted} is needed", shown(.shape))]
+    Shape { array: &'static str, shape: Vec<u64>, wanted: &'static str },
+    #[error("array `{array}` has {rows} rows, more than the {limit} that can be counted")]
     Rows { array: &'static str, rows: u64, limit: u64 },
     #[error("array `{array}` takes {wanted} bytes by its header, but its ZIP entry holds {held}")]
     Length { array: &'static str, wanted: u64, held: u64 },
@@ -39,38 +39,61 @@ pub(crate) enum NpzError {
     Index { array: &'static str, row: usize, index: i128 },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
     OutOfRange { row: usize, index: u32, vertices: usize },
+    #[error("array `{entry}`: its ZIP entry cannot be read: {source}")]
+    Unreadable { entry: String, source: io::Error },
+    #[error("array `{entry}`: {source}")]
+    Unheaded { entry: String, source: HeaderError },
     #[error("array `{array}`, row {row}: {source}")]
     Data { array: &'static str, row: usize, source: io::Error },
 }
 
-fn listed(names: &[String]) -> String {
+pub(super) fn listed(names: &[String]) -> String {
     match names {
         [] => "none".into(),
         names => names.iter().take(12).map(String::as_str).collect::<Vec<_>>().join(", "),
     }
 }
 
-fn shown(shape: &[u64]) -> String {
+pub(super) fn shown(shape: &[u64]) -> String {
     shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Reads the two arrays: `positions` (V,3) float32, `faces` (F,3) integers; either byte order, either array order.
 pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
+    read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?)
+}
+
+/// The same, and `lights` (N,4) float32 as `extract` writes them.
+pub(crate) fn read_with_lights(reader: impl Read + Seek) -> Result<(Arrays, Vec<[f32; 4]>), NpzError> {
     let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
+    let arrays = read_arrays(&mut archive)?;
+    let lights = Entry {
+        array: "lights",
+        shape: "(N, 4)",
+        limit: u64::from(u32::MAX),
+        wanted: "float32 is needed",
+        accepts: |element| element.kind == 'f' && element.size == 4,
+    };
+    Ok((arrays, lights.rows(&mut archive, float)?))
+}
+
+fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, NpzError> {
     let positions = Entry {
         array: "positions",
+        shape: "(V, 3)",
         limit: u64::from(u32::MAX) - 1,
         wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
         accepts: |element| element.kind == 'f' && element.size == 4,
     };
     let faces = Entry {
         array: "faces",
+        shape: "(F, 3)",
         limit: rimline::mesh::MAX_FACES as u64,
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
         accepts: |element| matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8)),
     };
-    let positions = positions.rows(&mut archive, float)?;
-    let faces: Vec<[u32; 3]> = faces.rows(&mut archive, index)?;
+    let positions = positions.rows(archive, float)?;
+    let faces: Vec<[u32; 3]> = faces.rows(archive, index)?;
     let vertices = positions.len();
     for (row, face) in faces.iter().enumerate() {
         if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
@@ -83,17 +106,19 @@ pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
 /// What one of the arrays must be.
 struct Entry {
     array: &'static str,
+    shape: &'static str,
+    /// The most rows.
     limit: u64,
     wanted: &'static str,
     accepts: fn(ElementType) -> bool,
 }
 
 impl Entry {
-    fn rows<T: Copy + Default>(
+    fn rows<T: Copy + Default, const C: usize>(
         &self,
         archive: &mut ZipArchive<impl Read + Seek>,
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
-    ) -> Result<Vec<[T; 3]>, NpzError> {
+    ) -> Result<Vec<[T; C]>, NpzError> {
         let array = self.array;
         let name = format!("{array}.npy");
         if archive.index_for_name(&name).is_none() {
@@ -111,16 +136,16 @@ impl Entry {
             found: header.descr.chars().take(40).collect(),
             wanted: self.wanted,
         })?;
-        let [rows, 3] = header.shape[..] else {
-            let shape = header.shape;
-            return Err(NpzError::Shape { array, shape });
+        let rows = match header.shape[..] {
+            [rows, columns] if columns == C as u64 => rows,
+            _ => return Err(NpzError::Shape { array, shape: header.shape, wanted: self.shape }),
         };
         let limit = self.limit;
         if rows > limit {
             return Err(NpzError::Rows { array, rows, limit });
         }
         // Known before anything is allocated: rows are below 2^32, so this cannot overflow.
-        let wanted = counted.count + rows * 3 * element.size as u64;
+        let wanted = counted.count + rows * (C * element.size) as u64;
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
@@ -145,15 +170,15 @@ struct Elements<T> {
 
 impl<T: Copy + Default> Elements<T> {
     /// Memory grows with the data that is really there, whatever the header says.
-    fn read(&self, mut reader: impl Read, order: Order) -> Result<Vec<[T; 3]>, NpzError> {
-        let mut all: Vec<[T; 3]> = Vec::new();
+    fn read<const C: usize>(&self, mut reader: impl Read, order: Order) -> Result<Vec<[T; C]>, NpzError> {
+        let mut all: Vec<[T; C]> = Vec::new();
         match order {
-            Order::Rows => self.triples(&mut reader, |row, triple| self.set(&mut all, row, |to| *to = triple))?,
+            Order::Rows => self.tuples(&mut reader, |row, tuple| self.set(&mut all, row, |to| *to = tuple))?,
             Order::Columns => {
-                // The same bytes in the same number of triples, whose elements run down the columns.
-                self.triples(&mut reader, |at, triple| {
-                    triple.into_iter().enumerate().try_for_each(|(i, value)| {
-                        let place = 3 * at + i;
+                // The same bytes in the same number of tuples, whose elements run down the columns.
+                self.tuples(&mut reader, |at, tuple: [T; C]| {
+                    tuple.into_iter().enumerate().try_for_each(|(i, value)| {
+                        let place = C * at + i;
                         self.set(&mut all, place % self.rows, |to| to[place / self.rows] = value)
                     })
                 })?;
@@ -172,29 +197,34 @@ impl<T: Copy + Default> Elements<T> {
         NpzError::Data { array, row, source }
     }
 
-    fn set(&self, all: &mut Vec<[T; 3]>, row: usize, set: impl FnOnce(&mut [T; 3])) -> Result<(), NpzError> {
+    fn set<const C: usize>(
+        &self,
+        all: &mut Vec<[T; C]>,
+        row: usize,
+        set: impl FnOnce(&mut [T; C]),
+    ) -> Result<(), NpzError> {
         if row >= all.len() {
             all.try_reserve(1).map_err(|_| NpzError::Memory { array: self.array, rows: self.rows as u64 })?;
-            all.resize(row + 1, [T::default(); 3]);
+            all.resize(row + 1, [T::default(); C]);
         }
         set(&mut all[row]);
         Ok(())
     }
 
-    fn triples(
+    fn tuples<const C: usize>(
         &self,
         reader: &mut impl Read,
-        mut visit: impl FnMut(usize, [T; 3]) -> Result<(), NpzError>,
+        mut visit: impl FnMut(usize, [T; C]) -> Result<(), NpzError>,
     ) -> Result<(), NpzError> {
         const CHUNK_ROWS: usize = 1 << 12;
         let size = self.element.size;
-        let mut chunk = vec![0; CHUNK_ROWS * 3 * size];
+        let mut chunk = vec![0; CHUNK_ROWS * C * size];
         for first in (0..self.rows).step_by(CHUNK_ROWS) {
-            let bytes = &mut chunk[..CHUNK_ROWS.min(self.rows - first) * 3 * size];
+            let bytes = &mut chunk[..CHUNK_ROWS.min(self.rows - first) * C * size];
             reader.read_exact(bytes).map_err(|source| self.data(first, source))?;
-            for (row, triple) in (first..).zip(bytes.chunks_exact(3 * size)) {
-                let mut values = [T::default(); 3];
-                for (value, bytes) in values.iter_mut().zip(triple.chunks_exact(size)) {
+            for (row, tuple) in (first..).zip(bytes.chunks_exact(C * size)) {
+                let mut values = [T::default(); C];
+                for (value, bytes) in values.iter_mut().zip(tuple.chunks_exact(size)) {
                     *value = (self.decode)(self.element, bytes).map_err(|index| NpzError::Index {
                         array: self.array,
                         row,

@@ -40,7 +40,7 @@ impl Props {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
         let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
-        let open = |file: &std::path::PathBuf| Input::open(file, args.weld.weld());
+        let open = |file: &std::path::PathBuf| Input::read(file, args.weld.weld());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.pose)?;
         Ok(Self { inputs, animations, displacement })

@@ -1,0 +1,57 @@
+//! One file on each device.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use rimline::light::{MAX_LIGHTS, check_lights};
+use rimline::{Light, Mesh};
+
+use crate::device::Device;
+use crate::extract::{arrays, extract_exactly};
+use crate::failure::{Failure, InputError};
+use crate::input::{Scene, Shape};
+use crate::npz::{self, Arrays, Difference};
+
+/// What a file holds, and what each device finds of it.
+pub(super) struct Checked {
+    pub(super) faces: usize,
+    pub(super) edges: usize,
+    pub(super) lights: usize,
+    /// One a device; empty where its bytes are the file's.
+    pub(super) results: Vec<Result<Vec<Difference>, Failure>>,
+}
+
+/// Finds everything again from positions, faces and lights, on each device, and compares the archives.
+pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
+    let failed = Failure::input(file);
+    let given = std::fs::read(file).map_err(|error| failed(error.into()))?;
+    let (arrays, lights) = read(&given).map_err(&failed)?;
+    let Arrays { positions, faces } = arrays;
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;
+    let scene = Scene { mesh, shape: Shape::World(&positions) };
+    let (faces, edges) = (scene.mesh.faces().len(), scene.mesh.edges().len());
+    let mut results = Vec::with_capacity(devices.len());
+    for device in devices {
+        let found = extract_exactly(device, &scene, &lights);
+        let written = found.and_then(|found| {
+            let mut bytes = Vec::with_capacity(given.len());
+            let target = file.to_owned();
+            arrays::write(Cursor::new(&mut bytes), &scene.mesh, &lights, &found)
+                .map_err(|source| Failure::Output { file: target, source })?;
+            Ok(bytes)
+        });
+        results.push(match written {
+            // What cannot be read of the file is the file's fault, whatever the device.
+            Ok(written) => Ok(npz::compare(&given, &written).map_err(|error| failed(error.into()))?),
+            Err(failure) => Err(failure),
+        });
+    }
+    Ok(Checked { faces, edges, lights: lights.len(), results })
+}
+
+fn read(archive: &[u8]) -> Result<(Arrays, Vec<Light>), InputError> {
+    let (arrays, lights) = npz::read_with_lights(Cursor::new(archive))?;
+    let lights: Vec<Light> = lights.into_iter().map(Light::homogeneous).collect();
+    check_lights(&lights, MAX_LIGHTS).map_err(InputError::Lights)?;
+    Ok((arrays, lights))
+}

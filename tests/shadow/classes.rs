@@ -1,0 +1,261 @@
+//! Classes of frames, by where eye, light and casters are to each other.
+
+use rimline::Light;
+use rimline::glam::DVec3;
+use rimline::shapes;
+
+use crate::common::random::Random;
+use crate::scene::{Body, Eye, Frame};
+
+/// A class: its name, and a frame of it.
+pub(crate) type Class = (&'static str, fn(&mut Random) -> Frame);
+
+pub(crate) const CLASSES: &[Class] = &[
+    ("random", random),
+    ("outside", outside),
+    ("partly inside, light behind", |random| inside(random, true, true)),
+    ("partly inside, light in front", |random| inside(random, true, false)),
+    ("inside, light behind", |random| inside(random, false, true)),
+    ("inside, light in front", |random| inside(random, false, false)),
+    ("near plane through light and caster", |random| along_near_plane(random, 0.05)),
+    ("light on the near plane", |random| along_near_plane(random, 1e-7)),
+    ("directional light", directional),
+    ("near rectangle inside a caster", within),
+    ("light inside a caster", light_within),
+    ("eye and light inside a caster", both_within),
+    ("far from the origin, 1e3", |random| far(random, 1e3, false)),
+    ("far from the origin, 1e5, relative to the eye", |random| far(random, 1e5, true)),
+    ("ten overlapping casters", overlapping),
+    ("open sheet", sheet),
+    ("Möbius strip", moebius),
+    ("three sheets on an edge", sheets),
+    ("two touching boxes", boxes),
+];
+
+fn vector(random: &mut Random) -> DVec3 {
+    DVec3::from(random.direction().map(f64::from))
+}
+
+fn between(random: &mut Random, low: f32, high: f32) -> f64 {
+    f64::from(random.between(low, high))
+}
+
+fn point(place: DVec3) -> Light {
+    Light::point(place.as_vec3().to_array())
+}
+
+fn near(random: &mut Random) -> f64 {
+    0.02 * 25_f64.powf(between(random, 0.0, 1.0))
+}
+
+/// Two tori through each other's holes, in a room.
+fn tori() -> Vec<Body> {
+    let torus = shapes::torus(48, 24, 1.0, 0.35);
+    let mut other = torus.clone();
+    for position in &mut other.positions {
+        let [x, y, z] = *position;
+        *position = [x + 1.0, z, -y];
+    }
+    vec![Body::caster(torus), Body::caster(other), Body::room([0.0; 3], 8.0)]
+}
+
+fn frame(bodies: Vec<Body>, eye: Eye, light: Light) -> Frame {
+    Frame { bodies, eye, lights: vec![light], size: 128 }
+}
+
+fn eye(place: DVec3, forward: DVec3, near: f64) -> Eye {
+    Eye { place, forward, near, is_relative: false }
+}
+
+/// A place in the room that is not in the tori's way.
+fn place(random: &mut Random, low: f32, high: f32) -> DVec3 {
+    vector(random) * between(random, low, high)
+}
+
+fn random(random: &mut Random) -> Frame {
+    let from = place(random, 2.0, 7.0);
+    let towards = place(random, 0.0, 2.0) - from;
+    let near = near(random);
+    let light = place(random, 2.6, 7.0);
+    frame(tori(), eye(from, towards, near), point(light))
+}
+
+/// The eye is nearer to the light than the casters are.
+fn outside(random: &mut Random) -> Frame {
+    let light = place(random, 5.0, 6.5);
+    let from = light + place(random, 0.2, 1.0);
+    let towards = place(random, 0.0, 1.0) - from;
+    frame(tori(), eye(from, towards, 0.05), point(light))
+}
+
+/// A point of the casters' surface, or of an edge between a lit and an averted face.
+fn surface(random: &mut Random, bodies: &[Body], light: DVec3, on_edge: bool) -> DVec3 {
+    let shape = &bodies[random.below(2)].shape;
+    let corners = |face: usize| shape.faces[face].map(|v| DVec3::from(shape.positions[v as usize].map(f64::from)));
+    let side = |face: usize| {
+        let [a, b, c] = corners(face);
+        (b - a).cross(c - a).dot(light - a) > 0.0
+    };
+    for _ in 0..100_000 {
+        let face = random.below(shape.faces.len());
+        let [a, b, c] = corners(face);
+        if !on_edge {
+            return (a + b + c) / 3.0;
+        }
+        // Faces of a quad follow each other, and so do quads round a ring.
+        let other = (face + 1) % shape.faces.len();
+        if side(face) != side(other) {
+            let shared: Vec<_> = corners(other).into_iter().filter(|p| [a, b, c].contains(p)).collect();
+            if let [p, q] = shared[..] {
+                return (p + q) / 2.0;
+            }
+        }
+    }
+    DVec3::ZERO
+}
+
+/// The near rectangle in or on the border of a shadow.
+fn inside(random: &mut Random, partly: bool, light_behind: bool) -> Frame {
+    let bodies = tori();
+    let light = place(random, 3.0, 6.0);
+    let through = surface(random, &bodies, light, partly);
+    let near = near(random);
+    let middle = light + (through - light) * between(random, 1.3, 1.9);
+    let away = (middle - light).normalize();
+    let forward = (if light_behind { away } else { -away } + place(random, 0.0, 0.7)).normalize();
+    frame(bodies, eye(middle - forward * near, forward, near), point(light))
+}
+
+/// The near plane goes through a caster and, but for `distance`, through the light.
+fn along_near_plane(random: &mut Random, distance: f32) -> Frame {
+    let bodies = tori();
+    let through = surface(random, &bodies, DVec3::ZERO, false);
+    let light = through + place(random, 0.5, 3.0);
+    let forward = (through - light).cross(vector(random)).normalize();
+    let near = near(random);
+    let offset = forward * f64::from(random.between(-distance, distance));
+    // The near rectangle's middle is beyond the caster as seen from the light.
+    let middle = light + (through - light) * between(random, 1.1, 2.0) + offset;
+    frame(bodies, eye(middle - forward * near, forward, near), point(light))
+}
+
+fn directional(random: &mut Random) -> Frame {
+    let bodies = tori();
+    let towards = vector(random);
+    let on_edge = random.below(2) == 0;
+    let through = surface(random, &bodies, towards * 1e6, on_edge);
+    let near = near(random);
+    let forward = vector(random);
+    let middle = through - towards * between(random, 0.2, 2.0);
+    let light = Light::directional((towards * between(random, 0.1, 9.0)).as_vec3().to_array());
+    frame(bodies, eye(middle - forward * near, forward, near), light)
+}
+
+/// In the tube of a torus.
+fn in_tube(random: &mut Random) -> DVec3 {
+    let angle = between(random, 0.0, 6.28);
+    DVec3::new(angle.cos(), 0.0, angle.sin()) + place(random, 0.0, 0.2)
+}
+
+fn within(random: &mut Random) -> Frame {
+    let light = place(random, 3.0, 6.0);
+    let forward = vector(random);
+    frame(tori(), eye(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
+}
+
+fn light_within(random: &mut Random) -> Frame {
+    let from = place(random, 3.0, 6.0);
+    let light = in_tube(random);
+    frame(tori(), eye(from, -from + place(random, 0.0, 1.0), near(random)), point(light))
+}
+
+fn both_within(random: &mut Random) -> Frame {
+    let forward = vector(random);
+    let light = in_tube(random);
+    frame(tori(), eye(in_tube(random) - forward * 0.05, forward, 0.05), point(light))
+}
+
+fn far(random: &mut Random, distance: f64, is_relative: bool) -> Frame {
+    let mut frame = match random.below(3) {
+        0 => self::random(random),
+        1 => inside(random, true, true),
+        _ => inside(random, false, false),
+    };
+    let by = DVec3::new(1.0, -0.5, 0.7) * distance;
+    for body in &mut frame.bodies {
+        *body = body.clone().moved(by.as_vec3().to_array());
+    }
+    frame.eye.place += by;
+    frame.eye.is_relative = is_relative;
+    frame.lights = frame
+        .lights
+        .iter()
+        .map(|light| Light::point((DVec3::from(light.xyz.map(f64::from)) + by).as_vec3().to_array()))
+        .collect();
+    frame
+}
+
+fn overlapping(random: &mut Random) -> Frame {
+    let mut bodies: Vec<Body> = (0..10)
+        .map(|seed| {
+            let at = place(random, 0.0, 1.5).as_vec3().to_array();
+            Body::caster(shapes::blob(8, 0.4, seed)).scaled(random.between(0.3, 0.9)).moved(at)
+        })
+        .collect();
+    bodies.push(Body::room([0.0; 3], 8.0));
+    let frame = self::random(random);
+    Frame { bodies, ..frame }
+}
+
+fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
+    let bodies = vec![Body::caster(shape.clone()), Body::caster(shape), Body::room([0.0; 3], 8.0)];
+    let mut frame = match random.below(3) {
+        0 => self::random(random),
+        1 => {
+            let light = place(random, 3.0, 6.0);
+            let through = surface(random, &bodies, light, false);
+            let middle = light + (through - light) * between(random, 1.05, 1.9);
+            let forward = vector(random);
+            let near = near(random);
+            frame(bodies.clone(), eye(middle - forward * near, forward, near), point(light))
+        }
+        _ => outside(random),
+    };
+    frame.bodies = bodies;
+    frame.bodies.remove(0);
+    frame
+}
+
+fn sheet(random: &mut Random) -> Frame {
+    let seed = random.below(1000) as u32;
+    let mut shape = shapes::plane_grid(12, 12);
+    let (low, high) = (-1.0, 1.0);
+    for position in &mut shape.positions {
+        let wave = (position[0] * 5.0 + seed as f32).sin() * 0.3;
+        position[1] += wave.clamp(low, high);
+    }
+    with_caster(random, shape)
+}
+
+fn moebius(random: &mut Random) -> Frame {
+    with_caster(random, shapes::moebius(48, 4))
+}
+
+fn sheets(random: &mut Random) -> Frame {
+    with_caster(random, shapes::three_sheets(8))
+}
+
+fn boxes(random: &mut Random) -> Frame {
+    let mut frame = random_boxes(random);
+    frame.bodies.push(Body::room([0.0; 3], 8.0));
+    frame
+}
+
+fn random_boxes(random: &mut Random) -> Frame {
+    let bodies = vec![
+        Body::caster(shapes::cube()).scaled(0.5).moved([-0.5, 0.0, 0.0]),
+        Body::caster(shapes::cube()).scaled(0.5).moved([0.5, 0.0, 0.0]),
+    ];
+    let frame = self::random(random);
+    Frame { bodies, ..frame }
+}

@@ -1,0 +1,158 @@
+//! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
+
+use bvh::aabb::{Aabb, Bounded};
+use bvh::bounding_hierarchy::BHShape;
+use bvh::bvh::Bvh;
+use bvh::ray::Ray;
+use nalgebra::{Point3, Vector3};
+use rimline::Light;
+use rimline::glam::DVec3;
+
+use crate::common::oracle;
+use crate::scene::{Frame, Rays};
+
+struct Triangle {
+    corners: [DVec3; 3],
+    exact: [[f32; 3]; 3],
+    casts: bool,
+    node: usize,
+}
+
+impl Bounded<f64, 3> for Triangle {
+    fn aabb(&self) -> Aabb<f64, 3> {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // A flat box could be missed by a ray that only just meets it.
+        let slack = 1e-9 * (1.0 + high.abs().max(low.abs()));
+        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
+        Aabb::with_bounds(point(low - slack), point(high + slack))
+    }
+}
+
+impl BHShape<f64, 3> for Triangle {
+    fn set_bh_node_index(&mut self, index: usize) {
+        self.node = index;
+    }
+
+    fn bh_node_index(&self) -> usize {
+        self.node
+    }
+}
+
+/// What is seen through a pixel, for one light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Truth {
+    /// Nothing.
+    Background,
+    /// The light is on the other side of the surface.
+    Averted,
+    Lit,
+    /// With how many faces between.
+    Shadowed(u32),
+}
+
+impl Truth {
+    pub(crate) fn is_lit(self) -> bool {
+        self == Self::Lit
+    }
+}
+
+pub(crate) struct Tracer {
+    triangles: Vec<Triangle>,
+    bvh: Bvh<f64, 3>,
+}
+
+impl Tracer {
+    pub(crate) fn new(frame: &Frame) -> Self {
+        let mut triangles = Vec::new();
+        for body in &frame.bodies {
+            for face in &body.shape.faces {
+                let exact = face.map(|v| body.shape.positions[v as usize]);
+                let corners = exact.map(|p| DVec3::from(p.map(f64::from)));
+                triangles.push(Triangle { corners, exact, casts: body.casts, node: 0 });
+            }
+        }
+        let bvh = Bvh::build(&mut triangles);
+        Self { triangles, bvh }
+    }
+
+    /// Where a ray first meets a surface, and which.
+    fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
+        let hits = self.along(from, direction).filter_map(|triangle| {
+            let t = meeting(triangle, from, direction)?;
+            (t > 0.0).then_some((t, triangle))
+        });
+        let (t, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((from + direction * t, triangle))
+    }
+
+    fn along(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = &Triangle> {
+        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
+        self.bvh.traverse(&ray, &self.triangles).into_iter()
+    }
+
+    /// What a pixel's ray sees, for each light.
+    pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
+        let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
+        let [a, b, c] = own.corners;
+        let normal = (b - a).cross(c - a);
+        let is_front = normal.dot(ray.1) < 0.0;
+        let truth = |light: &Light| {
+            let [x, y, z] = light.xyz.map(f64::from);
+            let w = f64::from(light.w);
+            let sign = oracle::ExactFace::new(&own.exact, [0, 1, 2]).map_or(0, |face| face.sign(*light));
+            if sign == 0 || (sign > 0) != is_front {
+                return Truth::Averted;
+            }
+            let to_light = DVec3::new(x, y, z) - w * point;
+            // At t = 1 / w the ray is at the light.
+            let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
+            let faces = self.along(point, to_light).filter(|&triangle| {
+                let is_other = !std::ptr::eq(triangle, own) && triangle.casts;
+                let near = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
+                is_other && meeting(triangle, point, to_light).is_some_and(|t| t > near && t < end)
+            });
+            match faces.count() {
+                0 => Truth::Lit,
+                count => Truth::Shadowed(count as u32),
+            }
+        };
+        lights.iter().map(truth).collect()
+    }
+}
+
+/// What each pixel sees, row by row, for each light.
+pub(crate) fn trace(frame: &Frame) -> Vec<Vec<Truth>> {
+    let tracer = Tracer::new(frame);
+    let rays = Rays::new(&frame.eye.camera(), frame.size);
+    let rows: Vec<u32> = (0..frame.size).collect();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let share = rows.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        let run = |rows: Vec<u32>| {
+            let (tracer, rays) = (&tracer, &rays);
+            scope.spawn(move || {
+                let pixels = rows.iter().flat_map(|&y| (0..frame.size).map(move |x| (x, y)));
+                pixels.map(|(x, y)| tracer.pixel(rays.ray(x, y), &frame.lights)).collect::<Vec<_>>()
+            })
+        };
+        let runs: Vec<_> = rows.chunks(share).map(|rows| run(rows.to_vec())).collect();
+        runs.into_iter().flat_map(|run| run.join().expect("tracing does not panic")).collect()
+    })
+}
+
+/// Möller and Trumbore, from both sides.
+fn meeting(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<f64> {
+    let [a, b, c] = triangle.corners;
+    let (u, v) = (b - a, c - a);
+    let p = direction.cross(v);
+    let determinant = u.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = from - a;
+    let x = s.dot(p) / determinant;
+    let q = s.cross(u);
+    let y = direction.dot(q) / determinant;
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then(|| v.dot(q) / determinant)
+}

@@ -1,0 +1,223 @@
+//! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    read_back_vec,
+};
+use rimline::layout::{ShadowLight, ShadowStatistics};
+use rimline::{Counting, Mesh, RangedLight};
+
+use crate::common::device::Gpu;
+use crate::scene::Frame;
+
+/// How the scene's own depth pass computes positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DepthPass {
+    /// As the volumes do, bit for bit.
+    Alike,
+    /// In another order.
+    Reordered,
+}
+
+/// What the GPU counted.
+pub(crate) struct Counted {
+    /// The stencil value of each pixel, row by row, a light each.
+    pub(crate) stencils: Vec<Vec<u8>>,
+    /// What was chosen, a caster and light each.
+    pub(crate) chosen: Vec<Vec<ShadowLight>>,
+    pub(crate) statistics: Vec<ShadowStatistics>,
+}
+
+const DEPTH: &str = "
+struct Camera { columns: array<vec4<f32>, 4>, origin: vec3<f32>, reordered: u32 }
+@group(0) @binding(0) var<uniform> camera: Camera;
+struct Out { @invariant @builtin(position) clip: vec4<f32> }
+@vertex fn scene(@location(0) position: vec3<f32>) -> Out {
+  let q = position - camera.origin;
+  var clip = camera.columns[0] * q.x + camera.columns[1] * q.y + camera.columns[2] * q.z + camera.columns[3];
+  if (camera.reordered != 0u) {
+    clip = camera.columns[3] + (camera.columns[2] * q.z + (camera.columns[1] * q.y + camera.columns[0] * q.x));
+  }
+  return Out(clip);
+}
+@fragment fn nothing() {}
+";
+
+pub(crate) struct Renderer<'a> {
+    gpu: &'a Gpu,
+    pub(crate) format: wgpu::TextureFormat,
+    pub(crate) depth_pass: DepthPass,
+    pub(crate) options: ShadowOptions,
+}
+
+impl<'a> Renderer<'a> {
+    pub(crate) fn new(gpu: &'a Gpu) -> Self {
+        Self {
+            gpu,
+            format: wgpu::TextureFormat::Depth24PlusStencil8,
+            depth_pass: DepthPass::Alike,
+            options: ShadowOptions::default(),
+        }
+    }
+
+    pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
+        let text = |error: &dyn std::fmt::Display| error.to_string();
+        let gpu = self.gpu;
+        let camera = frame.eye.camera();
+        let shadow_format = ShadowFormat { depth_stencil: self.format, ..ShadowFormat::default() };
+        let pipelines = ShadowPipelines::new(&gpu.device, &shadow_format, counting).map_err(|error| text(&error))?;
+        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("depth and stencil"),
+            size: wgpu::Extent3d { width: frame.size, height: frame.size, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let lights: Vec<RangedLight> = frame.lights.iter().map(|&light| light.into()).collect();
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut casters = Vec::new();
+        for body in frame.bodies.iter().filter(|body| body.casts) {
+            let mesh =
+                Mesh::from_faces(body.shape.positions.len(), body.shape.faces.clone()).map_err(|error| text(&error))?;
+            let buffer = gpu.storage(&body.shape.positions);
+            let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+            let options = ExtractorOptions { max_lights: lights.len(), ..Default::default() };
+            let mut extractor = Extractor::new(&gpu.device, &mesh, options).map_err(|error| text(&error))?;
+            extractor.encode(&mut encoder, positions, &frame.lights, None).map_err(|error| text(&error))?;
+            let mut volumes =
+                ShadowVolumes::new(&pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
+            volumes
+                .encode(&mut encoder, &pipelines, &extractor, positions, &camera, &lights, None)
+                .map_err(|error| text(&error))?;
+            casters.push(volumes);
+        }
+        self.depth(&mut encoder, frame, &view);
+        let row = frame.size.next_multiple_of(256);
+        let bytes = u64::from(row) * u64::from(frame.size);
+        let mut copies = Vec::new();
+        for light in 0..lights.len() {
+            let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
+            for volumes in &casters {
+                volumes.draw(&mut pass, &pipelines, light);
+            }
+            drop(pass);
+            let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("stencil"),
+                size: bytes,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            });
+            encoder.copy_texture_to_buffer(
+                wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &copy,
+                    layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+                },
+                target.size(),
+            );
+            copies.push(copy);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        let mut stencils = Vec::new();
+        for copy in &copies {
+            let all: Vec<u8> = read_back_vec(&gpu.device, &gpu.queue, copy).map_err(|error| text(&error))?;
+            stencils.push(all.chunks(row as usize).flat_map(|line| line[..frame.size as usize].to_vec()).collect());
+        }
+        let mut counted = Counted { stencils, chosen: Vec::new(), statistics: Vec::new() };
+        for volumes in &casters {
+            counted.chosen.push(gpu.read(volumes.lights(), lights.len())?);
+            counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
+        }
+        Ok(counted)
+    }
+
+    /// Depth of every body; the stencil cleared.
+    fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
+        let device = &self.gpu.device;
+        let camera = frame.eye.camera();
+        let mut uniform: Vec<f32> = camera.view_projection.to_cols_array().to_vec();
+        uniform.extend(camera.origin.to_array());
+        uniform.push(f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered)));
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("camera"),
+            size: 80,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&uniform));
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("scene"),
+            source: wgpu::ShaderSource::Wgsl(DEPTH.into()),
+        });
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("scene"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[Some(wgpu::VertexBufferLayout {
+                    array_stride: 12,
+                    step_mode: wgpu::VertexStepMode::Vertex,
+                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+                })],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: self.format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+        });
+        let corners: Vec<[f32; 3]> = frame
+            .bodies
+            .iter()
+            .flat_map(|body| body.shape.faces.iter().flatten().map(|&v| body.shape.positions[v as usize]))
+            .collect();
+        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("corners"),
+            size: (corners.len() * 12) as u64,
+            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.gpu.queue.write_buffer(&vertices, 0, bytemuck::cast_slice(&corners));
+        let mut pass = encoder.begin_render_pass(&attachment(view, wgpu::LoadOp::Clear(0.0)));
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_vertex_buffer(0, vertices.slice(..));
+        pass.draw(0..corners.len() as u32, 0..1);
+    }
+}
+
+/// The depth as `load` says, the stencil cleared.
+fn attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDescriptor<'_> {
+    wgpu::RenderPassDescriptor {
+        label: Some("count"),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+        }),
+        ..Default::default()
+    }
+}

@@ -1,0 +1,105 @@
+//! What is drawn and cast: casters, receivers, camera, lights.
+
+use rimline::glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use rimline::shapes::Shape;
+use rimline::{DepthDirection, Light, ShadowCamera};
+
+/// Triangles of one caster or receiver.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Body {
+    pub(crate) shape: Shape,
+    pub(crate) casts: bool,
+}
+
+impl Body {
+    pub(crate) fn caster(shape: Shape) -> Self {
+        Self { shape, casts: true }
+    }
+
+    pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {
+        for position in &mut self.shape.positions {
+            *position = std::array::from_fn(|axis| position[axis] + by[axis]);
+        }
+        self
+    }
+
+    pub(crate) fn scaled(mut self, by: f32) -> Self {
+        for position in &mut self.shape.positions {
+            *position = position.map(|c| c * by);
+        }
+        self
+    }
+
+    /// A closed room around what casts, seen from inside.
+    pub(crate) fn room(centre: [f32; 3], half: f32) -> Self {
+        let mut shape = rimline::shapes::cube();
+        for face in &mut shape.faces {
+            face.swap(1, 2);
+        }
+        Self { shape, casts: false }.scaled(half).moved(centre)
+    }
+}
+
+/// Eye, direction and near distance; 60° high and wide, an infinite far plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Eye {
+    pub(crate) place: DVec3,
+    pub(crate) forward: DVec3,
+    pub(crate) near: f64,
+    /// Positions are taken relative to the eye.
+    pub(crate) is_relative: bool,
+}
+
+impl Eye {
+    fn basis(&self) -> [DVec3; 3] {
+        let forward = self.forward.normalize();
+        let aside = if forward.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
+        let right = forward.cross(aside).normalize();
+        [right, right.cross(forward), forward]
+    }
+
+    /// The matrix that the GPU gets, rounded once, and the camera it makes.
+    pub(crate) fn camera(&self) -> ShadowCamera {
+        let [right, up, forward] = self.basis();
+        let origin = if self.is_relative { self.place.as_vec3() } else { Vec3::ZERO };
+        let from = self.place - origin.as_dvec3();
+        let scale = 1.0 / 30_f64.to_radians().tan();
+        let row = |axis: DVec3| axis.extend(-axis.dot(from));
+        let [x, y, w] = [row(right) * scale, row(up) * scale, row(forward)];
+        let matrix = DMat4::from_cols(x, y, DVec4::new(0.0, 0.0, 0.0, self.near), w).transpose();
+        ShadowCamera { view_projection: matrix.as_mat4(), origin, depth: DepthDirection::Reversed }
+    }
+}
+
+/// A frame to be drawn and traced.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) eye: Eye,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) size: u32,
+}
+
+/// The camera's rays as the GPU's matrix has them: from a point of the near plane on, in f64.
+pub(crate) struct Rays {
+    inverse: DMat4,
+    origin: DVec3,
+    size: f64,
+}
+
+impl Rays {
+    pub(crate) fn new(camera: &ShadowCamera, size: u32) -> Self {
+        let matrix: Mat4 = camera.view_projection;
+        Self { inverse: matrix.as_dmat4().inverse(), origin: camera.origin.as_dvec3(), size: f64::from(size) }
+    }
+
+    /// Where a pixel's ray begins, on the near plane, and its direction.
+    pub(crate) fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
+        let ndc = |pixel: u32| (f64::from(pixel) + 0.5) / self.size * 2.0 - 1.0;
+        let (x, y) = (ndc(x), -ndc(y));
+        let near = self.inverse * DVec4::new(x, y, 1.0, 1.0);
+        // Infinitely far points have w = 0: a direction.
+        let far = self.inverse * DVec4::new(x, y, 0.0, 1.0);
+        (near.truncate() / near.w + self.origin, far.truncate().normalize())
+    }
+}
