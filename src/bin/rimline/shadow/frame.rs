@@ -35,10 +35,10 @@ impl Frame {
     pub(crate) fn new(camera: &Camera, size: [u32; 2], stage: &Stage, lamps: &[Lamp]) -> Self {
         let total: Vec3 = lamps.iter().map(|lamp| Vec3::from(lamp.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
-        let ambient = AMBIENT * brightest * Vec3::new(0.93, 0.97, 1.0);
+        let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let ([x, _, z], ground) = (stage.centre, stage.ground);
         let under = Vec3::new(x, ground, z);
-        let far = 2.5 * stage.extent;
+        let far = 3.6 * stage.extent;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // As bright as the lit ground, so that it fades into the backdrop unseen.
         let lit = |lamp: &Lamp| {

@@ -37,6 +37,9 @@ pub(crate) struct LampData {
     density: f32,
 }
 
+/// A little warm.
+const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
+
 /// Where the models are: what is chosen for lights and camera follows it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
@@ -66,7 +69,7 @@ impl Lamp {
             let light = default_light(args, stage);
             lamps.push(Self {
                 light,
-                color: [1.0; 3],
+                color: DEFAULT_COLOR,
                 range: f32::INFINITY,
                 begin: 0.0,
                 exponent: 1.0,
