@@ -13,6 +13,7 @@ mod info;
 mod models;
 mod npz_input;
 mod run;
+mod shadow;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -35,7 +36,7 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, verify_wrong::TESTS];
+    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, shadow::TESTS, verify_wrong::TESTS];
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()
@@ -44,6 +45,7 @@ fn main() {
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
     trials.extend(info::trials());
+    trials.extend(shadow::trials());
     trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }
