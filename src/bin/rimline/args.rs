@@ -291,7 +291,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) weld: WeldArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
-    /// files' own lights); may be given many times, and followed by options, see below. By default one light, to the
+    /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the
     /// left of the eye and above
     #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::lamp)]
     pub(crate) lights: Vec<LampSpec>,
@@ -304,7 +304,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) near: Option<f32>,
 
     /// The height of the ground, an infinite plane that takes shadows and throws none; by default the models' lowest
-    /// point
+    /// point, or a little lower where they are flat
     #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::any_number)]
     pub(crate) ground: Option<f32>,
 

@@ -155,7 +155,7 @@ impl Lamp {
             return point;
         }
         let along: DVec3 = away * (height / -away.y);
-        let most = f64::from(stage.extent);
+        let most = 1.3 * f64::from(stage.extent);
         (p + along.clamp_length_max(most)).as_vec3().into()
     }
 }

@@ -89,7 +89,7 @@ impl<'a> Set<'a> {
         let stage = Stage {
             centre: centre(&bounds),
             extent: extent(&bounds),
-            ground: args.ground.unwrap_or(bounds.min[1]),
+            ground: args.ground.unwrap_or_else(|| ground(&bounds)),
         };
         let lamps = Lamp::all(args, first, &stage)?;
         let samples = args.area.map_or(1, |_| args.samples);
@@ -156,6 +156,13 @@ impl<'a> Set<'a> {
         }
         Ok(())
     }
+}
+
+/// The models' lowest point. What lies flat hovers, or the ground would be in the same plane.
+fn ground(bounds: &Bounds) -> f32 {
+    let extent = extent(bounds);
+    let is_flat = bounds.max[1] - bounds.min[1] < 0.01 * extent;
+    if is_flat { bounds.min[1] - 0.1 * extent } else { bounds.min[1] }
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
