@@ -191,7 +191,7 @@ shared_structs! {
 
     /// A light, and what the GPU chose for it and a caster.
     struct ShadowLight {
-        /// Homogeneous, scaled by a power of two.
+        /// Homogeneous, scaled so that w is 0 or a power of two.
         light: [f32; 4],
         /// The same in clip space.
         clip: [f32; 4],
@@ -203,14 +203,6 @@ shared_structs! {
         casting: u32,
         /// How is counted: 0 z-pass, 1 ZP+, 2 z-fail.
         counting: u32,
-        /// 1: the light is far beside the caster's distance from the origin.
-        is_far: u32,
-        /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
-        /// 0.
-        reserved_2: u32,
     }
 
     /// What a caster is and what the caller wants of its volumes.

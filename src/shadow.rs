@@ -6,6 +6,21 @@ use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::light::{LightError, check_lights};
 
+/// [`ShadowLight::casting`]: no face casts.
+pub const CAST_NOTHING: u32 = 0;
+/// [`ShadowLight::casting`]: the faces averted from the light cast.
+pub const CAST_AVERTED: u32 = 1;
+/// [`ShadowLight::casting`]: every face casts.
+pub const CAST_EVERY: u32 = 2;
+/// [`ShadowLight::counting`]: z-pass.
+pub const COUNT_Z_PASS: u32 = 0;
+/// [`ShadowLight::counting`]: ZP+.
+pub const COUNT_ZP_PLUS: u32 = 1;
+/// [`ShadowLight::counting`]: z-fail.
+pub const COUNT_Z_FAIL: u32 = 2;
+/// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
+pub const COUNT_AUTO: u32 = 3;
+
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Counting {
@@ -26,10 +41,10 @@ pub enum Counting {
 impl Counting {
     pub(crate) const fn code(self) -> u32 {
         match self {
-            Self::ZPass => 0,
-            Self::ZpPlus => 1,
-            Self::ZFail => 2,
-            Self::Auto => 3,
+            Self::ZPass => COUNT_Z_PASS,
+            Self::ZpPlus => COUNT_ZP_PLUS,
+            Self::ZFail => COUNT_Z_FAIL,
+            Self::Auto => COUNT_AUTO,
         }
     }
 }
@@ -66,7 +81,7 @@ pub enum CameraError {
     /// The near plane is not at right angles to the direction in which w grows.
     #[error("the camera's near plane is oblique; clip w must be constant on it")]
     Oblique,
-    /// Depth runs the other way.
+    /// Depth runs the other way. Of an orthographic camera that cannot be told.
     #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
     Backwards,
 }
@@ -89,7 +104,8 @@ impl ShadowCamera {
         };
         let length = plane.truncate().length();
         if length == 0.0 {
-            return Err(CameraError::Singular);
+            // That depth is at infinity alone.
+            return Err(CameraError::Backwards);
         }
         let plane = plane / length;
         let growth = w.truncate().dot(plane.truncate());
@@ -98,7 +114,8 @@ impl ShadowCamera {
             return Err(CameraError::Oblique);
         }
         let near_w = w.w - growth * plane.w;
-        if near_w <= 0.0 {
+        // Where w shrinks behind the plane, it is the far plane. An orthographic camera's planes are alike.
+        if near_w <= 0.0 || growth < 0.0 {
             return Err(CameraError::Backwards);
         }
         let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -123,9 +140,13 @@ impl ShadowCamera {
         })
     }
 
-    /// A light as this camera sees it; nothing chosen yet.
-    pub(crate) fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
+    /// A light as this camera sees it; nothing chosen yet. `view` is [`Self::view`] of this camera. Meaningless for lights
+    /// that are refused: all zeros, or not finite.
+    pub fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
         let given = light.to_array().map(f64::from);
+        // A w that is a power of two times a position is exact, and so is what it says of the light's place.
+        let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
+        let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
         let scaled = given.map(|c| c * power_of_two_below(largest).recip());
         // What f32 holds of it is what the shaders see.
@@ -217,6 +238,7 @@ pub(crate) fn check_shadow_lights(lights: &[RangedLight], limit: usize) -> Resul
 
 #[cfg(test)]
 mod tests {
+<<<<<<< HEAD
     use super::falloff;
 
     #[test]
@@ -225,5 +247,121 @@ mod tests {
         assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
         // No room to fall: a step.
         assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
+=======
+    use super::*;
+    use glam::{Vec4, Vec4Swizzles};
+
+    const REVERSED: DepthDirection = DepthDirection::Reversed;
+    const STANDARD: DepthDirection = DepthDirection::Standard;
+
+    /// x, y, z and w of clip space by rows, before a camera at the origin that looks along −z.
+    fn camera(z: [f32; 4], w: [f32; 4], depth: DepthDirection) -> ShadowCamera {
+        let rows = [[2.0, 0.0, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0], z, w];
+        ShadowCamera { view_projection: Mat4::from_cols_array_2d(&rows).transpose(), origin: Vec3::ZERO, depth }
+    }
+
+    const PERSPECTIVE: [f32; 4] = [0.0, 0.0, -1.0, 0.0];
+    const PARALLEL: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+    /// Near at 0.5, far at 8.5 or nowhere.
+    fn cameras() -> [ShadowCamera; 6] {
+        [
+            camera([0.0, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED),
+            camera([0.0, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD),
+            camera([0.0, 0.0, 0.0625, 0.531_25], PERSPECTIVE, REVERSED),
+            camera([0.0, 0.0, -1.0625, -0.531_25], PERSPECTIVE, STANDARD),
+            camera([0.0, 0.0, 0.125, 1.0625], PARALLEL, REVERSED),
+            camera([0.0, 0.0, -0.125, -0.0625], PARALLEL, STANDARD),
+        ]
+    }
+
+    #[test]
+    fn views_know_their_near_plane() {
+        for (number, camera) in cameras().into_iter().enumerate() {
+            let view = camera.view().expect("a good camera");
+            assert_eq!(view.near_plane, [0.0, 0.0, -1.0, -0.5], "{number}");
+            let near_w = if number < 4 { 0.5 } else { 1.0 };
+            let near_z = if camera.depth == REVERSED { 1.0 } else { 0.0 };
+            assert_eq!((view.near_w, view.near_z), (near_w, near_z), "{number}");
+            let half = [near_w / 2.0, near_w / 4.0];
+            assert_eq!(view.near_min, [-half[0], -half[1], -0.5], "{number}");
+            assert_eq!(view.near_max, [half[0], half[1], -0.5], "{number}");
+        }
+    }
+
+    #[test]
+    fn the_origin_moves_the_near_rectangle_and_the_light() {
+        for camera in cameras() {
+            let moved = ShadowCamera { origin: Vec3::new(100.0, -20.0, 3.0), ..camera };
+            let (view, moved_view) = (camera.view().expect("good"), moved.view().expect("good"));
+            for axis in 0..3 {
+                assert_eq!(moved_view.near_min[axis], view.near_min[axis] + moved.origin[axis]);
+            }
+            let at = |place: Vec3| RangedLight::from(Light::point(place.to_array()));
+            let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));
+            let moved_light = moved.light(&moved_view, at(Vec3::new(101.0, -18.0, 0.0)));
+            // Each is scaled by its own power of two.
+            let point = |light: &ShadowLight| {
+                (Vec4::from_array(light.clip) / light.light[3], light.height / light.light[3], light.range)
+            };
+            assert_eq!(point(&light), point(&moved_light));
+            assert_eq!(point(&light).1, 2.5);
+            assert_eq!(point(&light).0.xy().to_array(), [2.0, 8.0]);
+        }
+    }
+
+    #[test]
+    fn lights_have_a_weight_that_is_a_power_of_two() {
+        let camera = cameras()[0];
+        let view = camera.view().expect("good");
+        let light = |light| camera.light(&view, RangedLight { light, range: 2.0 });
+        let given = light(Light::homogeneous([9.0, 3.0, -6.0, 3.0]));
+        assert_eq!(given.light, [1.5, 0.5, -1.0, 0.5]);
+        assert_eq!((given.height, given.range), (0.75, 2.0));
+        assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).light, [0.0, 0.75, 1.0, 0.0]);
+        assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).height, -1.0);
+        assert_eq!(camera.light(&view, Light::point([0.0; 3]).into()).range, 0.0);
+    }
+
+    #[test]
+    fn cameras_that_cannot_serve_are_typed_errors() {
+        let error = |camera: ShadowCamera| camera.view().expect_err("a bad camera");
+        let infinite = cameras()[0];
+        let good = infinite.view_projection;
+        let with = |view_projection| error(ShadowCamera { view_projection, ..infinite });
+        assert_eq!(with(Mat4::ZERO), CameraError::Singular);
+        assert_eq!(with(good * f32::NAN), CameraError::Singular);
+        assert_eq!(with(good * Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))), CameraError::Singular);
+        let origin = Vec3::new(0.0, f32::INFINITY, 0.0);
+        assert_eq!(error(ShadowCamera { origin, ..infinite }), CameraError::Singular);
+        assert_eq!(error(camera([0.3, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED)), CameraError::Oblique);
+        assert_eq!(error(camera([0.3, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD)), CameraError::Oblique);
+        let backwards = |camera: ShadowCamera, depth| error(ShadowCamera { depth, ..camera });
+        // Each has its near plane at infinity or behind, or its far plane for one.
+        assert_eq!(backwards(infinite, STANDARD), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[1], REVERSED), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[2], STANDARD), CameraError::Backwards);
+        assert_eq!(backwards(cameras()[3], REVERSED), CameraError::Backwards);
+        assert_eq!(error(camera([0.0, 0.0, -1.0, 0.5], PERSPECTIVE, STANDARD)), CameraError::Backwards);
+    }
+
+    #[test]
+    fn ranges_and_weights_are_checked() {
+        let point = Light::point([1.0, 2.0, 3.0]);
+        let check = |light, range| check_shadow_lights(&[point.into(), RangedLight { light, range }], 2);
+        assert_eq!(check(point, 1.0), Ok(()));
+        assert_eq!(check(point, f32::INFINITY), Ok(()));
+        for range in [0.0, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(check(point, range), Err(ShadowLightError::Range { index: 1, range }));
+        }
+        assert!(matches!(check(point, f32::NAN), Err(ShadowLightError::Range { index: 1, range }) if range.is_nan()));
+        let negative = Light::homogeneous([1.0, 2.0, 3.0, -1.0]);
+        assert_eq!(check(negative, 1.0), Err(ShadowLightError::NegativeWeight { index: 1 }));
+        assert_eq!(check(Light::homogeneous([1.0, 2.0, 3.0, -0.0]), 1.0), Ok(()));
+        let zero = Light::homogeneous([0.0; 4]);
+        assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
+        let many = check_shadow_lights(&[point.into(); 3], 2);
+        assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
+>>>>>>> shadow
     }
 }

@@ -29,7 +29,7 @@ pub const EXACT_ARGUMENTS: Stage =
 /// Exact facing of what the facing stage left undecided.
 pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
-    files: files!["common", "positions", "determinant", "filter", "exact_facing"],
+    files: files!["common", "positions", "determinant", "filter", "exact_sign", "fixed_sign", "exact_facing"],
     entry_points: &["exact_facing"],
 };
 /// Silhouette and winding masks from facing masks, and unordered lists.

@@ -51,7 +51,8 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   for (var number = 0u; number < 8u; number++) {
     let position = box_corner(low, high, number);
     let v = corner(view, light, position);
-    let size = clip_size(view, abs(position) + abs(view.origin));
+    let q = abs(position - view.origin);
+    let size = clip_size(view, q);
     let far_size = clip_size(view, abs(light.light.w * position) + abs(light.light.xyz));
     let near_x = size.w + size.x;
     let near_y = size.w + size.y;
@@ -62,7 +63,7 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
       out.y && is_out(v.near.w - v.near.x, near_x) && is_out(v.far.w - v.far.x, far_x),
       out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
       out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
-    before = before && is_out(v.height, height_size(view, abs(position) + abs(view.origin))) &&
+    before = before && is_out(v.height, height_size(view, q)) &&
       is_out(v.rise, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
   }
   return any(out) || before;
@@ -91,9 +92,6 @@ fn choose_light(index: u32) {
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
-  let reach = max(max(abs(low), abs(high)), abs(view.origin));
-  let away = max(max(abs(light.light.x), abs(light.light.y)), abs(light.light.z));
-  light.is_far = select(0u, 1u, away >= 16.0 * light.light.w * max(max(reach.x, reach.y), reach.z));
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !boxes_meet(low, high));
     light.counting = shape.counting;

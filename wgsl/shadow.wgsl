@@ -21,7 +21,7 @@ struct ShadowView {
 
 // A light, and what the GPU chose for it and this caster.
 struct ShadowLight {
-  // Homogeneous, scaled by a power of two.
+  // Homogeneous, scaled so that w is 0 or a power of two.
   light: vec4<f32>,
   // The same in clip space, and its height over the near plane.
   clip: vec4<f32>,
@@ -31,11 +31,6 @@ struct ShadowLight {
   // Which faces cast, and how is counted.
   casting: u32,
   counting: u32,
-  // 1: the light is far, and `star` takes V as it is; 0: it takes V - L.
-  is_far: u32,
-  reserved_0: u32,
-  reserved_1: u32,
-  reserved_2: u32,
 }
 
 // What the caster is and what the caller wants.
@@ -105,16 +100,33 @@ struct Corner {
   // Its far vertex, and how that rises over the near plane.
   far: vec4<f32>,
   rise: f32,
+  // The light is farther from it than the origin: `star` takes V as it is, else V - L.
+  is_far: bool,
+}
+
+// Largest of three absolute values.
+fn size_3(a: vec3<f32>) -> f32 {
+  return max(max(abs(a.x), abs(a.y)), abs(a.z));
+}
+
+// The rise is the light's w times the height, less the light's height: so what is above the near plane rises if the
+// light is below, and what is below does not if the light is not. Rounding must not say otherwise.
+fn consistent_rise(light: ShadowLight, height: f32, rise: f32) -> f32 {
+  let below = light.height < 0.0;
+  return select(
+    select(rise, min(rise, -1e-37), !below && height < 0.0), max(rise, 0.0), below && height >= 0.0);
 }
 
 fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   let d = away(light, position);
   let q = position - view.origin;
+  let height = dot_3(view.near_plane.xyz, q) + view.near_plane.w;
   return Corner(
     to_clip(view, position),
-    dot_3(view.near_plane.xyz, q) + view.near_plane.w,
+    height,
     direction_to_clip(view, d),
-    dot_3(view.near_plane.xyz, d),
+    consistent_rise(light, height, dot_3(view.near_plane.xyz, d)),
+    size_3(d) > light.light.w * size_3(q),
   );
 }
 
@@ -133,7 +145,7 @@ fn star(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
   let s = light_side(light);
   var xy = v.far.xy * light.height - light.clip.xy * v.rise;
   var w = view.near_w * (light.light.w * v.rise);
-  if (light.is_far != 0u) {
+  if (v.is_far) {
     xy = v.near.xy * light.height - light.clip.xy * v.height;
     w = view.near_w * v.rise;
   }

@@ -3,7 +3,7 @@
 use super::Threads;
 use super::batch::{Batch, LANES};
 use super::determinant::{cross_product, difference, local_form, local_mask, normal, plane_mask};
-use super::exact_facing::exact_facing;
+use super::exact_facing::ExactFace;
 use super::filter;
 use crate::layout::LightWord;
 use crate::light::Light;
@@ -245,9 +245,12 @@ impl Face {
             return 0;
         }
         let Decision { mut facing, doubt } = self.filter_lights(word);
-        let doubt = self.leave_out_coplanar(doubt, word);
+        if doubt == 0 {
+            return facing;
+        }
+        let exact = ExactFace::new(self.a, self.b, self.c);
         for light in bits(doubt) {
-            let sign = exact_facing(self.a, self.b, self.c, word.light_bits[light].map(f32::from_bits));
+            let sign = exact.sign(word.light_bits[light].map(f32::from_bits));
             facing |= u32::from(sign > 0) << light;
             counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
         }
@@ -281,21 +284,6 @@ impl Face {
             }
         }
         decision
-    }
-
-    /// A point light in the plane of a face that lies along two axes is on neither side; of a face that is a line none
-    /// is.
-    fn leave_out_coplanar(&self, doubt: u32, word: &LightWord) -> u32 {
-        let [a, b, c] = [self.a, self.b, self.c].map(|p| p.map(f32::to_bits));
-        if a == b || a == c || b == c {
-            return 0;
-        }
-        let flat = [0, 1, 2].map(|axis| a[axis] == b[axis] && a[axis] == c[axis]);
-        let is_coplanar = |bit: &usize| {
-            let light = word.light_bits[*bit];
-            light[3] == 1.0_f32.to_bits() && (0..3).any(|axis| flat[axis] && light[axis] == a[axis])
-        };
-        bits(doubt).filter(is_coplanar).fold(doubt, |left, bit| left & !(1 << bit))
     }
 }
 

@@ -5,19 +5,35 @@
 
 mod arguments;
 mod batch;
+mod bounds;
+mod cap_faces;
+mod caps;
+mod casting;
+mod choose;
 mod compact;
 mod deform;
 mod determinant;
 mod edges;
 mod exact_arguments;
 mod exact_facing;
+mod exact_sign;
 mod extraction;
 mod facing;
 mod filter;
+mod fixed_sign;
 mod parallel;
 mod per_edge;
+mod pyramid;
+mod shadow;
+mod shadow_arguments;
+mod sides;
 
 pub use arguments::arguments;
+pub use bounds::bounds;
+pub use cap_faces::{dark_cap, light_cap, near_cap};
+pub use caps::caps;
+pub use casting::{cap_class, casts};
+pub use choose::choose;
 pub use compact::{CompactedList, WINDING, compact};
 pub use deform::{Displace, deform};
 pub use edges::{edges, silhouettes_into};
@@ -28,3 +44,8 @@ pub use facing::{FacingCounts, facing, facing_into, is_finite};
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;
+pub use shadow::{
+    Corner, away, corner, direction_to_clip, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
+};
+pub use shadow_arguments::shadow_arguments;
+pub use sides::{End, side, side_clipped};

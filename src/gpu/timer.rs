@@ -65,7 +65,7 @@ impl StageTimer {
     /// # Errors
     /// [`ReadError`] when the device is lost.
     pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, ReadError> {
-        let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
+        let ticks = self.read_ticks(device, queue)?;
         let spans = ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * self.period_ns / 1e6);
         let mut stages: Vec<(&'static str, f64)> = Vec::new();
         for (&name, ms) in self.names.iter().zip(spans) {
@@ -75,5 +75,23 @@ impl StageTimer {
             }
         }
         Ok(stages)
+    }
+
+    /// Milliseconds from the beginning of the first stage to the end of the last, what lies between stages included; as
+    /// [`Self::read`] otherwise.
+    ///
+    /// # Errors
+    /// [`ReadError`] when the device is lost.
+    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, ReadError> {
+        let ticks = self.read_ticks(device, queue)?;
+        let pairs = ticks.chunks_exact(2).take(self.names.len());
+        let first = pairs.clone().map(|pair| pair[0]).min().unwrap_or(0);
+        let last = pairs.map(|pair| pair[1]).max().unwrap_or(0);
+        Ok(last.saturating_sub(first) as f64 * self.period_ns / 1e6)
+    }
+
+    /// A beginning and an end for each pass.
+    fn read_ticks(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u64>, ReadError> {
+        read_back_vec(device, queue, &self.resolved)
     }
 }

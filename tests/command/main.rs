@@ -5,6 +5,7 @@
 
 mod archive;
 mod bad_input;
+mod bench;
 mod contract;
 mod draw;
 #[path = "../common/files.rs"]
@@ -13,7 +14,11 @@ mod info;
 mod models;
 mod npz_input;
 mod run;
+<<<<<<< HEAD
 mod shadow;
+=======
+mod schema;
+>>>>>>> shadow
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -36,7 +41,20 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
+<<<<<<< HEAD
     let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, shadow::TESTS, verify_wrong::TESTS];
+=======
+    let always = [
+        archive::TESTS,
+        usage::TESTS,
+        npz_input::TESTS,
+        contract::TESTS,
+        draw::TESTS,
+        verify_wrong::TESTS,
+        schema::TESTS,
+        bench::TESTS,
+    ];
+>>>>>>> shadow
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()

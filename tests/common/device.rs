@@ -15,12 +15,18 @@ static SHARED: Mutex<Option<Result<Arc<Gpu>, String>>> = Mutex::new(None);
 impl Gpu {
     /// A device with no optional feature and these limits.
     pub(crate) fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
+        Self::with(wgpu::Features::empty(), limits)
+    }
+
+    /// A device with these features and limits.
+    pub(crate) fn with(features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
             .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))?;
         let info = adapter.get_info();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("test"),
+            required_features: features,
             required_limits: limits,
             ..Default::default()
         }))

@@ -10,6 +10,7 @@ pub(crate) mod models;
 pub(crate) mod oracle;
 pub(crate) mod predicates;
 pub(crate) mod random;
+pub(crate) mod scenes;
 
 use std::path::PathBuf;
 

@@ -16,6 +16,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
     ("exact_facing_is_exact_on_hard_positions", hard),
     ("exact_facing_is_exact_on_any_topology", any_topology),
     ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
+    ("exact_facing_is_exact_about_the_window_of_fixed_point", window),
     ("exact_facing_survives_an_overflowing_list", overflow),
     ("exact_facing_is_exact_for_every_class_of_pairs", every_class),
 ];
@@ -128,6 +129,46 @@ fn any_magnitude() -> Result<(), String> {
                 });
                 let w = [1.0, 0.0, number(&mut random, 1.0), -1.0, 1e-30, 1e30][index % 6];
                 Light::homogeneous([x, y, z, w])
+            })
+            .collect();
+        lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));
+        check(gpu, &format!("round {round}"), &positions, &mesh, &lights, exact(lights.len()))?;
+    }
+    Ok(())
+}
+
+/// A point of a plane whose axes have scales of their own, so that coordinates span as many bits as these differ by and
+/// 22 more; exactly on the plane, or a last bit beside it.
+fn in_scaled_plane(random: &mut Random, scales: [f32; 3]) -> [f32; 3] {
+    let bits = 1 + random.below(21);
+    let [a, b] = [0; 2].map(|_| random.below(2 << bits) as f32 - (1 << bits) as f32);
+    let [x, y, z] = scales;
+    [a * x, b * y, (a - b) * z]
+}
+
+/// Fixed point takes faces of up to 46 bits and lights of up to 48 on the GPU and 96 on the CPU: spans on both sides.
+fn window() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 45;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for round in 0..if is_long() { 2000 } else { 40 } {
+        let mut exponent = |from: i32, count: usize| 2.0_f32.powi(from + random.below(count) as i32);
+        let base = exponent(-50, 60);
+        let scales = [base, base * exponent(15, 14), base * exponent(0, 30)];
+        let positions: Vec<_> = (0..40).map(|_| in_scaled_plane(&mut random, scales)).collect();
+        let faces: Vec<[u32; 3]> = (0..200).map(|_| std::array::from_fn(|_| random.below(40) as u32)).collect();
+        let mesh = Mesh::new(&positions, &faces, Weld::Keep).map_err(|e| e.to_string())?;
+        let mut lights: Vec<Light> = (0..33)
+            .map(|index| {
+                let w = [1.0, 0.0, 3.0, -1.0, random.between(0.5, 2.0), 1024.0, 1e-6][index % 7];
+                let factor = if w == 0.0 { 1.0 } else { w };
+                let mut light = in_scaled_plane(&mut random, scales).map(|c| c * factor);
+                if index % 3 == 0 {
+                    let axis = random.below(3);
+                    light[axis] = if index % 2 == 0 { light[axis].next_up() } else { light[axis].next_down() };
+                }
+                Light::homogeneous([light[0], light[1], light[2], w])
             })
             .collect();
         lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));

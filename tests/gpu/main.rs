@@ -1,6 +1,7 @@
 //! GPU tests. Without an adapter they fail; they are never passed over.
 
 mod assets;
+mod clipped;
 mod closure;
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,6 +14,7 @@ mod lights;
 mod limits;
 mod positions;
 mod refusals;
+mod shadow_stages;
 mod stages;
 mod stress;
 
@@ -35,6 +37,8 @@ fn main() {
         draw::TESTS,
         limits::TESTS,
         refusals::TESTS,
+        shadow_stages::TESTS,
+        clipped::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());

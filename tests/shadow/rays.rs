@@ -13,8 +13,10 @@ use crate::scene::{Frame, Rays};
 
 struct Triangle {
     corners: [DVec3; 3],
-    exact: [[f32; 3]; 3],
-    casts: bool,
+    /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
+    sides: Vec<i32>,
+    /// The body's number among the casters.
+    caster: Option<usize>,
     node: usize,
 }
 
@@ -39,6 +41,9 @@ impl BHShape<f64, 3> for Triangle {
     }
 }
 
+/// Casters that a frame may have.
+pub(crate) const MOST_CASTERS: usize = 12;
+
 /// What is seen through a pixel, for one light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Truth {
@@ -46,14 +51,29 @@ pub(crate) enum Truth {
     Background,
     /// The light is on the other side of the surface.
     Averted,
-    Lit,
-    /// With how many faces between.
-    Shadowed(u32),
+    /// A surface on the light's side.
+    Surface(Between),
+}
+
+/// Faces strictly between a point and a light: of each caster those averted from the light, and those that face it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Between(pub(crate) [[u16; 2]; MOST_CASTERS]);
+
+impl Between {
+    /// What the stencil holds where `every` says of which casters every face casts.
+    pub(crate) fn count(&self, every: &[bool]) -> u16 {
+        let faces = self.0.iter().zip(every);
+        faces.map(|(&[averted, facing], &every)| if every { averted + facing } else { averted }).sum()
+    }
 }
 
 impl Truth {
     pub(crate) fn is_lit(self) -> bool {
-        self == Self::Lit
+        matches!(self, Self::Surface(between) if between == Between::default())
+    }
+
+    pub(crate) fn is_shadowed(self) -> bool {
+        matches!(self, Self::Surface(between) if between != Between::default())
     }
 }
 
@@ -65,11 +85,16 @@ pub(crate) struct Tracer {
 impl Tracer {
     pub(crate) fn new(frame: &Frame) -> Self {
         let mut triangles = Vec::new();
+        let mut casters = 0;
         for body in &frame.bodies {
-            for face in &body.shape.faces {
-                let exact = face.map(|v| body.shape.positions[v as usize]);
-                let corners = exact.map(|p| DVec3::from(p.map(f64::from)));
-                triangles.push(Triangle { corners, exact, casts: body.casts, node: 0 });
+            let caster = body.casts.then_some(casters);
+            casters += usize::from(body.casts);
+            for &face in &body.shape.faces {
+                let corners = face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
+                let exact = oracle::ExactFace::new(&body.shape.positions, face);
+                let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));
+                let sides = frame.lights.iter().map(side).collect();
+                triangles.push(Triangle { corners, sides, caster, node: 0 });
             }
         }
         let bvh = Bvh::build(&mut triangles);
@@ -97,27 +122,28 @@ impl Tracer {
         let [a, b, c] = own.corners;
         let normal = (b - a).cross(c - a);
         let is_front = normal.dot(ray.1) < 0.0;
-        let truth = |light: &Light| {
-            let [x, y, z] = light.xyz.map(f64::from);
-            let w = f64::from(light.w);
-            let sign = oracle::ExactFace::new(&own.exact, [0, 1, 2]).map_or(0, |face| face.sign(*light));
-            if sign == 0 || (sign > 0) != is_front {
+        let truth = |(number, light): (usize, &Light)| {
+            let side = own.sides[number];
+            if side == 0 || (side > 0) != is_front {
                 return Truth::Averted;
             }
+            let [x, y, z] = light.xyz.map(f64::from);
+            let w = f64::from(light.w);
             let to_light = DVec3::new(x, y, z) - w * point;
             // At t = 1 / w the ray is at the light.
             let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
-            let faces = self.along(point, to_light).filter(|&triangle| {
-                let is_other = !std::ptr::eq(triangle, own) && triangle.casts;
-                let near = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
-                is_other && meeting(triangle, point, to_light).is_some_and(|t| t > near && t < end)
-            });
-            match faces.count() {
-                0 => Truth::Lit,
-                count => Truth::Shadowed(count as u32),
+            // Faces that coincide with the point's own are not strictly between.
+            let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
+            let mut between = Between::default();
+            for triangle in self.along(point, to_light) {
+                let Some(caster) = triangle.caster.filter(|_| !std::ptr::eq(triangle, own)) else { continue };
+                if meeting(triangle, point, to_light).is_some_and(|t| t > begin && t < end) {
+                    between.0[caster][usize::from(triangle.sides[number] > 0)] += 1;
+                }
             }
+            Truth::Surface(between)
         };
-        lights.iter().map(truth).collect()
+        lights.iter().enumerate().map(truth).collect()
     }
 }
 

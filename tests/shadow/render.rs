@@ -5,7 +5,7 @@ use rimline::gpu::{
     read_back_vec,
 };
 use rimline::layout::{ShadowLight, ShadowStatistics};
-use rimline::{Counting, Mesh, RangedLight};
+use rimline::{Counting, DepthDirection, Mesh, RangedLight};
 
 use crate::common::device::Gpu;
 use crate::scene::Frame;
@@ -44,7 +44,7 @@ struct Out { @invariant @builtin(position) clip: vec4<f32> }
 ";
 
 pub(crate) struct Renderer<'a> {
-    gpu: &'a Gpu,
+    pub(crate) gpu: &'a Gpu,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
     pub(crate) options: ShadowOptions,
@@ -64,7 +64,12 @@ impl<'a> Renderer<'a> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         let gpu = self.gpu;
         let camera = frame.eye.camera();
-        let shadow_format = ShadowFormat { depth_stencil: self.format, ..ShadowFormat::default() };
+        let shadow_format = ShadowFormat {
+            depth_stencil: self.format,
+            depth: frame.eye.depth,
+            has_far_plane: frame.eye.far.is_some(),
+            ..ShadowFormat::default()
+        };
         let pipelines = ShadowPipelines::new(&gpu.device, &shadow_format, counting).map_err(|error| text(&error))?;
         let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depth and stencil"),
@@ -139,6 +144,7 @@ impl<'a> Renderer<'a> {
     fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
         let device = &self.gpu.device;
         let camera = frame.eye.camera();
+        let is_reversed = frame.eye.depth == DepthDirection::Reversed;
         let mut uniform: Vec<f32> = camera.view_projection.to_cols_array().to_vec();
         uniform.extend(camera.origin.to_array());
         uniform.push(f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered)));
@@ -170,7 +176,11 @@ impl<'a> Renderer<'a> {
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: self.format,
                 depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
+                depth_compare: Some(if is_reversed {
+                    wgpu::CompareFunction::Greater
+                } else {
+                    wgpu::CompareFunction::Less
+                }),
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
@@ -201,7 +211,8 @@ impl<'a> Renderer<'a> {
             mapped_at_creation: false,
         });
         self.gpu.queue.write_buffer(&vertices, 0, bytemuck::cast_slice(&corners));
-        let mut pass = encoder.begin_render_pass(&attachment(view, wgpu::LoadOp::Clear(0.0)));
+        let mut pass =
+            encoder.begin_render_pass(&attachment(view, wgpu::LoadOp::Clear(if is_reversed { 0.0 } else { 1.0 })));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, vertices.slice(..));

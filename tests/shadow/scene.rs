@@ -40,7 +40,7 @@ impl Body {
     }
 }
 
-/// Eye, direction and near distance; 60° high and wide, an infinite far plane.
+/// Eye, direction and near distance; 60° high and wide.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eye {
     pub(crate) place: DVec3,
@@ -48,6 +48,9 @@ pub(crate) struct Eye {
     pub(crate) near: f64,
     /// Positions are taken relative to the eye.
     pub(crate) is_relative: bool,
+    pub(crate) depth: DepthDirection,
+    /// The distance of the far plane, if there is one; only with standard depth.
+    pub(crate) far: Option<f64>,
 }
 
 impl Eye {
@@ -66,8 +69,14 @@ impl Eye {
         let scale = 1.0 / 30_f64.to_radians().tan();
         let row = |axis: DVec3| axis.extend(-axis.dot(from));
         let [x, y, w] = [row(right) * scale, row(up) * scale, row(forward)];
-        let matrix = DMat4::from_cols(x, y, DVec4::new(0.0, 0.0, 0.0, self.near), w).transpose();
-        ShadowCamera { view_projection: matrix.as_mat4(), origin, depth: DepthDirection::Reversed }
+        let unit = DVec4::W;
+        let z = match (self.depth, self.far) {
+            (DepthDirection::Reversed, _) => unit * self.near,
+            (DepthDirection::Standard, None) => w - unit * self.near,
+            (DepthDirection::Standard, Some(far)) => (w - unit * self.near) * (far / (far - self.near)),
+        };
+        let matrix = DMat4::from_cols(x, y, z, w).transpose();
+        ShadowCamera { view_projection: matrix.as_mat4(), origin, depth: self.depth }
     }
 }
 
@@ -85,21 +94,28 @@ pub(crate) struct Rays {
     inverse: DMat4,
     origin: DVec3,
     size: f64,
+    near_z: f64,
 }
 
 impl Rays {
     pub(crate) fn new(camera: &ShadowCamera, size: u32) -> Self {
         let matrix: Mat4 = camera.view_projection;
-        Self { inverse: matrix.as_dmat4().inverse(), origin: camera.origin.as_dvec3(), size: f64::from(size) }
+        Self {
+            inverse: matrix.as_dmat4().inverse(),
+            origin: camera.origin.as_dvec3(),
+            size: f64::from(size),
+            near_z: f64::from(u8::from(camera.depth == DepthDirection::Reversed)),
+        }
     }
 
     /// Where a pixel's ray begins, on the near plane, and its direction.
     pub(crate) fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
         let ndc = |pixel: u32| (f64::from(pixel) + 0.5) / self.size * 2.0 - 1.0;
         let (x, y) = (ndc(x), -ndc(y));
-        let near = self.inverse * DVec4::new(x, y, 1.0, 1.0);
-        // Infinitely far points have w = 0: a direction.
-        let far = self.inverse * DVec4::new(x, y, 0.0, 1.0);
-        (near.truncate() / near.w + self.origin, far.truncate().normalize())
+        let near = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
+        // Half way to the far plane, wherever that is.
+        let beyond = self.inverse * DVec4::new(x, y, 0.5, 1.0);
+        let [near, beyond] = [near, beyond].map(|p| p.truncate() / p.w);
+        (near + self.origin, (beyond - near).normalize())
     }
 }

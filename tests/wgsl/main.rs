@@ -9,16 +9,21 @@ use std::process::Command;
 use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
-use rimline::stages::{DEFORM, INCLUDES, STAGES};
+use rimline::stages::{CAP_FACES, DEFORM, INCLUDES, SIDES, STAGES, Stage};
 
 type Outcome = Result<(), String>;
+/// Modules of vertex shaders, which no compute pipeline is made of.
+const VERTEX_STAGES: [Stage; 2] = [SIDES, CAP_FACES];
+
 /// A test's name and body.
 type Test = (&'static str, fn() -> Outcome);
 
 fn main() {
-    let tests: [Test; 6] = [
+    let tests: [Test; 8] = [
         ("every_file_is_a_stage_or_an_include", files),
         ("stages_have_twins_and_entry_points_of_their_name", names),
+        ("vertex_shaders_have_twins", vertex_shaders),
+        ("constants_are_those_of_rust", constants),
         ("wgsl_composes", composes),
         ("layouts_are_those_of_rust", layouts::layouts),
         ("layouts_cover_every_bound_struct", layouts::bound_structs),
@@ -41,7 +46,7 @@ fn text<E: std::fmt::Display>(error: E) -> String {
 }
 
 fn check_files(found: &BTreeSet<String>) -> Outcome {
-    let in_stages = STAGES.iter().flat_map(|stage| stage.files).map(|(name, _)| *name);
+    let in_stages = STAGES.iter().chain(&VERTEX_STAGES).flat_map(|stage| stage.files).map(|(name, _)| *name);
     let known: BTreeSet<String> =
         in_stages.chain(INCLUDES.iter().map(|(name, _)| *name)).map(|name| format!("{name}.wgsl")).collect();
     if *found == known {
@@ -93,8 +98,74 @@ fn names() -> Outcome {
     Ok(())
 }
 
-fn composed_stage(stage: &rimline::stages::Stage) -> String {
-    if *stage == DEFORM { rimline::displace::plain_deform_wgsl() } else { stage.wgsl() }
+fn composed_stage(stage: &Stage) -> String {
+    match *stage {
+        DEFORM => rimline::displace::plain_deform_wgsl(),
+        SIDES => format!("{}\n{}", stage.wgsl(), rimline::gpu::include_wgsl(1)),
+        _ => stage.wgsl(),
+    }
+}
+
+fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {
+    let (module, _) = validated(&composed_stage(stage))?;
+    let entry_points = module.entry_points.iter().filter(|entry| entry.stage == naga::ShaderStage::Vertex);
+    let found: Vec<_> = entry_points.map(|entry| entry.name.as_str()).collect();
+    if found != stage.entry_points {
+        return Err(format!("{}: vertex shaders {found:?}, listed {:?}", stage.name, stage.entry_points));
+    }
+    if stage.files.last().map(|(name, _)| *name) != Some(stage.name) {
+        return Err(format!("{}: its own file comes last", stage.name));
+    }
+    match found.iter().find(|name| !twin.contains(&format!("pub fn {name}("))) {
+        Some(name) => Err(format!("{}: the twin has no public function {name}", stage.name)),
+        None => Ok(()),
+    }
+}
+
+/// A vertex shader's twin is a function of its name, in the file of its module's.
+fn vertex_shaders() -> Outcome {
+    for stage in VERTEX_STAGES {
+        let twin = root().join("src/cpu").join(format!("{}.rs", stage.name));
+        let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
+        check_vertex_shaders(&stage, &twin)?;
+        let other = twin.replace(&format!("pub fn {}(", stage.entry_points[1]), "pub fn other(");
+        if check_vertex_shaders(&stage, &other).is_ok() {
+            return Err(format!("negative control: {} without a twin went unnoticed", stage.entry_points[1]));
+        }
+    }
+    Ok(())
+}
+
+fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
+    for (name, value) in listed {
+        let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+        let found = found.map(|(_, constant)| &module.global_expressions[constant.init]);
+        if !matches!(found, Some(naga::Expression::Literal(naga::Literal::U32(found))) if found == value) {
+            return Err(format!("{name}: WGSL has {found:?}, Rust {value}"));
+        }
+    }
+    Ok(())
+}
+
+/// What `casting` and `counting` of shared structs may hold.
+fn constants() -> Outcome {
+    use rimline::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
+    use rimline::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS};
+    let listed = [
+        ("CAST_NOTHING", CAST_NOTHING),
+        ("CAST_AVERTED", CAST_AVERTED),
+        ("CAST_EVERY", CAST_EVERY),
+        ("COUNT_Z_PASS", COUNT_Z_PASS),
+        ("COUNT_ZP_PLUS", COUNT_ZP_PLUS),
+        ("COUNT_Z_FAIL", COUNT_Z_FAIL),
+        ("COUNT_AUTO", COUNT_AUTO),
+    ];
+    let (module, _) = validated(&composed_stage(&SIDES))?;
+    check_constants(&module, &listed)?;
+    match check_constants(&module, &[("COUNT_AUTO", COUNT_Z_FAIL)]) {
+        Ok(()) => Err("negative control: a wrong constant went unnoticed".to_owned()),
+        Err(_) => Ok(()),
+    }
 }
 
 const DISPLACE: &str = "
@@ -118,7 +189,8 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// Every module that a pipeline may be made of, by name.
 fn modules() -> Result<Vec<(String, String)>, String> {
-    let mut modules: Vec<_> = STAGES.iter().map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
+    let mut modules: Vec<_> =
+        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
     let displaced = Displacement::new(DISPLACE).map_err(text)?.deform_wgsl();
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);

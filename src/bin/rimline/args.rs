@@ -6,7 +6,12 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use rimline::Counting;
 use rimline::mesh::Weld;
 
+<<<<<<< HEAD
 use crate::spec::{self, AreaSpec, LampSpec, LightSpec};
+=======
+use crate::bench::args::BenchArgs;
+use crate::spec::{self, LightSpec};
+>>>>>>> shadow
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]
@@ -22,7 +27,7 @@ software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy 
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
-5 `verify` found other bits.";
+5 `verify` found other bits, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -40,6 +45,8 @@ pub(crate) enum Command {
     Devices(DevicesArgs),
     /// Check that this machine's devices find the very bits that a folder of extractions holds
     Verify(VerifyArgs),
+    /// Measure run time against error on this machine, and make a report with plots
+    Bench(BenchArgs),
 }
 
 /// The model and how its vertices are joined.

@@ -49,7 +49,7 @@ fn limits(limits: &wgpu::Limits) -> [(&'static str, &'static str, u64); 6] {
     ]
 }
 
-fn kind_name(kind: wgpu::DeviceType) -> &'static str {
+pub(crate) fn kind_name(kind: wgpu::DeviceType) -> &'static str {
     match kind {
         wgpu::DeviceType::DiscreteGpu => "discrete GPU",
         wgpu::DeviceType::IntegratedGpu => "integrated GPU",

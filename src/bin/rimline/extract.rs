@@ -2,7 +2,7 @@
 
 pub(crate) mod arrays;
 mod on_cpu;
-mod on_gpu;
+pub(crate) mod on_gpu;
 mod report;
 
 use rimline::cpu::FacingCounts;

@@ -33,6 +33,9 @@ pub(crate) enum Failure {
     /// `verify` could not do all of its checks.
     #[error("{count} of the checks could not be done; the first: {first}")]
     Unchecked { count: usize, first: Box<Failure> },
+    /// Ctrl-C, after what there was has been written.
+    #[error("stopped; what was finished is kept")]
+    Interrupted,
     /// The result could not be written.
     #[error("{}: cannot be written: {source}", .file.display())]
     Output {
@@ -88,6 +91,7 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
+<<<<<<< HEAD
     #[error(transparent)]
     ShadowLights(ShadowLightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
@@ -102,6 +106,12 @@ pub(crate) enum UsageError {
     NoAnimation,
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
+=======
+    #[error("there is nothing to measure; give --meshes or --scenes something other than `none`")]
+    NothingToMeasure,
+    #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
+    Scene { wanted: String, there: String },
+>>>>>>> shadow
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
@@ -136,7 +146,7 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 130 stopped.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Input { .. } => 1,
@@ -145,6 +155,8 @@ impl Failure {
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => return first.exit_code(),
+            // 128 and the number of the signal, as shells have it.
+            Self::Interrupted => 130,
         })
     }
 }

@@ -1,7 +1,9 @@
-//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices.
+//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices, measure.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
+mod bench;
+mod chart;
 mod device;
 mod devices;
 mod displacement;
@@ -15,6 +17,7 @@ mod info;
 mod input;
 mod npz;
 mod output;
+mod page;
 mod positions;
 mod progress;
 mod render;
@@ -54,5 +57,6 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Shadow(args) => shadow::run(args),
         Command::Film(args) => film::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Bench(args) => bench::run(args),
     }
 }

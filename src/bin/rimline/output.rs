@@ -3,6 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 use crate::failure::Failure;
@@ -86,11 +87,34 @@ fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     }
 }
 
+/// Whether Ctrl-C is to be noticed instead of obeyed at once, and whether it came.
+static IS_FINISHING: AtomicBool = AtomicBool::new(false);
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
+/// what it has; the second ends the command.
+pub(crate) fn finish_at_interrupt() {
+    remove_at_interrupt();
+    IS_FINISHING.store(true, Ordering::SeqCst);
+}
+
+/// Whether Ctrl-C came.
+pub(crate) fn is_interrupted() -> bool {
+    IS_INTERRUPTED.load(Ordering::SeqCst)
+}
+
 fn remove_at_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = || {
+<<<<<<< HEAD
             remove_unfinished(|_| true);
+=======
+            if IS_FINISHING.load(Ordering::SeqCst) && !IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
+                return;
+            }
+            remove_unfinished();
+>>>>>>> shadow
             // 128 and the number of the signal, as shells have it.
             std::process::exit(130);
         };

@@ -5,13 +5,23 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::output::note;
+
 /// A line on standard error that says what is being done; hidden where that is not a terminal.
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
     pub(crate) fn start() -> Self {
-        let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+        Self::with(ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}")
+    }
+
+    /// A bar for so many rows.
+    pub(crate) fn rows(count: usize) -> Self {
+        Self::with(ProgressBar::new(count as u64), "{wide_bar} {pos}/{len}, {eta} left: {msg}")
+    }
+
+    fn with(bar: ProgressBar, template: &str) -> Self {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         if !bar.is_hidden() {
@@ -38,6 +48,14 @@ impl Progress {
     /// Says what is done from now on.
     pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);
+    }
+
+    /// Counts a row as done; where there is no terminal for a bar, a line says so.
+    pub(crate) fn advance(&self, what: &str) {
+        self.0.inc(1);
+        if self.0.is_hidden() {
+            note(&format!("{}/{} {what}", self.0.position(), self.0.length().unwrap_or_default()));
+        }
     }
 
     /// Runs what prints to the terminal, the line out of its way.

@@ -112,7 +112,11 @@ impl<'s> Job<'_, 's> {
     }
 }
 
-fn read_planes<T: bytemuck::Pod>(gpu: &Gpu, buffers: &[wgpu::Buffer], items: usize) -> Result<Vec<T>, ReadError> {
+pub(crate) fn read_planes<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    buffers: &[wgpu::Buffer],
+    items: usize,
+) -> Result<Vec<T>, ReadError> {
     let mut all = Vec::new();
     for buffer in buffers {
         // A buffer may be longer than what it holds.

@@ -1,0 +1,75 @@
+//! What `rimline bench` is asked.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::args::DeviceArgs;
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct BenchArgs {
+    /// Smaller meshes, one scene of each class, fewer rounds: less than a minute
+    #[arg(long)]
+    pub(crate) quick: bool,
+
+    /// A folder for the report: index.html, its plots as PNG, data.json; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
+
+    /// Where to write the data; --schema describes them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+
+    /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
+    pub(crate) meshes: Option<Vec<Faces>>,
+
+    /// Names of stress scenes, `all` or `none` [default: all]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub(crate) scenes: Option<Vec<String>>,
+
+    /// Faces of a stress scene, about [default: 65,536]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
+    pub(crate) scene_faces: Option<u32>,
+
+    /// Numbers of lights [default: 1, 8 and 32; of stress scenes 8]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) lights: Option<Vec<u16>>,
+
+    /// Counted runs of each method, at most; slow rows have fewer, but 5 (quick: 3) [default: 21 (quick: 9)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(crate) rounds: Option<u16>,
+
+    /// Print the JSON Schema of the data, and measure nothing
+    #[arg(long)]
+    pub(crate) schema: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  rimline bench --quick --report report
+  rimline bench --report report --json figures.json
+  rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third --rounds 5
+
+All methods of a mesh and number of lights run in turn, round by round. Errors are bits that differ from \
+exact arithmetic, and vertices at which loops stay open. Ctrl-C ends the run; report and data then hold \
+the rows that were finished, and say so, and the exit code is 130.";
+
+/// A number of faces, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Faces {
+    None,
+    Count(usize),
+}
+
+fn parse_meshes(text: &str) -> Result<Faces, String> {
+    match text.parse() {
+        _ if text == "none" => Ok(Faces::None),
+        Ok(count @ 1..=16_777_216) => Ok(Faces::Count(count)),
+        _ => Err("give numbers of faces up to 16,777,216, or `none`".to_owned()),
+    }
+}

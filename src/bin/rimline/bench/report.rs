@@ -1,0 +1,116 @@
+//! Where the results go: JSON, a page, plots.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::args::BenchArgs;
+use super::figures;
+use super::machine::Adapter;
+use super::results::Results;
+use super::text::grouped;
+use crate::chart::{Target, write_png};
+use crate::failure::Failure;
+use crate::output::{Output, note};
+use crate::page::{Fact, Page};
+
+/// The files that the command line asks for.
+pub(super) struct Destination {
+    folder: Option<PathBuf>,
+    json: Option<PathBuf>,
+}
+
+impl Destination {
+    /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
+    pub(super) fn new(args: &BenchArgs) -> Result<Self, Failure> {
+        if let Some(folder) = &args.report {
+            std::fs::create_dir_all(folder).map_err(|source| Failure::Output { file: folder.clone(), source })?;
+            drop(Output::create(&folder.join("index.html"))?);
+        }
+        if let Some(file) = &args.json {
+            drop(Output::create(file)?);
+        }
+        Ok(Self { folder: args.report.clone(), json: args.json.clone() })
+    }
+
+    pub(super) fn write(&self, results: &Results) -> Result<(), Failure> {
+        let data = format!("{:#}\n", results.json());
+        if let Some(file) = &self.json {
+            write(file, data.as_bytes())?;
+        }
+        let Some(folder) = &self.folder else { return Ok(()) };
+        write(&folder.join("data.json"), data.as_bytes())?;
+        let page = page(results);
+        let origin = origin(results);
+        for figure in page.sections.iter().flat_map(|section| &section.figures) {
+            if let Some(chart) = &figure.chart {
+                let svg = chart.svg(Target::File { title: &figure.title, origin: &origin });
+                Output::create(&folder.join(format!("{}.png", figure.id)))?.finish(|file| write_png(&svg, file))?;
+            }
+        }
+        let index = folder.join("index.html");
+        write(&index, page.html().as_bytes())?;
+        note(&format!("the report is {}", index.display()));
+        Ok(())
+    }
+}
+
+fn write(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    Output::create(file)?.finish(|output| output.write_all(bytes))
+}
+
+/// The line below a plot that travels alone.
+fn origin(results: &Results) -> String {
+    let device = results.adapter.as_ref().map_or_else(|| "no GPU".to_owned(), Adapter::line);
+    let machine = &results.machine;
+    let day = machine.date.get(..10).unwrap_or_default();
+    let origin = format!(
+        "{device} · {}, {} threads · Rimline {} · {day}",
+        machine.cpu,
+        machine.threads,
+        env!("CARGO_PKG_VERSION")
+    );
+    // The line has room for about so many letters.
+    if origin.chars().count() > 165 { format!("{}…", origin.chars().take(164).collect::<String>()) } else { origin }
+}
+
+fn page(results: &Results) -> Page {
+    let mut facts = Vec::new();
+    let mut fact = |name: &'static str, value: String| facts.push(Fact { name, value });
+    match &results.adapter {
+        None => fact("GPU", "none; only the CPU was measured".to_owned()),
+        Some(adapter) => {
+            fact("GPU", format!("{} ({})", adapter.name, adapter.kind));
+            fact("Backend and driver", format!("{}, {}", adapter.backend, adapter.driver));
+            let clock = if adapter.has_timestamps {
+                "the GPU's own timestamps"
+            } else {
+                "the wall clock: it has no timestamps"
+            };
+            fact("GPU times by", clock.to_owned());
+            fact("Copies", format!("{:.1} GB/s, read and written bytes counted", adapter.copy_gb_per_s));
+        }
+    }
+    let machine = &results.machine;
+    fact("CPU", format!("{}, {} threads", machine.cpu, machine.threads));
+    fact("System", machine.os.clone());
+    fact("Rimline", env!("CARGO_PKG_VERSION").to_owned());
+    fact("Date", machine.date.replace('T', " ").replace('Z', " UTC"));
+    let mut notices = Vec::new();
+    if !results.is_complete() {
+        let [done, planned] = [results.rows.len(), results.planned_rows].map(grouped);
+        notices.push(format!("This run was stopped: {done} of {planned} rows are measured, and shown."));
+    }
+    if !machine.is_optimised {
+        notices.push("This build was not optimised: its CPU times mean nothing.".to_owned());
+    }
+    Page {
+        title: "Silhouettes: run time against error".to_owned(),
+        lead: "Which edges of a mesh are silhouettes, found by Rimline in exact arithmetic and by the methods before it. \
+               Wrong is what differs from exact arithmetic on the positions as they lie in memory; a loop is open where \
+               silhouettes do not close at a vertex, which tears a shadow volume."
+            .to_owned(),
+        facts,
+        notices,
+        sections: vec![figures::extraction(results)],
+    }
+}

@@ -1,0 +1,107 @@
+//! Numbers and rows as text.
+
+use std::fmt::Write as _;
+
+use super::method::{GPU_FAST, PER_EDGE};
+use super::results::Row;
+
+/// 1048576 as `1,048,576`.
+pub(crate) fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Three figures that count.
+pub(crate) fn figures(number: f64) -> String {
+    match number.abs() {
+        _ if !number.is_finite() => "–".to_owned(),
+        0.0 => "0".to_owned(),
+        size if size >= 99.95 => grouped(number.round() as usize),
+        size if size >= 9.995 => format!("{number:.1}"),
+        size if size >= 0.9995 => format!("{number:.2}"),
+        size if size >= 0.0995 => format!("{number:.3}"),
+        size if size >= 0.001 => format!("{number:.4}"),
+        _ => format!("{number:.1e}"),
+    }
+}
+
+/// A tick of an axis: no more figures than it needs.
+pub(crate) fn tick(value: f64) -> String {
+    match value {
+        v if v >= 1e6 => format!("{} M", short(v / 1e6)),
+        v if v >= 1e4 => format!("{} k", short(v / 1e3)),
+        v if v >= 1e3 => grouped(v.round() as usize),
+        v => short(v),
+    }
+}
+
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A ratio's tick.
+pub(crate) fn times(value: f64) -> String {
+    format!("{}×", short(value))
+}
+
+/// A row for the terminal.
+pub(crate) fn row(row: &Row) -> String {
+    let subject = &row.subject;
+    let mut text = format!(
+        "{}, {} faces, {} {}\n  {:<36} {:>9}  {:^21} {:>4} {:>9} {:>8} {:>9} {:>10} {:>8}\n",
+        subject.name,
+        grouped(subject.faces),
+        row.lights,
+        if row.lights == 1 { "light" } else { "lights" },
+        "",
+        "median ms",
+        "quartiles",
+        "runs",
+        "÷ 2003",
+        "÷ f32",
+        "facing",
+        "silhouette",
+        "open"
+    );
+    for entry in &row.entries {
+        let id = entry.contestant.id;
+        let Some(time) = entry.time() else { continue };
+        let fast = if entry.contestant.is_gpu() { GPU_FAST } else { entry.contestant.compared_to[0] };
+        let ratio = |to: &str| row.ratio(id, to).map_or_else(String::new, |ratio| format!("{:.2}", ratio.median));
+        let _ = writeln!(
+            text,
+            "  {:<36} {:>9}  {:>9} … {:<9} {:>4} {:>9} {:>8} {:>9} {:>10} {:>8}",
+            entry.contestant.name,
+            figures(time.median),
+            figures(time.quartiles.0),
+            figures(time.quartiles.1),
+            time.count,
+            ratio(PER_EDGE),
+            ratio(fast),
+            entry.score.wrong_facing_bits,
+            entry.score.wrong_silhouette_bits,
+            entry.score.unclosed_vertices
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_grouped() {
+        assert_eq!([grouped(0), grouped(999), grouped(1_048_576)], ["0", "999", "1,048,576"]);
+        assert_eq!([1.0, 0.5, 0.01, 20_000.0, 3e6].map(tick), ["1", "0.5", "0.01", "20 k", "3 M"]);
+        assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(figures), ["1,235", "12.3", "1.20", "0.123", "0"]);
+    }
+}

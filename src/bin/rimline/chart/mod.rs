@@ -1,0 +1,57 @@
+//! Plots as SVG: curves and points in a plane, and rows of bars. One drawing serves the report's page, where colours are
+//! CSS variables, and its PNG files, where they are fixed. What is plotted comes from elsewhere; nothing here knows of
+//! silhouettes.
+
+mod axis;
+mod bars;
+mod raster;
+mod svg;
+mod xy;
+
+pub(crate) use axis::{Axis, Scale};
+pub(crate) use bars::{Bars, BarsKind, Group, Value};
+pub(crate) use raster::write_png;
+pub(crate) use svg::{PALETTE, escape};
+pub(crate) use xy::{Curve, Plane, Point, ZeroBand};
+
+/// A plot of either kind.
+#[derive(Clone, Debug)]
+pub(crate) enum Chart {
+    /// Two axes, curves or points.
+    Plane(Plane),
+    /// A row for each thing, one horizontal axis.
+    Bars(Bars),
+}
+
+/// What several marks of a plot have in common: a name in the legend, a colour and a shape of their own, so that colour
+/// is never the only difference.
+#[derive(Clone, Debug)]
+pub(crate) struct Key {
+    pub(crate) name: String,
+    /// Index into the palette.
+    pub(crate) colour: usize,
+    /// Index into the marker shapes.
+    pub(crate) shape: usize,
+    /// Marks are drawn hollow, lines dashed.
+    pub(crate) hollow: bool,
+}
+
+/// Where a drawing goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target<'a> {
+    /// The page, whose text says what the plot is.
+    Page,
+    /// A file by itself, with a heading and a line below that says where the figures are from.
+    File { title: &'a str, origin: &'a str },
+}
+
+impl Chart {
+    /// The drawing.
+    pub(crate) fn svg(&self, target: Target<'_>) -> String {
+        match self {
+            Self::Plane(plane) => plane.draw(target),
+            Self::Bars(bars) => bars.draw(target),
+        }
+        .finish()
+    }
+}

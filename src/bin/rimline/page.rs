@@ -1,0 +1,150 @@
+//! A report as one HTML file: no script, nothing from elsewhere, light or dark as the reader's system has it.
+
+use std::fmt::Write as _;
+
+use crate::chart::{Chart, PALETTE, Target, escape};
+
+/// The whole page.
+pub(crate) struct Page {
+    pub(crate) title: String,
+    pub(crate) lead: String,
+    /// On which machine, with what, when.
+    pub(crate) facts: Vec<Fact>,
+    /// What a reader must know first.
+    pub(crate) notices: Vec<String>,
+    pub(crate) sections: Vec<Section>,
+}
+
+/// A line of the page's head.
+pub(crate) struct Fact {
+    pub(crate) name: &'static str,
+    pub(crate) value: String,
+}
+
+/// A part of the page.
+pub(crate) struct Section {
+    pub(crate) title: String,
+    pub(crate) lead: String,
+    pub(crate) figures: Vec<Figure>,
+}
+
+/// A plot with its figures as a table, or a table alone.
+pub(crate) struct Figure {
+    /// Also the name of its PNG file.
+    pub(crate) id: &'static str,
+    pub(crate) title: String,
+    /// How to read it.
+    pub(crate) lead: String,
+    pub(crate) chart: Option<Chart>,
+    pub(crate) table: Table,
+}
+
+/// Rows of text; the first cell of each says what the row is.
+pub(crate) struct Table {
+    pub(crate) head: Vec<String>,
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+const STYLE: &str = include_str!("page/style.css");
+
+impl Page {
+    pub(crate) fn html(&self) -> String {
+        let mut html = String::new();
+        let title = escape(&self.title);
+        let _ = write!(
+            html,
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n\
+             <style>\n{}{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<p class=\"lead\">{}</p>\n<dl>\n",
+            palette(),
+            escape(&self.lead)
+        );
+        for Fact { name, value } in &self.facts {
+            let _ = writeln!(html, "<div><dt>{}</dt><dd>{}</dd></div>", escape(name), escape(value));
+        }
+        html.push_str("</dl>\n");
+        for notice in &self.notices {
+            let _ = writeln!(html, "<p class=\"notice\" role=\"note\">{}</p>", escape(notice));
+        }
+        html.push_str("</header>\n<main>\n");
+        for section in &self.sections {
+            let _ = writeln!(
+                html,
+                "<section>\n<h2>{}</h2>\n<p class=\"lead\">{}</p>",
+                escape(&section.title),
+                escape(&section.lead)
+            );
+            section.figures.iter().for_each(|figure| figure.write(&mut html));
+            html.push_str("</section>\n");
+        }
+        html.push_str("</main>\n</body>\n</html>\n");
+        html
+    }
+}
+
+/// The keys' colours as variables, for a light and a dark ground.
+fn palette() -> String {
+    let list = |choose: fn(&(&'static str, &'static str)) -> &'static str| {
+        PALETTE.iter().enumerate().fold(String::new(), |mut list, (index, colour)| {
+            let _ = write!(list, "--key{index}: {}; ", choose(colour));
+            list
+        })
+    };
+    format!(
+        ":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n",
+        list(|colour| colour.0),
+        list(|colour| colour.1)
+    )
+}
+
+impl Figure {
+    fn write(&self, html: &mut String) {
+        let Self { id, title, lead, chart, table } = self;
+        let title = escape(title);
+        let _ = writeln!(html, "<figure id=\"{id}\">\n<h3>{title}</h3>\n<p>{}</p>", escape(lead));
+        match chart {
+            Some(chart) => {
+                let svg = chart.svg(Target::Page).replacen(
+                    "<svg ",
+                    &format!("<svg role=\"img\" aria-label=\"{title}; the table below has its figures\" "),
+                    1,
+                );
+                let _ = write!(
+                    html,
+                    "<div class=\"plot\">\n{svg}</div>\n<details>\n<summary>The figures as a table</summary>\n"
+                );
+                table.write(html, &title);
+                html.push_str("</details>\n");
+            }
+            None => table.write(html, &title),
+        }
+        html.push_str("</figure>\n");
+    }
+}
+
+impl Table {
+    fn write(&self, html: &mut String, caption: &str) {
+        let _ = write!(
+            html,
+            "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>"
+        );
+        for head in &self.head {
+            let _ = write!(html, "<th scope=\"col\">{}</th>", escape(head));
+        }
+        html.push_str("</tr></thead>\n<tbody>\n");
+        for row in &self.rows {
+            html.push_str("<tr>");
+            for (at, cell) in row.iter().enumerate() {
+                let cell = escape(cell);
+                let _ = match (at, &*cell) {
+                    (0, _) => write!(html, "<th scope=\"row\">{cell}</th>"),
+                    (_, "0") => write!(html, "<td class=\"zero\">0</td>"),
+                    _ => write!(html, "<td>{cell}</td>"),
+                };
+            }
+            html.push_str("</tr>\n");
+        }
+        html.push_str("</tbody>\n</table>\n</div>\n");
+    }
+}

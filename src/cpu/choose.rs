@@ -1,0 +1,104 @@
+//! Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone.
+
+use glam::Vec3;
+
+use super::bounds::unordered;
+use super::pyramid::{SLACK, clip_size, height_size, is_out, misses_pyramid};
+use super::shadow::{corner, dot_3, near_plane};
+use crate::layout::{ShadowLight, ShadowShape, ShadowView};
+use crate::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+
+/// A box by its lowest and its highest corner.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    fn corners(self) -> [[f32; 3]; 8] {
+        std::array::from_fn(|number| {
+            std::array::from_fn(|axis| if number >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] })
+        })
+    }
+}
+
+/// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
+/// [`super::bounds`]). Returns the caps stage's workgroups, along x, y and z for each word of lights.
+pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
+    let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
+    for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
+        for light in word {
+            choose_light(shape, view, bounds, light);
+            if light.casting != CAST_NOTHING && light.counting != COUNT_Z_PASS {
+                *dispatch = [shape.cap_groups, 1, 1];
+            }
+        }
+    }
+    dispatches
+}
+
+fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light: &mut ShadowLight) {
+    (light.casting, light.counting) = (CAST_NOTHING, COUNT_Z_PASS);
+    let [low_x, low_y, low_z, high_x, high_y, high_z] = bounds;
+    if low_x > high_x {
+        return;
+    }
+    let caster = Bounds {
+        low: Vec3::from([low_x, low_y, low_z].map(unordered)),
+        high: Vec3::from([high_x, high_y, high_z].map(unordered)),
+    };
+    if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
+        return;
+    }
+    light.casting = if shape.averted != 0 && !boxes_meet(view, caster) { CAST_AVERTED } else { CAST_EVERY };
+    light.counting = match shape.counting {
+        COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
+        COUNT_AUTO => COUNT_ZP_PLUS,
+        asked => asked,
+    };
+}
+
+/// Whether the box lies wholly beyond the light's range.
+fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
+    let [x, y, z, w] = light.light;
+    if light.range <= 0.0 || w <= 0.0 {
+        return false;
+    }
+    let place = Vec3::new(x, y, z) / w;
+    let d = (low - place).max(place - high).max(Vec3::ZERO);
+    // By the largest side first, since squares may overflow.
+    let size = d.x.max(d.y).max(d.z.max(light.range));
+    let r = light.range / size;
+    let e = d / size;
+    dot_3(e, e) > r * r * (1.0 + SLACK)
+}
+
+/// Whether the box meets that of the near rectangle, with slack.
+fn boxes_meet(view: &ShadowView, Bounds { low, high }: Bounds) -> bool {
+    let (near_min, near_max) = (Vec3::from(view.near_min), Vec3::from(view.near_max));
+    let slack = SLACK * low.abs().max(high.abs()).max(near_min.abs().max(near_max.abs()));
+    (low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()
+}
+
+/// Whether left, right, bottom, top or near plane of the camera has the whole volume of the box outside.
+fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
+    let (mut out, mut before) = ([true; 4], true);
+    let [x, y, z, weight] = light.light;
+    for position in caster.corners() {
+        let v = corner(view, light, position);
+        let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
+        let away = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
+        let (size, far_size) = (clip_size(view, q), clip_size(view, away));
+        let sides = |c: glam::Vec4| [c.w + c.x, c.w - c.x, c.w + c.y, c.w - c.y];
+        let sizes = |c: glam::Vec4| [c.w + c.x, c.w + c.x, c.w + c.y, c.w + c.y];
+        let near = sides(v.near).into_iter().zip(sizes(size));
+        let far = sides(v.far).into_iter().zip(sizes(far_size));
+        for ((out, near), far) in out.iter_mut().zip(near).zip(far) {
+            *out &= is_out(near.0, near.1) && is_out(far.0, far.1);
+        }
+        let rise_size = far_size.w + dot_3(near_plane(view).0.abs(), away);
+        before &= is_out(v.height, height_size(view, q)) && is_out(v.rise, rise_size);
+    }
+    out.contains(&true) || before
+}

@@ -1,0 +1,46 @@
+//! Shadow arguments: for each light the indirect draws of its volume.
+
+use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
+use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
+
+/// The draws of each light, from its count of silhouette edges and its two counts of cap faces; and the statistics.
+pub fn shadow_arguments(
+    shape: &ShadowShape,
+    silhouette_counts: &[u32],
+    cap_counts: &[[u32; 2]],
+    lights: &[ShadowLight],
+) -> (Vec<ShadowDraws>, ShadowStatistics) {
+    let mut statistics = ShadowStatistics { skipped: 0, every_face: 0, capped: 0, overflowed_caps: 0 };
+    let draws = lights.iter().zip(silhouette_counts).zip(cap_counts).map(|((light, &silhouettes), &counts)| {
+        let is_skipped = light.casting == CAST_NOTHING;
+        let is_doubled = light.casting == CAST_EVERY;
+        let sides = if silhouettes > shape.capacity { shape.edges } else { silhouettes };
+        // Weight 2: drawn twice.
+        let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
+        let [front, back] = if is_skipped { [0, 0] } else { counts };
+        let has_overflowed = front.max(back) > shape.cap_capacity;
+        let is_clipped = light.counting == COUNT_ZP_PLUS && front + back > 0;
+        statistics.skipped += u32::from(is_skipped);
+        statistics.every_face += u32::from(is_doubled);
+        statistics.capped += u32::from(is_clipped);
+        statistics.overflowed_caps += u32::from(has_overflowed);
+        let cap = |count: u32| {
+            let vertices = if light.counting == COUNT_ZP_PLUS { 5 } else { 3 };
+            arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
+        };
+        ShadowDraws {
+            plain: arguments(4, if is_clipped { 0 } else { sides }),
+            clipped: arguments(5, if is_clipped { sides } else { 0 }),
+            front: cap(front),
+            back: cap(back),
+        }
+    });
+    let draws = draws.collect();
+    (draws, statistics)
+}
+
+/// A draw; one without instances is all zeros.
+fn arguments(vertices: u32, instances: u32) -> DrawArguments {
+    let vertex_count = if instances == 0 { 0 } else { vertices };
+    DrawArguments { vertex_count, instance_count: instances, first_vertex: 0, first_instance: 0 }
+}

@@ -1,0 +1,224 @@
+//! `rimline bench`: its files, what they hold, and what Ctrl-C leaves. Nothing here depends on how long anything took.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::run::{folder, is_empty, rimline};
+use super::schema::validate;
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("bench::report_and_data_are_as_described", report),
+    ("bench::one_device_and_many_lights", on_the_cpu),
+    ("bench::the_schema_is_printed", schema_is_printed),
+    ("bench::wrong_options_write_nothing", wrong_options),
+    #[cfg(unix)]
+    ("bench::ctrl_c_keeps_what_is_done", interrupted),
+];
+
+fn read_json(file: &Path) -> Result<Value, String> {
+    let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    serde_json::from_str(&text).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+fn schema() -> Result<Value, String> {
+    read_json(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/bench.schema.json"))
+}
+
+/// The data are as the schema says, and what refers to a name refers to one that is there.
+fn check_data(data: &Value) -> Outcome {
+    let schema = schema()?;
+    validate(&schema, &schema, data, "$")?;
+    let extraction = &data["extraction"];
+    let names = |list: &str, key: &str| -> Vec<&Value> {
+        extraction[list].as_array().into_iter().flatten().map(|item| &item[key]).collect()
+    };
+    let (methods, subjects) = (names("methods", "id"), names("subjects", "name"));
+    for row in extraction["rows"].as_array().into_iter().flatten() {
+        ensure!(subjects.contains(&&row["subject"]), "no subject {}", row["subject"]);
+        for result in row["results"].as_array().into_iter().flatten() {
+            ensure!(methods.contains(&&result["method"]), "no method {}", result["method"]);
+            let runs = result["wall_ms_of_rounds"].as_array().map(Vec::len);
+            ensure!(result["wall_ms"]["runs"].as_u64() == runs.map(|runs| runs as u64), "runs are not those counted");
+            let summary = &result["wall_ms"];
+            let ordered = ["low", "q1", "median", "q3", "high"].map(|key| summary[key].as_f64());
+            ensure!(ordered.is_sorted(), "{summary}");
+        }
+    }
+    let rows = extraction["rows"].as_array().map_or(0, Vec::len) as u64;
+    let is_complete = extraction["planned_rows"].as_u64() == Some(rows);
+    ensure!(data["complete"].as_bool() == Some(is_complete), "{rows} rows, complete: {}", data["complete"]);
+    ensure!(data["date"].as_str().is_some_and(|date| date.len() == 20 && date.ends_with('Z')), "{}", data["date"]);
+    Ok(())
+}
+
+/// All errors of the methods whose id is `chosen`, over all rows.
+fn errors(data: &Value, chosen: impl Fn(&str) -> bool) -> u64 {
+    let rows = data["extraction"]["rows"].as_array().into_iter().flatten();
+    let results = rows.flat_map(|row| row["results"].as_array().into_iter().flatten());
+    let of = |result: &Value| {
+        let keys = ["wrong_facing_bits", "wrong_silhouette_bits", "unclosed_vertices"];
+        keys.iter().map(|key| result[key].as_u64().unwrap_or(u64::MAX / 1000)).sum::<u64>()
+    };
+    results.filter(|result| result["method"].as_str().is_some_and(&chosen)).map(of).sum()
+}
+
+/// Width and height of a picture that shows something.
+fn picture_size(file: &Path) -> Result<[u32; 2], String> {
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", file.display());
+    let bytes = std::fs::read(file).map_err(|error| failed(&error))?;
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().map_err(|error| failed(&error))?;
+    let mut data = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
+    let info = reader.next_frame(&mut data).map_err(|error| failed(&error))?;
+    // Letters are near black; without a font there would be none.
+    let dark = data.chunks_exact(3).filter(|pixel| pixel.iter().all(|&c| c < 80)).count();
+    ensure!(dark > 500, "{}: {dark} dark pixels, so there is no text", file.display());
+    Ok([info.width, info.height])
+}
+
+/// The page stands alone, and each of its plots has a file.
+fn check_report(folder: &Path) -> Result<String, String> {
+    let html = std::fs::read_to_string(folder.join("index.html")).map_err(|error| error.to_string())?;
+    for outside in ["http", "//", "src=", "href=", "@import", "url(", "<script", "<link", "<iframe"] {
+        ensure!(!html.contains(outside), "the page refers to elsewhere: {outside}");
+    }
+    let plots: Vec<&str> = html.split("<figure id=\"").skip(1).filter(|figure| figure.contains("<svg")).collect();
+    ensure!(!plots.is_empty(), "no plots");
+    for plot in &plots {
+        let id = plot.split('"').next().unwrap_or_default();
+        let [width, height] = picture_size(&folder.join(format!("{id}.png")))?;
+        ensure!(width == 1920 && height > 300, "{id}: {width} by {height}");
+        ensure!(plot.contains("<table>"), "{id} has no table");
+    }
+    for element in ["html", "body", "main", "section", "figure", "svg", "table", "details", "dl"] {
+        let [opened, closed] = [format!("<{element}"), format!("</{element}>")].map(|tag| html.matches(&*tag).count());
+        ensure!(opened == closed, "{opened} of {element} begin, {closed} end");
+    }
+    let pictures = std::fs::read_dir(folder).map_err(|error| error.to_string())?.count() - 2;
+    ensure!(pictures == plots.len(), "{pictures} pictures of {} plots", plots.len());
+    Ok(html)
+}
+
+fn report() -> Outcome {
+    let folder = folder();
+    let (report, json) = (folder.path().join("a/report"), folder.path().join("data.json"));
+    let line =
+        "bench --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2";
+    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    run.expect(0, &["8/8"])?;
+    ensure!(run.stdout.contains("GPU face masks, exact") && run.stdout.contains("plate-third"), "{}", run.stdout);
+    let data = read_json(&json)?;
+    ensure!(data == read_json(&report.join("data.json"))?, "the two files of data differ");
+    check_data(&data)?;
+    let rows = data["extraction"]["rows"].as_array().ok_or("no rows")?;
+    ensure!(rows.len() == 8 && data["complete"] == true, "{} rows", rows.len());
+    ensure!(data["adapter"]["name"].is_string(), "no adapter");
+    // Two methods more where there is one light and the mesh is closed.
+    let methods: Vec<usize> = rows.iter().filter_map(|row| row["results"].as_array().map(Vec::len)).collect();
+    ensure!(methods == [13, 11, 13, 11, 13, 11, 11, 11], "methods a row: {methods:?}");
+    let is_exact = |method: &str| method.contains("exact");
+    ensure!(errors(&data, is_exact) == 0, "exact methods have errors");
+    ensure!(errors(&data, |method| method.starts_with("gpu") && !is_exact(method)) > 0, "f32 has no errors here");
+    ensure!(errors(&data, |method| method == "cpu-f32-all") > 0, "f32 has no errors here");
+    let html = check_report(&report)?;
+    ensure!(!html.contains("was stopped"), "a complete run says that it was stopped");
+    // A report may be made again in the same place.
+    let line = "bench --device cpu --meshes none --scenes three-sheets --scene-faces 60 --lights 2 --rounds 1 --report";
+    rimline(line.split(' ').map(AsRef::as_ref).chain([report.as_os_str()])).expect(0, &[])?;
+    check_data(&read_json(&report.join("data.json"))?)?;
+
+    // Negative controls of the checks above.
+    let mut other = data.clone();
+    other["extraction"]["rows"][0]["results"][0]["wall_ms"]["median"] = "fast".into();
+    ensure!(check_data(&other).is_err(), "a median that is no number passed");
+    let mut other = data.clone();
+    other["extraction"]["rows"][0]["new_key"] = 1.into();
+    ensure!(check_data(&other).is_err(), "a key without description passed");
+    let mut other = data;
+    other["extraction"]["rows"].as_array_mut().map(Vec::pop);
+    ensure!(check_data(&other).is_err(), "a lost row passed");
+    Ok(())
+}
+
+fn on_the_cpu() -> Outcome {
+    let folder = folder();
+    let json = folder.path().join("data.json");
+    let line =
+        "bench --device cpu --meshes none --scenes moebius-strip --scene-faces 200 --lights 40 --rounds 1 --json";
+    rimline(line.split(' ').map(AsRef::as_ref).chain([json.as_os_str()])).expect(0, &[])?;
+    let data = read_json(&json)?;
+    check_data(&data)?;
+    ensure!(data["adapter"].is_null(), "{}", data["adapter"]);
+    ensure!(errors(&data, |method| method.contains("exact")) == 0, "exact methods have errors");
+    ensure!(data["extraction"]["rows"][0]["lights"] == 40, "{}", data["extraction"]["rows"][0]["lights"]);
+    Ok(())
+}
+
+fn schema_is_printed() -> Outcome {
+    let run = rimline(["bench", "--schema"]);
+    ensure!(run.json()? == schema()?, "another schema than the repository's");
+    Ok(())
+}
+
+fn wrong_options() -> Outcome {
+    let folder = folder();
+    let report = folder.path().join("report").to_string_lossy().into_owned();
+    let cases = [
+        ("--scenes nowhere", "nowhere"),
+        ("--meshes none --scenes none", "--meshes"),
+        ("--meshes 0", "--meshes"),
+        ("--meshes 12x", "12x"),
+        ("--lights 1025", "1025"),
+        ("--lights 0", "--lights"),
+        ("--rounds 0", "--rounds"),
+    ];
+    for (options, part) in cases {
+        let line = ["bench", "--report", &report].into_iter().chain(options.split(' '));
+        rimline(line).expect(2, &[part]).map_err(|error| format!("{options}: {error}"))?;
+        is_empty(folder.path()).map_err(|error| format!("{options}: {error}"))?;
+    }
+    let file = folder.path().join("file");
+    std::fs::write(&file, "in the way").map_err(|error| error.to_string())?;
+    for option in ["--report", "--json"] {
+        let place = file.join("below").to_string_lossy().into_owned();
+        rimline(["bench", option, &place]).expect(4, &["cannot be written"])?;
+    }
+    Ok(())
+}
+
+/// The first Ctrl-C, after the first row of very many.
+#[cfg(unix)]
+fn interrupted() -> Outcome {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+
+    let folder = folder();
+    let report = folder.path().join("report");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_rimline"))
+        .args(["bench", "--device", "cpu", "--report"])
+        .arg(&report)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|error| error.to_string())?;
+    let mut messages = BufReader::new(run.stderr.take().ok_or("no standard error")?);
+    let mut text = String::new();
+    while !text.contains(" 1/") {
+        let read = messages.read_line(&mut text).map_err(|error| error.to_string())?;
+        ensure!(read > 0, "it ended before its first row: {text}");
+    }
+    let kill = Command::new("kill").args(["-INT", &run.id().to_string()]).status();
+    ensure!(kill.is_ok_and(|status| status.success()), "no signal could be sent");
+    messages.read_to_string(&mut text).map_err(|error| error.to_string())?;
+    let status = run.wait().map_err(|error| error.to_string())?;
+    ensure!(status.code() == Some(130), "{status}: {text}");
+    let data = read_json(&report.join("data.json"))?;
+    check_data(&data)?;
+    ensure!(data["complete"] == false, "it says that it is complete");
+    ensure!(data["extraction"]["rows"].as_array().is_some_and(|rows| !rows.is_empty()), "no rows");
+    let html = check_report(&report)?;
+    ensure!(html.contains("This run was stopped"), "the page does not say that it was stopped");
+    Ok(())
+}

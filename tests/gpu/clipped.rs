@@ -1,0 +1,234 @@
+//! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
+
+use rimline::cpu::{self, End, Threads};
+use rimline::gpu::include_wgsl;
+use rimline::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::mesh::EdgeKind;
+use rimline::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
+use rimline::stages::{CAP_FACES, SIDES};
+use rimline::{Light, Predicate};
+
+use crate::common::device::Gpu;
+use crate::common::random::Random;
+use crate::common::scenes::{Scene, scene};
+use crate::common::{is_long, must_fail, same};
+use crate::shadow_stages::{Dispatch, uniform};
+
+pub(crate) const TESTS: &[crate::Test] = &[("clipped_vertices_equal_their_twins", clipped)];
+
+/// A module of vertex shaders with its entry points made functions, and a compute shader that calls one of them for each
+/// vertex of each instance.
+fn probe(source: &str, entry_point: &str) -> String {
+    let mut source = source.to_owned();
+    for (from, to) in [
+        ("@vertex fn", "fn"),
+        ("@fragment fn nothing() {}", ""),
+        ("@invariant @builtin(position) ", ""),
+        ("@builtin(vertex_index) ", ""),
+        ("@builtin(instance_index) ", ""),
+        // One storage buffer less, of which a stage has eight.
+        ("var<storage, read> view", "var<uniform> view"),
+    ] {
+        source = source.replace(from, to);
+    }
+    format!(
+        "{source}
+@group(2) @binding(0) var<storage, read_write> found: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
+  if (id.x < arrayLength(&found)) {{
+    found[id.x] = {entry_point}(id.x % 5u, id.x / 5u).clip;
+  }}
+}}
+"
+    )
+}
+
+/// What a strip of five vertices draws of a polygon, by bits.
+fn strip(polygon: &[rimline::glam::Vec4]) -> [[u32; 4]; 5] {
+    let nothing = [0.0, 0.0, 0.0, 1.0];
+    [0, 1, 4, 2, 3].map(|place| {
+        let vertex = polygon.get(place).or(polygon.last());
+        vertex.map_or(nothing, |vertex| vertex.to_array()).map(f32::to_bits)
+    })
+}
+
+/// A light of a scene, with all that the vertex shaders read.
+struct Drawn<'a> {
+    scene: &'a Scene,
+    view: ShadowView,
+    shape: ShadowShape,
+    lights: &'a [ShadowLight],
+    index: usize,
+    /// Of the light's word.
+    facing: &'a [u32],
+}
+
+impl Drawn<'_> {
+    fn light(&self) -> &ShadowLight {
+        &self.lights[self.index]
+    }
+
+    fn end(&self, vertex: u32) -> End {
+        (vertex, self.scene.caster.1[vertex as usize])
+    }
+
+    fn frame(&self, gpu: &Gpu) -> [wgpu::Buffer; 4] {
+        let light = self.index as u32;
+        let draw = ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 };
+        [uniform(gpu, &self.shape), uniform(gpu, &self.view), uniform(gpu, &draw), gpu.storage(self.lights)]
+    }
+
+    /// Sides as the GPU has them and as the twin has, from a list that fits or from all edges.
+    fn sides(&self, gpu: &Gpu, stage: &Dispatch, overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
+        let (_, positions, mesh) = &self.scene.caster;
+        let bit = self.index as u32 % 32;
+        let masks = cpu::edges(mesh.edges(), self.facing, mesh.faces().len(), 32, Threads::ONE);
+        let list = cpu::compact(&masks, bit, usize::MAX);
+        let capacity = if overflows { list.count.saturating_sub(1) } else { list.count };
+        let is_doubled = self.light().casting == CAST_EVERY;
+        let edges = if overflows && list.count > 0 { mesh.edges().len() } else { list.entries.len() };
+        let instances = edges * (1 + usize::from(is_doubled));
+        let first_light = self.index as u32 / 32 * 32;
+        let info = RimlineInfo {
+            edges: mesh.edges().len() as u32,
+            capacity,
+            first_light,
+            lights: 32,
+            position_offset: 0,
+            position_stride: 3,
+        };
+        let mut counts = vec![0; self.lights.len()];
+        counts[self.index] = list.count;
+        let mut lists = vec![0; 32 * capacity as usize];
+        lists[bit as usize * capacity as usize..][..capacity as usize]
+            .copy_from_slice(&list.entries[..capacity as usize]);
+        let vertices: Vec<[u32; 2]> = mesh.edges().iter().map(|edge| edge.vertices).collect();
+        let faces: Vec<[u32; 2]> = mesh.edges().packed_faces().to_vec();
+        let results = [
+            uniform(gpu, &info),
+            gpu.storage(positions),
+            gpu.storage(&vertices),
+            gpu.storage(&faces),
+            gpu.storage(self.facing),
+            gpu.storage(&lists),
+            gpu.storage(&counts),
+        ];
+        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances]);
+        let [_, view, draw, lights] = &self.frame(gpu);
+        let results: Vec<_> = (0..).zip(&results).collect();
+        let groups = [&[(1, view), (2, draw), (3, lights)][..], &results, &[(0, &found)]];
+        stage.run_bound(gpu, &groups, (5 * instances).div_ceil(64) as u32)?;
+        let mut expected = Vec::new();
+        for instance in 0..instances {
+            let place = if is_doubled { instance / 2 } else { instance };
+            let record = if overflows { place } else { (list.entries[place] & !cpu::WINDING) as usize };
+            let edge = mesh.edges().get(record).ok_or("no such edge")?;
+            let is_drawn = masks[record].silhouette >> bit & 1 != 0
+                && !(is_doubled && instance % 2 == 1 && edge.kind == EdgeKind::Boundary);
+            let [a, b] = edge.vertices;
+            let ends = if masks[record].winding >> bit & 1 != 0 { [b, a] } else { [a, b] };
+            let polygon = cpu::side_clipped(&self.view, self.light(), ends.map(|vertex| self.end(vertex)));
+            expected.extend(strip(if is_drawn { &polygon } else { &[] }));
+        }
+        Ok([gpu.read(&found, 5 * instances)?, expected])
+    }
+
+    /// Near caps of one class, likewise.
+    fn caps(&self, gpu: &Gpu, stage: &Dispatch, listed: &[u32], overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
+        let (_, positions, mesh) = &self.scene.caster;
+        let instances = if overflows { mesh.faces().len() } else { listed.len() };
+        let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
+        let bit = self.index % 32;
+        let mut counts = vec![0; 2 * self.lights.len()];
+        counts[2 * self.index] = listed.len() as u32;
+        let mut lists = vec![0; 64 * cap_capacity as usize + 1];
+        lists[2 * bit * cap_capacity as usize..][..cap_capacity as usize]
+            .copy_from_slice(&listed[..cap_capacity as usize]);
+        let [_, view, draw, lights] = &self.frame(gpu);
+        let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
+        let faces = [
+            gpu.storage(positions),
+            gpu.storage(mesh.faces()),
+            gpu.storage(self.facing),
+            gpu.storage(&counts),
+            gpu.storage(&lists),
+        ];
+        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances]);
+        let faces: Vec<_> = (0..).zip(&faces).collect();
+        let frame = [(0, shape), (1, view), (2, draw), (3, lights)];
+        stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], (5 * instances).div_ceil(64) as u32)?;
+        let mut expected = Vec::new();
+        for instance in 0..instances {
+            let index = if overflows { instance } else { listed[instance] as usize };
+            let face = mesh.faces()[index];
+            let faces_light = self.facing[index] >> bit & 1 != 0;
+            let [a, b, c] = face;
+            let is_drawn = !overflows
+                || (a != b
+                    && b != c
+                    && c != a
+                    && cpu::casts(self.light(), faces_light)
+                    && cpu::cap_class(self.light(), faces_light) == 0);
+            let polygon = cpu::near_cap(&self.view, self.light(), face.map(|vertex| self.end(vertex)));
+            expected.extend(strip(if is_drawn { &polygon } else { &[] }));
+        }
+        Ok([gpu.read(&found, 5 * instances)?, expected])
+    }
+}
+
+fn clipped() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 105;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let side = Dispatch::new(gpu, &probe(&format!("{}\n{}", SIDES.wgsl(), include_wgsl(1)), "side_clipped"), "probe");
+    let cap = Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), "near_cap"), "probe");
+    let (mut sides, mut caps) = (0, 0);
+    for number in 0..if is_long() { 600 } else { 24 } {
+        let scene = scene(&mut random, number, 36);
+        let (_, positions, mesh) = &scene.caster;
+        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let counts = mesh.edges().counts();
+        let shape = ShadowShape {
+            lights: 36,
+            faces: mesh.faces().len() as u32,
+            edges: mesh.edges().len() as u32,
+            averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
+            counting: COUNT_ZP_PLUS,
+            position_stride: 3,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
+        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+        let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
+        for _ in 0..6 {
+            let index = random.below(36);
+            let facing = &facing[index / 32 * mesh.faces().len()..][..mesh.faces().len()];
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing };
+            if drawn.light().casting == CAST_NOTHING {
+                continue;
+            }
+            let what = format!("{}, light {index} {:?}", scene.name, drawn.light());
+            for overflows in [false, true] {
+                let mut vertices = drawn.sides(gpu, &side, overflows)?;
+                sides += vertices[0].len() / 5;
+                same(&format!("{what}, sides"), &vertices[0], &vertices[1])?;
+                if let Some(vertex) = vertices[0].iter_mut().find(|vertex| vertex[0] != 0) {
+                    vertex[0] ^= 1;
+                    must_fail("a moved vertex", &same(&what, &vertices[0], &vertices[1]))?;
+                }
+                let [front, _] = &lists[index];
+                if !front.is_empty() {
+                    let vertices = drawn.caps(gpu, &cap, front, overflows)?;
+                    caps += vertices[0].len() / 5;
+                    same(&format!("{what}, caps"), &vertices[0], &vertices[1])?;
+                }
+            }
+        }
+    }
+    println!("{sides} sides, {caps} caps");
+    if sides.min(caps) < 1000 { Err("too few".to_owned()) } else { Ok(()) }
+}

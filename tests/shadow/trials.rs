@@ -1,0 +1,229 @@
+//! Each class of frames, by every method that claims to be right there; and what must be wrong.
+
+use rimline::gpu::ShadowOptions;
+use rimline::layout::ShadowLight;
+use rimline::{Counting, DepthDirection};
+
+use crate::classes::{CLASSES, Class};
+use crate::common::device::Gpu;
+use crate::common::random::Random;
+use crate::common::{is_long, must_fail};
+use crate::compare::{Compared, Wrong};
+use crate::rays::{self, Truth};
+use crate::render::{Counted, DepthPass, Renderer};
+use crate::scene::Frame;
+
+/// A test's name and body.
+type Test = (&'static str, fn() -> Result<(), String>);
+
+pub(crate) const TESTS: &[Test] = &[
+    ("z_pass_is_wrong_in_shadow", z_pass),
+    ("wrong_pixels_are_noticed", perturbed),
+    ("every_face_casts_alike", every_face),
+    ("another_depth_pass_does_no_harm", reordered),
+    ("float_depth", float_depth),
+    ("standard_depth", standard_depth),
+    ("lists_that_overflow", overflow),
+    ("nothing_skipped_is_missed", skipped),
+];
+
+fn seed(class: &Class, number: u64) -> u64 {
+    class.name.bytes().fold(number, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)))
+}
+
+/// Of which casters every face casts, as the GPU chose for a light.
+fn every(counted: &Counted, light: usize) -> Vec<bool> {
+    counted.chosen.iter().map(|lights: &Vec<ShadowLight>| lights[light].casting == 2).collect()
+}
+
+/// One frame by several methods; the rays are traced once.
+struct Traced {
+    frame: Frame,
+    truths: Vec<Vec<Truth>>,
+    seed: u64,
+}
+
+impl Traced {
+    fn new(class: &Class, number: u64) -> Self {
+        let seed = seed(class, number);
+        let frame = (class.frame)(&mut Random::new(seed));
+        let truths = rays::trace(&frame);
+        Self { frame, truths, seed }
+    }
+
+    fn compared(&self) -> Compared<'_> {
+        Compared { frame: &self.frame, truths: &self.truths, light: 0 }
+    }
+
+    /// Fails where the GPU is wrong; returns the pixels compared.
+    fn check(&self, renderer: &Renderer<'_>, counting: Counting, counts: bool) -> Result<(Wrong, Counted), String> {
+        let counted = renderer.count(&self.frame, counting)?;
+        let mut wrong = self.compared().lit(&counted.stencils[0]);
+        if counts {
+            wrong.add(&self.compared().counts(&counted.stencils[0], &every(&counted, 0)));
+        }
+        match wrong.pixels.first() {
+            None => Ok((wrong, counted)),
+            Some(&(x, y)) => {
+                let at = (y * self.frame.size + x) as usize;
+                Err(format!(
+                    "{counting:?}, seed {}: {} wrong pixels, first ({x}, {y}): stencil {}, truth {:?}, lights {:?}",
+                    self.seed,
+                    wrong.pixels.len(),
+                    counted.stencils[0][at],
+                    self.truths[at][0],
+                    counted.chosen,
+                ))
+            }
+        }
+    }
+}
+
+/// Frames of a class: 3, or 105 in a long run, which makes 2,100 in all.
+fn frames() -> u64 {
+    if is_long() { 105 } else { 3 }
+}
+
+/// No wrong pixel, by auto, ZP+ and z-fail.
+pub(crate) fn right(class: &'static Class) -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let renderer = Renderer::new(&gpu);
+    let (mut shadowed, mut capped, mut failures) = (0, 0, Vec::new());
+    for number in 0..frames() {
+        let traced = Traced::new(class, number);
+        shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+            match traced.check(&renderer, counting, !class.touches) {
+                Ok((_, counted)) if counting == Counting::Auto => {
+                    capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                }
+                Ok(_) => {}
+                Err(error) => failures.push(error),
+            }
+        }
+    }
+    println!("{}: {} frames, {shadowed} pixels in shadow, {capped} near caps", class.name, frames());
+    if shadowed == 0 {
+        return Err(format!("{}: nothing was ever in shadow", class.name));
+    }
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
+}
+
+fn class(name: &str) -> Result<&'static Class, String> {
+    CLASSES.iter().find(|class| class.name == name).ok_or_else(|| format!("no class {name}"))
+}
+
+/// The negative control of it all: the method that needs caps and has none.
+fn z_pass() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let traced = Traced::new(class("near rectangle in shadow, light behind")?, 0);
+    must_fail("z-pass within a shadow", &traced.check(&Renderer::new(&gpu), Counting::ZPass, false))?;
+    let outside = Traced::new(class("camera outside the shadow")?, 0);
+    outside.check(&Renderer::new(&gpu), Counting::ZPass, true).map(|_| ())
+}
+
+/// One pixel, changed.
+fn perturbed() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let traced = Traced::new(class("random cameras")?, 0);
+    let (_, counted) = traced.check(&Renderer::new(&gpu), Counting::Auto, true)?;
+    let mut stencil = counted.stencils[0].clone();
+    let size = traced.frame.size as usize;
+    let lit_around = |at: &usize| {
+        let near =
+            [*at, at - 1, at + 1, at - size, at + size, at - size - 1, at - size + 1, at + size - 1, at + size + 1];
+        near.iter().all(|&at| traced.truths[at][0].is_lit())
+    };
+    let at = (size + 1..size * (size - 1) - 1).find(lit_around).ok_or("no lit surface")?;
+    stencil[at] = 1;
+    let lit = traced.compared().lit(&stencil).pixels.len();
+    let counts = traced.compared().counts(&stencil, &every(&counted, 0)).pixels.len();
+    if (lit, counts) == (1, 1) { Ok(()) } else { Err(format!("one pixel changed, {lit} and {counts} noticed")) }
+}
+
+/// Closed casters of which every face casts.
+fn every_face() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let options = ShadowOptions { every_face: true, ..ShadowOptions::default() };
+    each_class(&Renderer { options, ..Renderer::new(&gpu) }, &[Counting::Auto, Counting::ZFail], |class| {
+        !class.name.contains("shadow, light")
+    })
+}
+
+/// The first frame of some classes.
+fn each_class(renderer: &Renderer<'_>, methods: &[Counting], takes: impl Fn(&Class) -> bool) -> Result<(), String> {
+    for class in CLASSES.iter().filter(|class| takes(class)) {
+        let traced = Traced::new(class, 7);
+        for &counting in methods {
+            traced.check(renderer, counting, !class.touches).map_err(|error| format!("{}: {error}", class.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// A depth pass that rounds differently: z-pass and ZP+ compare with surfaces only where volumes cut them, and z-fail
+/// from averted faces leaves lit surfaces alone. Where every face casts, z-fail needs equal bits.
+fn reordered() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let renderer = Renderer { depth_pass: DepthPass::Reordered, ..Renderer::new(&gpu) };
+    each_class(&renderer, &[Counting::Auto], |class| !class.touches)?;
+    let z_fail = |class: &Class| class.name == "camera outside the shadow" || class.name == "random cameras";
+    each_class(&renderer, &[Counting::ZFail], z_fail)
+}
+
+fn float_depth() -> Result<(), String> {
+    let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
+    let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
+    each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
+}
+
+/// Depth from 0 to 1, with a far plane and without.
+fn standard_depth() -> Result<(), String> {
+    let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
+    let format = wgpu::TextureFormat::Depth32FloatStencil8;
+    for far in [None, Some(100.0)] {
+        let renderer = Renderer { format, ..Renderer::new(&gpu) };
+        for class in CLASSES.iter().filter(|class| class.name.contains("near")) {
+            let mut traced = Traced::new(class, 3);
+            traced.frame.eye.depth = DepthDirection::Standard;
+            traced.frame.eye.far = far;
+            // Nearer planes leave too little of standard depth's precision.
+            traced.frame.eye.near = traced.frame.eye.near.max(0.1);
+            let traced = Traced { truths: rays::trace(&traced.frame), ..traced };
+            traced.check(&renderer, Counting::Auto, false).map_err(|error| format!("{}: {error}", class.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Lists of cap faces with room for one.
+fn overflow() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let options = ShadowOptions { cap_capacity: Some(1), ..ShadowOptions::default() };
+    let renderer = Renderer { options, ..Renderer::new(&gpu) };
+    each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))?;
+    let traced = Traced::new(class("near rectangle in shadow, light behind")?, 7);
+    let (_, counted) = traced.check(&renderer, Counting::ZFail, true)?;
+    let overflowed: u32 = counted.statistics.iter().map(|statistics| statistics.overflowed_caps).sum();
+    if overflowed > 0 { Ok(()) } else { Err("no list overflowed".to_owned()) }
+}
+
+/// The same picture with unseen shadows skipped and without.
+fn skipped() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let all = ShadowOptions { skip_unseen: false, ..ShadowOptions::default() };
+    let mut skipped = 0;
+    for class in CLASSES {
+        for number in 20..20 + frames() {
+            let frame = (class.frame)(&mut Random::new(seed(class, number)));
+            let with = Renderer::new(&gpu).count(&frame, Counting::Auto)?;
+            let without = Renderer { options: all, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
+            skipped += with.statistics.iter().map(|statistics| statistics.skipped).sum::<u32>();
+            if with.stencils != without.stencils {
+                return Err(format!("{}, seed {}: another picture", class.name, seed(class, number)));
+            }
+        }
+    }
+    println!("skipped {skipped} pairs of caster and light");
+    if skipped > 0 { Ok(()) } else { Err("nothing was skipped".to_owned()) }
+}

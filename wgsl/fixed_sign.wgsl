@@ -1,0 +1,199 @@
+// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits:
+// integers of 12-bit limbs in i32, which no compiler can round, fuse or flush. NUMERICS.md, "Exact facing".
+
+// Bits that a face's nine coordinates may span from the lowest bit set to the highest, and those of l and w a.
+const FACE_BITS: i32 = 46;
+const LIGHT_BITS: i32 = 48;
+// An exponent beyond all.
+const FAR: i32 = 4096;
+
+
+// Three numbers, odd or zero times a power of two: sign * mantissa * 2^(exponent - 149).
+struct Numbers {
+  mantissa: vec3<u32>,
+  exponent: vec3<i32>,
+  // Bits that the mantissa has at most.
+  length: vec3<i32>,
+  // 0, or -1 where negative.
+  sign: vec3<i32>,
+}
+
+fn numbers(bits: vec3<u32>) -> Numbers {
+  let exponent = (bits >> vec3<u32>(23u)) & vec3<u32>(0xffu);
+  let implied = select(vec3<u32>(0u), vec3<u32>(0x800000u), exponent != vec3<u32>(0u));
+  let mantissa = (bits & vec3<u32>(0x7fffffu)) | implied;
+  // The lowest bit alone is a power of two, which a float holds exactly, its exponent in view.
+  let lowest = bitcast<vec3<u32>>(vec3<f32>(vec3<i32>(mantissa & (~mantissa + 1u)))) >> vec3<u32>(23u);
+  let zeros = max(lowest, vec3<u32>(127u)) - 127u;
+  let place = vec3<i32>(max(exponent, vec3<u32>(1u)) - 1u + zeros);
+  return Numbers(mantissa >> zeros, place, 24 - vec3<i32>(zeros), -vec3<i32>(bits >> vec3<u32>(31u)));
+}
+
+// The exponent of the lowest bit set, and one above the highest; zeros have none.
+fn window(is_zero: vec3<bool>, exponent: vec3<i32>, length: vec3<i32>) -> vec2<i32> {
+  let low = select(exponent, vec3<i32>(FAR), is_zero);
+  let high = select(exponent + length, vec3<i32>(-FAR), is_zero);
+  return vec2<i32>(min(min(low.x, low.y), low.z), max(max(high.x, high.y), high.z));
+}
+
+fn window_of(n: Numbers) -> vec2<i32> {
+  return window(n.mantissa == vec3<u32>(0u), n.exponent, n.length);
+}
+
+fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> {
+  return vec2<i32>(min(a.x, b.x), max(a.y, b.y));
+}
+
+// Three integers in two digits of 24 bits, the second of which has the sign.
+struct Wide {
+  low: vec3<i32>,
+  high: vec3<i32>,
+}
+
+// Two digits, `above` bits up.
+fn wide(low: vec3<u32>, high: vec3<u32>, above: vec3<i32>, sign: vec3<i32>) -> Wide {
+  // A zero may be anywhere.
+  let up = vec3<u32>(clamp(above, vec3<i32>(0), vec3<i32>(47)));
+  let is_high = up >= vec3<u32>(24u);
+  let shift = select(up, up - 24u, is_high);
+  let first = (low << shift) & vec3<u32>(DIGIT);
+  let second = select((low >> (24u - shift)) | (high << shift), first, is_high);
+  return Wide((vec3<i32>(select(first, vec3<u32>(0u), is_high)) ^ sign) - sign, (vec3<i32>(second) ^ sign) - sign);
+}
+
+// A digit's two limbs after another's.
+fn limbs(low: i32, high: i32) -> vec4<i32> {
+  return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u);
+}
+
+// Three integers of four limbs of 12 bits, lowest first; the last has the sign.
+struct Limbs {
+  x: vec4<i32>,
+  y: vec4<i32>,
+  z: vec4<i32>,
+}
+
+fn difference(p: Wide, q: Wide) -> Limbs {
+  let low = p.low - q.low;
+  let high = p.high - q.high + (low >> vec3<u32>(24u));
+  let rest = low & vec3<i32>(i32(DIGIT));
+  return Limbs(limbs(rest.x, high.x), limbs(rest.y, high.y), limbs(rest.z, high.z));
+}
+
+// Eight columns of limbs.
+struct Columns {
+  low: vec4<i32>,
+  high: vec4<i32>,
+}
+
+// A product, without carries.
+fn multiply_limbs(p: vec4<i32>, q: vec4<i32>) -> Columns {
+  return Columns(
+    vec4<i32>(
+      p.x * q.x,
+      p.x * q.y + p.y * q.x,
+      p.x * q.z + p.y * q.y + p.z * q.x,
+      p.x * q.w + p.y * q.z + p.z * q.y + p.w * q.x,
+    ),
+    vec4<i32>(
+      p.y * q.w + p.z * q.z + p.w * q.y,
+      p.z * q.w + p.w * q.z,
+      p.w * q.w,
+      0,
+    ),
+  );
+}
+
+// A component of the normal, in limbs of 12 bits but for the last, which has the sign.
+fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Columns {
+  let first = multiply_limbs(p, q);
+  let second = multiply_limbs(r, s);
+  var low = first.low - second.low;
+  var high = first.high - second.high;
+  low.y += low.x >> 12u;
+  low.z += low.y >> 12u;
+  low.w += low.z >> 12u;
+  high.x += low.w >> 12u;
+  high.y += high.x >> 12u;
+  high.z += high.y >> 12u;
+  high.w = high.z >> 12u;
+  return Columns(low & vec4<i32>(0xfff), vec4<i32>(high.xyz & vec3<i32>(0xfff), high.w));
+}
+
+// What all lights of a face share.
+struct FixedFace {
+  fits: bool,
+  a: Numbers,
+  x: Columns,
+  y: Columns,
+  z: Columns,
+}
+
+// From one corner to another.
+fn side(from_corner: Numbers, to_corner: Numbers, lowest: i32) -> Limbs {
+  let none = vec3<u32>(0u);
+  let p = wide(from_corner.mantissa, none, from_corner.exponent - lowest, from_corner.sign);
+  let q = wide(to_corner.mantissa, none, to_corner.exponent - lowest, to_corner.sign);
+  return difference(q, p);
+}
+
+fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedFace {
+  let a = numbers(a_bits);
+  let b = numbers(b_bits);
+  let c = numbers(c_bits);
+  let span = hull(hull(window_of(a), window_of(b)), window_of(c));
+  let u = side(a, b, span.x);
+  let v = side(a, c, span.x);
+  return FixedFace(
+    span.y - span.x <= FACE_BITS,
+    a,
+    normal_limbs(u.y, v.z, u.z, v.y),
+    normal_limbs(u.z, v.x, u.x, v.z),
+    normal_limbs(u.x, v.y, u.y, v.x),
+  );
+}
+
+// The lowest four columns as one limb's carry, and whether any of their bits is set.
+fn sweep(columns: vec4<i32>, carry: i32) -> vec2<i32> {
+  let x = columns.x + carry;
+  let y = columns.y + (x >> 12u);
+  let z = columns.z + (y >> 12u);
+  let w = columns.w + (z >> 12u);
+  return vec2<i32>(w >> 12u, (x | y | z | w) & 0xfff);
+}
+
+// 1, 0 or -1; 2 where the numbers do not fit.
+fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
+  let l = numbers(light.xyz);
+  let w = numbers(light.www);
+  // w a, as two parts of 24 bits.
+  var low: vec3<u32>;
+  var high: vec3<u32>;
+  let x = multiply(face.a.mantissa.x, w.mantissa.x);
+  let y = multiply(face.a.mantissa.y, w.mantissa.x);
+  let z = multiply(face.a.mantissa.z, w.mantissa.x);
+  low = vec3<u32>(x.x, y.x, z.x);
+  high = vec3<u32>(x.y, y.y, z.y);
+  let exponent = face.a.exponent + w.exponent - 149;
+  let span = hull(window_of(l), window((low | high) == vec3<u32>(0u), exponent, face.a.length + w.length));
+  if (!face.fits || span.y - span.x > LIGHT_BITS) {
+    return 2;
+  }
+  let from_l = wide(l.mantissa, vec3<u32>(0u), l.exponent - span.x, l.sign);
+  let t = difference(from_l, wide(low, high, exponent - span.x, face.a.sign ^ w.sign));
+  let xs = multiply_limbs(face.x.low, t.x);
+  let ys = multiply_limbs(face.y.low, t.y);
+  let zs = multiply_limbs(face.z.low, t.z);
+  let xs_high = multiply_limbs(face.x.high, t.x);
+  let ys_high = multiply_limbs(face.y.high, t.y);
+  let zs_high = multiply_limbs(face.z.high, t.z);
+  let first = sweep(xs.low + ys.low + zs.low, 0);
+  let second = sweep(xs.high + ys.high + zs.high + xs_high.low + ys_high.low + zs_high.low, first.x);
+  let third = sweep(xs_high.high + ys_high.high + zs_high.high, second.x);
+  let carry = third.x;
+  let any_bit = first.y | second.y | third.y;
+  if (carry < 0) {
+    return -1;
+  }
+  return select(0, 1, (carry | any_bit) != 0);
+}
