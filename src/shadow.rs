@@ -238,16 +238,6 @@ pub(crate) fn check_shadow_lights(lights: &[RangedLight], limit: usize) -> Resul
 
 #[cfg(test)]
 mod tests {
-<<<<<<< HEAD
-    use super::falloff;
-
-    #[test]
-    fn lights_end_at_their_range() {
-        assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|d| falloff(d, 1.0, 3.0, 2.0)), [1.0, 1.0, 0.25, 0.0, 0.0]);
-        assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
-        // No room to fall: a step.
-        assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
-=======
     use super::*;
     use glam::{Vec4, Vec4Swizzles};
 
@@ -362,6 +352,13 @@ mod tests {
         assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
         let many = check_shadow_lights(&[point.into(); 3], 2);
         assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
->>>>>>> shadow
+    }
+
+    #[test]
+    fn lights_end_at_their_range() {
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|d| falloff(d, 1.0, 3.0, 2.0)), [1.0, 1.0, 0.25, 0.0, 0.0]);
+        assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
+        // No room to fall: a step.
+        assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
     }
 }

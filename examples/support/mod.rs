@@ -96,11 +96,10 @@ impl Canvas {
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        let entry = |(binding, resource): (u32, &wgpu::BindingResource<'_>)| {
-            let resource = resource.clone();
-            wgpu::BindGroupEntry { binding, resource }
-        };
-        let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
     }
 

@@ -23,7 +23,7 @@ const CENTRES: [[f32; 3]; 3] = [[-2.0, 1.25, 0.6], [0.0, 1.25, -1.7], [2.0, 1.25
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.0), |text| text.parse())?;
-    let canvas = support::Canvas::new(720)?;
+    let canvas = support::Canvas::new(704)?;
     let device = &canvas.device;
     let camera = Camera::new(Vec3::new(0.0, 6.4, 10.5), Vec3::new(0.0, 0.3, -0.2), 38.0);
     let lamps = [

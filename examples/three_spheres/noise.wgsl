@@ -1,7 +1,8 @@
 // Moves a vertex of one of three spheres along its ray by noise that drifts with time.
 
 fn hash(cell: vec3<i32>) -> f32 {
-  var h = bitcast<u32>(cell.x) * 0x9e3779b9u ^ bitcast<u32>(cell.y) * 0x85ebca6bu ^ bitcast<u32>(cell.z) * 0xc2b2ae35u;
+  let bits = bitcast<vec3<u32>>(cell) * vec3<u32>(0x9e3779b9u, 0x85ebca6bu, 0xc2b2ae35u);
+  var h = bits.x ^ bits.y ^ bits.z;
   h ^= h >> 15u;
   h *= 0x2c1b3c6du;
   h ^= h >> 12u;

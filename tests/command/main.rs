@@ -14,11 +14,8 @@ mod info;
 mod models;
 mod npz_input;
 mod run;
-<<<<<<< HEAD
-mod shadow;
-=======
 mod schema;
->>>>>>> shadow
+mod shadow;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -41,20 +38,17 @@ macro_rules! ensure {
 pub(crate) use ensure;
 
 fn main() {
-<<<<<<< HEAD
-    let always = [archive::TESTS, usage::TESTS, npz_input::TESTS, contract::TESTS, draw::TESTS, shadow::TESTS, verify_wrong::TESTS];
-=======
     let always = [
         archive::TESTS,
         usage::TESTS,
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,
+        shadow::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
         bench::TESTS,
     ];
->>>>>>> shadow
     let mut trials: Vec<Trial> = always
         .concat()
         .into_iter()

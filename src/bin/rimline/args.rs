@@ -6,12 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use rimline::Counting;
 use rimline::mesh::Weld;
 
-<<<<<<< HEAD
-use crate::spec::{self, AreaSpec, LampSpec, LightSpec};
-=======
 use crate::bench::args::BenchArgs;
-use crate::spec::{self, LightSpec};
->>>>>>> shadow
+use crate::spec::{self, AreaSpec, LampSpec, LightSpec};
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]

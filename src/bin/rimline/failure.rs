@@ -91,7 +91,6 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
-<<<<<<< HEAD
     #[error(transparent)]
     ShadowLights(ShadowLightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
@@ -106,12 +105,10 @@ pub(crate) enum UsageError {
     NoAnimation,
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
-=======
     #[error("there is nothing to measure; give --meshes or --scenes something other than `none`")]
     NothingToMeasure,
     #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
->>>>>>> shadow
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]

@@ -45,7 +45,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes).map_err(fail)?;
     drop(progress);
 
-    let progress = Progress::count(u64::from(frames), "pictures");
+    let progress = Progress::pictures(u64::from(frames));
     let mut casters: Vec<Caster> = Vec::new();
     let mut faces: Vec<Vec<[u32; 3]>> = Vec::new();
     for frame in 0..frames {
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         let picture = shadow::picture(&gpu, &studio, &pictures, &set, &casters).map_err(fail)?;
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
-        progress.advance();
+        progress.picture_done();
     }
     drop(progress);
     print(&format!("{frames} pictures, {} to {}\n", file(0).display(), file(frames - 1).display()))

@@ -107,14 +107,10 @@ fn remove_at_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = || {
-<<<<<<< HEAD
-            remove_unfinished(|_| true);
-=======
             if IS_FINISHING.load(Ordering::SeqCst) && !IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
                 return;
             }
-            remove_unfinished();
->>>>>>> shadow
+            remove_unfinished(|_| true);
             // 128 and the number of the signal, as shells have it.
             std::process::exit(130);
         };

@@ -30,18 +30,13 @@ impl Progress {
         Self(bar)
     }
 
-    /// A bar of so many things to do.
-    pub(crate) fn count(things: u64, name: &'static str) -> Self {
-        let bar = ProgressBar::new(things);
-        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}, {eta} left") {
-            bar.set_style(style);
-        }
-        bar.set_message(name);
-        Self(bar)
+    /// A bar of so many pictures.
+    pub(crate) fn pictures(count: u64) -> Self {
+        Self::with(ProgressBar::new(count), "{wide_bar} {pos}/{len} pictures, {eta} left")
     }
 
     /// One of them is done.
-    pub(crate) fn advance(&self) {
+    pub(crate) fn picture_done(&self) {
         self.0.inc(1);
     }
 
