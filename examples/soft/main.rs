@@ -21,7 +21,7 @@ const SAMPLES: usize = 32;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let canvas = support::Canvas::new(640)?;
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.6, 0.8, 0.0), 36.0);
+    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0);
     let lamp = AreaLight {
         light: Light::point([-3.2, 5.6, 2.2]),
         shape: AreaShape::Disc { radius: 0.6 },
@@ -36,8 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
     let bodies = [stage.body(&vertex_buffer, &shape.faces)];
 
-    let format =
-        ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
     let options = ExtractorOptions { max_lights: SAMPLES, ..ExtractorOptions::default() };
@@ -46,11 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut encoder = device.create_command_encoder(&Default::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let view = ShadowCamera {
-        view_projection: camera.view_projection,
-        origin: camera.eye,
-        depth: DepthDirection::Reversed,
-    };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     extractor.encode(&mut encoder, positions, &lights, None)?;
     let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
     volumes.encode(&mut encoder, &pipelines, &extractor, positions, &view, &ranged, None)?;

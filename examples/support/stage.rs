@@ -93,8 +93,8 @@ impl<'a> Stage<'a> {
         let frame = canvas.group(&layouts[0], &parts);
         let wgsl = include_str!("stage.wgsl");
         let pipelines = |fragment, blend, depth_stencil: wgpu::DepthStencilState| {
-            [("body", wgpu::PrimitiveTopology::TriangleList), ("floor_quad", wgpu::PrimitiveTopology::TriangleStrip)].map(
-                |(vertex, topology)| {
+            [("body", wgpu::PrimitiveTopology::TriangleList), ("floor_quad", wgpu::PrimitiveTopology::TriangleStrip)]
+                .map(|(vertex, topology)| {
                     canvas.pipeline(&PipelineOptions {
                         layouts: &[&layouts[0], &layouts[1]],
                         wgsl,
@@ -104,8 +104,7 @@ impl<'a> Stage<'a> {
                         blend,
                         depth_stencil: Some(depth_stencil.clone()),
                     })
-                },
-            )
+                })
         };
         let ambient = pipelines("ambient", None, depth_stencil(CompareFunction::Greater, CompareFunction::Always));
         let add = wgpu::BlendComponent {

@@ -43,7 +43,7 @@ fn point(position: vec3<f32>, normal: vec3<f32>, albedo: vec3<f32>) -> Point {
 
 // A strip of four vertices.
 @vertex fn floor_quad(@builtin(vertex_index) vertex: u32) -> Point {
-  let at = 60.0 * (vec2<f32>(f32(vertex & 1u), f32(vertex >> 1u)) - 0.5);
+  let at = 400.0 * (vec2<f32>(f32(vertex & 1u), f32(vertex >> 1u)) - 0.5);
   return point(vec3<f32>(at.x, 0.0, at.y), vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(0.80, 0.79, 0.77));
 }
 

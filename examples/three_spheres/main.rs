@@ -9,8 +9,7 @@ mod support;
 
 use rimline::glam::Vec3;
 use rimline::gpu::{
-    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes,
+    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::model::InstancePose;
 use rimline::{
@@ -25,11 +24,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.0), |text| text.parse())?;
     let canvas = support::Canvas::new(704)?;
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(0.0, 6.4, 10.5), Vec3::new(0.0, 0.3, -0.2), 38.0);
+    let camera = Camera::new(Vec3::new(0.0, 6.0, 11.5), Vec3::new(0.0, 0.75, -0.2), 33.0);
     let lamps = [
-        Lamp { xyzw: [-4.5, 6.0, 3.5, 1.0], color: [0.78, 0.20, 0.13] },
-        Lamp { xyzw: [4.5, 6.0, 3.5, 1.0], color: [0.15, 0.62, 0.22] },
-        Lamp { xyzw: [0.0, 7.0, 5.5, 1.0], color: [0.14, 0.25, 0.72] },
+        Lamp { xyzw: [-4.5, 6.0, 3.5, 1.0], color: [0.62, 0.10, 0.05] },
+        Lamp { xyzw: [4.5, 6.0, 3.5, 1.0], color: [0.06, 0.46, 0.10] },
+        Lamp { xyzw: [0.0, 7.0, 5.5, 1.0], color: [0.07, 0.14, 0.60] },
     ];
     let lights = lamps.each_ref().map(|lamp| Light::homogeneous(lamp.xyzw));
     let stage = Stage::new(&canvas, &camera, &lamps);
@@ -56,8 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = model.mesh(&pose)?;
     let bodies = [stage.body(deformer.positions().buffer, mesh.faces())];
 
-    let format =
-        ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(device, &mesh, options)?;
@@ -65,11 +63,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame.
     let mut encoder = device.create_command_encoder(&Default::default());
-    let view = ShadowCamera {
-        view_projection: camera.view_projection,
-        origin: camera.eye,
-        depth: DepthDirection::Reversed,
-    };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;
     extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
     let ranged = lights.map(RangedLight::from);

@@ -24,12 +24,10 @@ fn noise(p: vec3<f32>) -> f32 {
 }
 
 fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
-  // The nearest of the three centres, as main.rs places them.
+  // The centre of the sphere at hand, as main.rs places them: one behind, one to each side.
   var centre = vec3<f32>(0.0, 1.25, -1.7);
-  if (position.x < -0.9) {
-    centre = vec3<f32>(-2.0, 1.25, 0.6);
-  } else if (position.x > 0.9) {
-    centre = vec3<f32>(2.0, 1.25, 0.6);
+  if (position.z > -0.55) {
+    centre = vec3<f32>(2.0 * sign(position.x), 1.25, 0.6);
   }
   let ray = position - centre;
   let drift = vec3<f32>(0.0, 0.0, time) + 7.0 * centre;

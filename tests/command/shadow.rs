@@ -202,9 +202,7 @@ fn pictures() -> Outcome {
 
 fn ranges() -> Outcome {
     let folder = with_cube()?;
-    let lit = |option: &str| {
-        run(folder.path(), &format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json()
-    };
+    let lit = |option: &str| run(folder.path(), &format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
     let near = lit(",range=3")?;
     ensure!(near["lights"][0]["casters"][0]["casting"] == "nothing", "{near}");
     ensure!(near["lights"][0]["range"] == 3.0, "{near}");

@@ -29,9 +29,9 @@ const PICTURES: [Picture; 5] = [
         file: "walk_with_shadows.png",
         command: "shadow",
         model: "walking_figure.glb",
-        view: "--animation 0 --time 0.02 --eye 2.7,2.5,5.2 --target 0.1,0.62,-0.35 --fov 30 \
-               --light point:-2.6,4.1,2.4,color=1,.27,.16 --light point:2.4,4.6,2.6,color=.16,.85,.3 \
-               --light point:0.5,4.4,3.6,color=.16,.34,1",
+        view: "--animation 0 --time 0.02 --eye 1.9,2.7,5.4 --target 0.12,0.72,-0.2 --fov 27 \
+               --light point:-2.1,5.2,2.2,color=1,.2,.1 --light point:2.3,5.4,2.2,color=.1,.8,.18 \
+               --light point:0.6,5,3.6,color=.12,.25,1",
     },
     Picture {
         file: "walk_from_the_side.png",

@@ -99,7 +99,9 @@ pub(crate) enum UsageError {
     Samples { lights: usize, samples: usize, limit: usize },
     #[error("--area averages lights, which --mode {0} cannot; leave one of them out")]
     AreaMode(String),
-    #[error("--size {width}x{height} takes {needed} MiB to draw, more than the {limit} MiB that {adapter} has for one array")]
+    #[error(
+        "--size {width}x{height} takes {needed} MiB to draw, more than the {limit} MiB that {adapter} has for one array"
+    )]
     PictureMemory { width: u32, height: u32, needed: u64, limit: u64, adapter: String },
     #[error("nothing moves: give --animation, --displace, or how many --frames")]
     NoAnimation,

@@ -80,9 +80,12 @@ fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
         (Source::Gltf(asset), Some(index)) => asset.animations().get(*index).map(|info| info.duration_s),
         _ => None,
     };
-    let lasts = props.inputs.iter().zip(&props.animations).filter_map(duration).fold(None, |longest, seconds| {
-        Some(longest.map_or(seconds, |longest: f32| longest.max(seconds)))
-    });
+    let lasts = props
+        .inputs
+        .iter()
+        .zip(&props.animations)
+        .filter_map(duration)
+        .fold(None, |longest, seconds| Some(longest.map_or(seconds, |longest: f32| longest.max(seconds))));
     let seconds = match (args.frames, args.seconds.or(lasts)) {
         (Some(frames), _) => return Ok(frames),
         (None, Some(seconds)) => seconds,

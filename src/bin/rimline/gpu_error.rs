@@ -1,7 +1,10 @@
 //! Errors of the library's GPU part, and what they mean for the command.
 
 use rimline::LightError;
-use rimline::gpu::{DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError, ShadowError, ShadowFormatError};
+use rimline::gpu::{
+    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError, ShadowError,
+    ShadowFormatError,
+};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
@@ -60,9 +63,7 @@ impl GpuError {
                 | ShadowError::Include(
                     IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)),
                 ),
-            ) => {
-                Some(memory)
-            }
+            ) => Some(memory),
             _ => None,
         }
     }

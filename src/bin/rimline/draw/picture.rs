@@ -6,9 +6,9 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTop
 
 use super::contact;
 use super::frame::Frame;
-use crate::render::kit::{Kit, Pass};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
+use crate::render::kit::{Kit, Pass};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;

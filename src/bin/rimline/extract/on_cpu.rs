@@ -7,8 +7,8 @@ use rimline::method::Predicate;
 use rimline::{Light, Method};
 
 use super::Found;
-use crate::times::Times;
 use crate::input::{Scene, Shape};
+use crate::times::Times;
 
 pub(super) fn extract<'a>(
     scene: &Scene<'a>,

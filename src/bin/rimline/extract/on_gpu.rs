@@ -8,12 +8,12 @@ use rimline::layout::Statistics;
 use rimline::{Displacement, Light, Method, Predicate, wgpu};
 
 use super::Found;
-use crate::times::Times;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::{Scene, Shape};
 use crate::positions::Positions;
+use crate::times::Times;
 
 /// One extraction.
 pub(super) struct Job<'a, 's> {

@@ -38,7 +38,7 @@ impl Frame {
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let ([x, _, z], ground) = (stage.centre, stage.ground);
         let under = Vec3::new(x, ground, z);
-        let far = 3.6 * stage.extent;
+        let far = 4.6 * stage.extent;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // As bright as the lit ground, so that it fades into the backdrop unseen.
         let lit = |lamp: &Lamp| {

@@ -120,7 +120,13 @@ impl Lamp {
             let from_eye = Vec3::from(light.xyz).as_dvec3() - w * eye;
             // No more than directions and ratios count, and far lights must not overflow.
             let scale = from_eye.abs().max_element().max(w);
-            let scale = if w > 0.0 && is_ranged { w } else if scale > 0.0 { scale } else { 1.0 };
+            let scale = if w > 0.0 && is_ranged {
+                w
+            } else if scale > 0.0 {
+                scale
+            } else {
+                1.0
+            };
             let [x, y, z] = (from_eye / scale).as_vec3().to_array();
             LampData {
                 light: [x, y, z, (w / scale) as f32],
@@ -165,9 +171,7 @@ fn default_light(args: &ShadowSceneArgs, stage: &Stage) -> Light {
     let azimuth = AZIMUTH.to_radians() as f32;
     let target = Vec3::from(args.view.target.unwrap_or(stage.centre));
     let level = args.view.eye.map(|eye| (Vec3::from(eye) - target) * Vec3::new(1.0, 0.0, 1.0));
-    let backward = level
-        .and_then(Vec3::try_normalize)
-        .unwrap_or(Vec3::new(azimuth.sin(), 0.0, azimuth.cos()));
+    let backward = level.and_then(Vec3::try_normalize).unwrap_or(Vec3::new(azimuth.sin(), 0.0, azimuth.cos()));
     let right = Vec3::Y.cross(backward);
     let towards = (-0.8 * right + 1.15 * Vec3::Y + 0.42 * backward).normalize();
     Light::point((Vec3::from(stage.centre) + 3.5 * stage.extent * towards).into())

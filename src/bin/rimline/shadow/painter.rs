@@ -48,7 +48,8 @@ pub(super) struct Layouts {
 
 impl Layouts {
     pub(super) fn new(kit: &Kit<'_>) -> Self {
-        let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let buffer =
+            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
         Self {

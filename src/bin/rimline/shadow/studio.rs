@@ -174,7 +174,19 @@ impl Pictures {
             let Target { format, samples } = target;
             let write = ColorWrites::ALL;
             let (vertex, blend, constants) = (name, None, &[][..]);
-            kit.pipeline(&Pass { name, vertex, source, groups, topology, format, blend, samples, write, depth, constants })
+            kit.pipeline(&Pass {
+                name,
+                vertex,
+                source,
+                groups,
+                topology,
+                format,
+                blend,
+                samples,
+                write,
+                depth,
+                constants,
+            })
         };
         let behind = depth_state(false, CompareFunction::Always, StencilFaceState::IGNORE);
         let group = kit.group(&layout, &[wgpu::BindingResource::TextureView(&resolved)]);

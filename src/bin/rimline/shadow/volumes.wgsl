@@ -6,10 +6,16 @@
   return corner(instance, (vertex & 1u) != 0u, vertex >= 2u);
 }
 
-@vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
-  -> @builtin(position) vec4<f32> {
+struct Edge {
+  @builtin(position) clip: vec4<f32>,
+  @location(0) @interpolate(flat) opacity: f32,
+}
+
+@vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
+  // Many lines would hide everything.
+  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(lamp.bit)));
   // As a line strip: from infinity along one ray, along the edge, and out along the other.
-  return corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u);
+  return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
 
 fn is_finite(p: vec3<f32>) -> bool {
@@ -37,9 +43,10 @@ fn tint() -> vec3<f32> {
 }
 
 @fragment fn volumes_fragment() -> @location(0) vec4<f32> {
-  return vec4<f32>(mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36) / frame.exposure, 0.16 * lamp.density);
+  let glass = mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36);
+  return vec4<f32>(glass / frame.exposure, 0.14 * lamp.density);
 }
 
-@fragment fn edges_fragment() -> @location(0) vec4<f32> {
-  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, 0.4 * lamp.density);
+@fragment fn edges_fragment(in: Edge) -> @location(0) vec4<f32> {
+  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, in.opacity * lamp.density);
 }
