@@ -15,6 +15,7 @@ mod models;
 mod npz_input;
 mod run;
 mod schema;
+mod shadow;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -43,6 +44,7 @@ fn main() {
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,
+        shadow::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
         bench::TESTS,
@@ -55,6 +57,7 @@ fn main() {
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
     trials.extend(info::trials());
+    trials.extend(shadow::trials());
     trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

@@ -5,8 +5,6 @@ mod on_cpu;
 pub(crate) mod on_gpu;
 mod report;
 
-use std::time::Instant;
-
 use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;
 use rimline::{Light, Method, Predicate};
@@ -18,6 +16,7 @@ use crate::failure::{Failure, UsageError};
 use crate::input::{Input, Scene};
 use crate::output::{Output, print};
 use crate::progress::Progress;
+use crate::times::Times;
 use report::Report;
 
 /// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
@@ -26,27 +25,6 @@ pub(crate) struct Found<'a> {
     facing: Vec<u32>,
     masks: Vec<Masks>,
     counts: FacingCounts,
-}
-
-/// Milliseconds of each stage, in the order they ran.
-#[derive(Debug, Default)]
-struct Times(Vec<(&'static str, f64)>);
-
-impl Times {
-    fn add(&mut self, stage: &'static str, milliseconds: f64) {
-        match self.0.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += milliseconds,
-            None => self.0.push((stage, milliseconds)),
-        }
-    }
-
-    /// Runs a stage and takes its time by the clock.
-    fn measure<T>(&mut self, stage: &'static str, run: impl FnOnce() -> T) -> T {
-        let begin = Instant::now();
-        let result = run();
-        self.add(stage, begin.elapsed().as_secs_f64() * 1e3);
-        result
-    }
 }
 
 /// Finds everything exactly on a device.

@@ -1,7 +1,10 @@
 //! Errors of the library's GPU part, and what they mean for the command.
 
 use rimline::LightError;
-use rimline::gpu::{DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError};
+use rimline::gpu::{
+    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError, ShadowError,
+    ShadowFormatError,
+};
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
@@ -21,6 +24,10 @@ pub(crate) enum GpuError {
     Memory(#[from] MemoryError),
     #[error(transparent)]
     Read(#[from] ReadError),
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    #[error(transparent)]
+    ShadowFormat(#[from] ShadowFormatError),
 }
 
 impl GpuError {
@@ -29,6 +36,11 @@ impl GpuError {
         // What the device itself reported comes first; the rest follows from it.
         if let Err(failure) = gpu.check() {
             return failure;
+        }
+        match &self {
+            Self::Shadow(ShadowError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowError::Light(lights)) => return UsageError::ShadowLights(*lights).into(),
+            _ => {}
         }
         match (self.memory(), self.lights()) {
             (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
@@ -44,9 +56,14 @@ impl GpuError {
             | Self::Deform(DeformError::Memory(memory))
             | Self::Extractor(ExtractorError::Memory(memory))
             | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
-            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory))) => {
-                Some(memory)
-            }
+            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)))
+            | Self::Shadow(
+                ShadowError::Memory(memory)
+                | ShadowError::Positions(PositionError::Memory(memory))
+                | ShadowError::Include(
+                    IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)),
+                ),
+            ) => Some(memory),
             _ => None,
         }
     }

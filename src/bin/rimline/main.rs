@@ -10,6 +10,7 @@ mod displacement;
 mod draw;
 mod extract;
 mod failure;
+mod film;
 mod gpu_error;
 mod image;
 mod info;
@@ -19,7 +20,10 @@ mod output;
 mod page;
 mod positions;
 mod progress;
+mod render;
+mod shadow;
 mod spec;
+mod times;
 mod verify;
 
 use std::process::ExitCode;
@@ -50,6 +54,8 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Shadow(args) => shadow::run(args),
+        Command::Film(args) => film::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Bench(args) => bench::run(args),
     }

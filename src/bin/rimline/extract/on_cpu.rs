@@ -6,8 +6,9 @@ use rimline::cpu::{self, Threads};
 use rimline::method::Predicate;
 use rimline::{Light, Method};
 
-use super::{Found, Times};
+use super::Found;
 use crate::input::{Scene, Shape};
+use crate::times::Times;
 
 pub(super) fn extract<'a>(
     scene: &Scene<'a>,

@@ -7,12 +7,13 @@ use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back
 use rimline::layout::Statistics;
 use rimline::{Displacement, Light, Method, Predicate, wgpu};
 
-use super::{Found, Times};
+use super::Found;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::{Scene, Shape};
 use crate::positions::Positions;
+use crate::times::Times;
 
 /// One extraction.
 pub(super) struct Job<'a, 's> {

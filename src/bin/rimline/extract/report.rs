@@ -7,9 +7,10 @@ use rimline::cpu::FacingCounts;
 use rimline::mesh::EdgeCounts;
 use rimline::score::light_counts;
 use rimline::{Light, Mesh, Method, Predicate};
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
-use super::{Found, Times};
+use super::Found;
+use crate::times::Times;
 
 /// What came out, in numbers.
 pub(super) struct Report {
@@ -72,8 +73,6 @@ impl Report {
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
         let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
-        let times: Map<String, Value> =
-            self.times.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect();
         let report = json!({
             "adapter": self.adapter,
             "method": self.method(),
@@ -88,7 +87,7 @@ impl Report {
             "lights": self.silhouette_edges.len(),
             "silhouette_edges": self.silhouette_edges,
             "unclosed_vertices": self.unclosed_vertices,
-            "milliseconds": times,
+            "milliseconds": self.times.json(),
         });
         format!("{report:#}\n")
     }
@@ -113,9 +112,7 @@ impl Report {
         line("edge records", &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"));
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
-        let times: Vec<String> =
-            self.times.0.iter().map(|(stage, milliseconds)| format!("{stage} {milliseconds:.1}")).collect();
-        line("milliseconds", &times.join(", "));
+        line("milliseconds", &self.times.text());
         line("written", &out.display().to_string());
         text
     }
