@@ -38,6 +38,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod area;
 pub mod cpu;
 pub mod displace;
 #[cfg(feature = "gltf")]
@@ -54,6 +55,7 @@ pub mod shapes;
 pub mod stages;
 pub mod stress;
 
+pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};

@@ -202,6 +202,18 @@ impl From<Light> for RangedLight {
     }
 }
 
+/// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin`
+/// (his Dec_Begin), none from `end` on (Light_End, the light's range), and between them what is left of the way to `end`
+/// to the power of `exponent` (Decrease; 1 is linear). An infinite `end`: all of it everywhere.
+#[must_use]
+pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
+    if end == f32::INFINITY || (distance <= begin && distance < end) {
+        return 1.0;
+    }
+    let left = (end - distance) / (end - begin);
+    if left > 0.0 { left.min(1.0).powf(exponent) } else { 0.0 }
+}
+
 /// Why lights cannot have shadow volumes.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -350,5 +362,13 @@ mod tests {
         assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
         let many = check_ranged_lights(&[point.into(); 3], 2);
         assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
+    }
+
+    #[test]
+    fn lights_end_at_their_range() {
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|d| falloff(d, 1.0, 3.0, 2.0)), [1.0, 1.0, 0.25, 0.0, 0.0]);
+        assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
+        // No room to fall: a step.
+        assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
     }
 }

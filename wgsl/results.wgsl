@@ -42,6 +42,13 @@ fn rimline_position(vertex: u32) -> vec3<f32> {
     vec3<u32>(rimline_positions[word], rimline_positions[word + 1u], rimline_positions[word + 2u]));
 }
 
+// A position in clip space. A depth pass that computes it so, from the same matrix and origin as the `ShadowCamera`,
+// has the bits that light caps have, which z-fail needs.
+fn rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32> {
+  let q = position - origin;
+  return view_projection[0] * q.x + view_projection[1] * q.y + view_projection[2] * q.z + view_projection[3];
+}
+
 // Whether a face faces a light.
 fn rimline_faces_light(face: u32, light: u32) -> bool {
   return ((rimline_facing[face] >> light) & 1u) != 0u;

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { lists, ..ExtractorOptions::default() })?;
     let layout = gpu::results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
     let results = extractor.results_bind_group(&layout, 0, positions)?;
-    let pipeline = canvas.line_pipeline(&layout, gpu::include_wgsl(0) + include_str!("lines.wgsl"));
+    let pipeline = canvas.line_pipeline(&layout, &(gpu::include_wgsl(0) + include_str!("lines.wgsl")));
 
     // Every frame: extract, then draw what was found, in one encoder; nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -1,4 +1,5 @@
 //! What a host program has anyway: a device, something to draw into, a way to see it. Nothing here is Rimline's.
+#![allow(dead_code, reason = "each example uses its part")]
 
 use rimline::gpu::read_back_vec;
 use rimline::wgpu;
@@ -11,9 +12,22 @@ pub(crate) struct Canvas {
     target: wgpu::Texture,
 }
 
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// What tells one pipeline from another.
+pub(crate) struct PipelineOptions<'a> {
+    pub(crate) layouts: &'a [&'a wgpu::BindGroupLayout],
+    pub(crate) wgsl: &'a str,
+    /// Vertex, fragment.
+    pub(crate) entry_points: [&'a str; 2],
+    pub(crate) topology: wgpu::PrimitiveTopology,
+    pub(crate) format: wgpu::TextureFormat,
+    pub(crate) blend: Option<wgpu::BlendState>,
+    pub(crate) depth_stencil: Option<wgpu::DepthStencilState>,
+}
 
 impl Canvas {
+    /// The picture's format.
+    pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
     pub(crate) fn new(size: u32) -> Result<Self, Box<dyn std::error::Error>> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
@@ -24,7 +38,7 @@ impl Canvas {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
+            format: Self::FORMAT,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
@@ -38,40 +52,100 @@ impl Canvas {
         buffer
     }
 
+    /// A uniform buffer with these contents.
+    pub(crate) fn uniform(&self, contents: &[u8]) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let size = contents.len() as u64;
+        let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        let buffer = self.device.create_buffer(&descriptor);
+        self.queue.write_buffer(&buffer, 0, contents);
+        buffer
+    }
+
     fn buffer(&self, size: u64) -> wgpu::Buffer {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
+    /// A square attachment that shaders may read.
+    pub(crate) fn target(&self, size: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// A layout whose bindings every render stage sees.
+    pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+        let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    }
+
+    /// A bind group with these resources.
+    pub(crate) fn group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+
     /// A pipeline that draws lines with `wgsl`'s entry points `line` and `ink`.
-    pub(crate) fn line_pipeline(&self, layout: &wgpu::BindGroupLayout, wgsl: String) -> wgpu::RenderPipeline {
-        let source = wgpu::ShaderSource::Wgsl(wgsl.into());
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("lines"), source });
+    pub(crate) fn line_pipeline(&self, layout: &wgpu::BindGroupLayout, wgsl: &str) -> wgpu::RenderPipeline {
+        self.pipeline(&PipelineOptions {
+            layouts: &[layout],
+            wgsl,
+            entry_points: ["line", "ink"],
+            topology: wgpu::PrimitiveTopology::LineList,
+            format: Self::FORMAT,
+            blend: None,
+            depth_stencil: None,
+        })
+    }
+
+    /// A render pipeline onto one colour target.
+    pub(crate) fn pipeline(&self, options: &PipelineOptions<'_>) -> wgpu::RenderPipeline {
+        let source = wgpu::ShaderSource::Wgsl(options.wgsl.into());
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let layouts: Vec<_> = options.layouts.iter().map(|&layout| Some(layout)).collect();
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("lines"),
-            bind_group_layouts: &[Some(layout)],
+            label: None,
+            bind_group_layouts: &layouts,
             immediate_size: 0,
         });
+        let [vertex, fragment] = options.entry_points;
+        let PipelineOptions { topology, format, blend, .. } = *options;
+        let write_mask = wgpu::ColorWrites::ALL;
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("lines"),
+            label: Some(fragment),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
-                entry_point: Some("line"),
+                entry_point: Some(vertex),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &[],
             },
-            primitive: wgpu::PrimitiveState {
-                topology: wgpu::PrimitiveTopology::LineList,
-                ..wgpu::PrimitiveState::default()
-            },
-            depth_stencil: None,
+            primitive: wgpu::PrimitiveState { topology, ..wgpu::PrimitiveState::default() },
+            depth_stencil: options.depth_stencil.clone(),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
-                entry_point: Some("ink"),
+                entry_point: Some(fragment),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(FORMAT.into())],
+                targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask })],
             }),
             multiview_mask: None,
             cache: None,

@@ -23,6 +23,7 @@ mod extraction;
 mod facing;
 mod filter;
 mod fixed_sign;
+mod paper;
 mod paper_cases;
 mod parallel;
 mod per_edge;
@@ -35,7 +36,7 @@ mod sides;
 
 pub use arguments::arguments;
 pub use bounds::bounds;
-pub use cap_faces::{dark_cap, light_cap, near_cap};
+pub use cap_faces::{dark_cap, light_cap, near_cap, paper_cap};
 pub use caps::caps;
 pub use casting::{cap_class, casts};
 pub use choose::choose;
@@ -53,10 +54,10 @@ pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;
 pub use shadow::{
-    Corner, away, corner, direction_to_clip, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
+    Corner, away, corner, direction_to_clip, far_end, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
 };
 pub use shadow_arguments::shadow_arguments;
 pub(crate) use shadow_boxes::clustered;
 pub use shadow_boxes::shadow_boxes;
 pub use shadow_depth::shadow_depth;
-pub use sides::{End, side, side_clipped};
+pub use sides::{End, paper_side, side, side_clipped};

@@ -16,6 +16,7 @@ mod npz_input;
 mod query;
 mod run;
 mod schema;
+mod shadow;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -44,6 +45,7 @@ fn main() {
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,
+        shadow::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
@@ -57,6 +59,7 @@ fn main() {
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
     trials.extend(info::trials());
+    trials.extend(shadow::trials());
     trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

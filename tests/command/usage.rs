@@ -17,10 +17,11 @@ pub(crate) const TESTS: &[Test] = &[
 fn help() -> Outcome {
     let run = rimline(["--help"]);
     run.expect(0, &[])?;
-    for part in ["draw", "extract", "query", "info", "devices", "verify", "bench", "Exit codes: 0 done, 1 bad input"] {
+    let commands = ["draw", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"];
+    for part in commands.into_iter().chain(["Exit codes: 0 done, 1 bad input"]) {
         ensure!(run.stdout.contains(part), "the help lacks `{part}`: {}", run.stdout);
     }
-    for command in ["draw", "extract", "query", "info", "devices", "verify", "bench"] {
+    for command in commands {
         let run = rimline([command, "--help"]);
         run.expect(0, &[])?;
         ensure!(run.stdout.contains("Usage: rimline"), "{}", run.stdout);

@@ -9,31 +9,43 @@ use crate::{process, vulkan};
 const MODELS: [(&str, &str, &[&str]); 2] =
     [("walking_figure.glb", "walking_figure", &[]), ("blob.glb", "shape", &["blob"])];
 
-/// A picture: its file, the model, and how `rimline draw` shows it, words apart by spaces.
+/// A picture: its file, the command that draws it, the model, and how it is shown, words apart by spaces.
 struct Picture {
     file: &'static str,
+    command: &'static str,
     model: &'static str,
     view: &'static str,
 }
 
 /// The figure faces +Z, is 1.76 m tall, and takes 1.1 s for two steps.
-const PICTURES: [Picture; 4] = [
+const PICTURES: [Picture; 5] = [
     Picture {
         file: "walk_from_the_front.png",
+        command: "draw",
         model: "walking_figure.glb",
         view: "--animation 0 --time 0.02 --eye 1.7,1.5,3.6 --target 0,0.88,0 --fov 30",
     },
     Picture {
+        file: "walk_with_shadows.png",
+        command: "shadow",
+        model: "walking_figure.glb",
+        view: "--animation 0 --time 0.02 --eye 1.9,2.7,5.4 --target 0.12,0.72,-0.2 --fov 27 \
+               --light point:-2.1,5.2,2.2,color=1,.2,.1 --light point:2.3,5.4,2.2,color=.1,.8,.18 \
+               --light point:0.6,5,3.6,color=.12,.25,1",
+    },
+    Picture {
         file: "walk_from_the_side.png",
+        command: "draw",
         model: "walking_figure.glb",
         view: "--animation 0 --time 0.5 --eye 3.9,1.1,0.7 --target 0,0.88,0 --fov 30",
     },
     Picture {
         file: "walk_from_behind.png",
+        command: "draw",
         model: "walking_figure.glb",
         view: "--animation 0 --time 0.75 --eye -2.2,1.9,-3.1 --target 0,0.88,0 --fov 30",
     },
-    Picture { file: "blob.png", model: "blob.glb", view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36" },
+    Picture { file: "blob.png", command: "draw", model: "blob.glb", view: "--eye 3.2,2.4,5.2 --target 0,0,0 --fov 36" },
 ];
 
 /// Makes the models, draws the pictures, and names them at the end.
@@ -54,10 +66,10 @@ pub(crate) fn run() -> Result<(), String> {
         let out = demo.join(picture.file);
         remove_old(&out)?;
         let mut draw = program("rimline");
-        draw.arg("draw").arg(demo.join(picture.model)).args(picture.view.split(' '));
+        draw.arg(picture.command).arg(demo.join(picture.model)).args(picture.view.split(' '));
         process::run(draw.args(["--size", "960x1200", "--out"]).arg(&out))?;
         if !out.is_file() {
-            return Err(format!("`rimline draw` succeeded, but there is no {}", out.display()));
+            return Err(format!("`rimline {}` succeeded, but there is no {}", picture.command, out.display()));
         }
         written.push(out);
     }

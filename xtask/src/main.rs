@@ -18,7 +18,7 @@ Rimline's commands
 Usage: cargo xtask COMMAND
 
 Commands:
-  demo    Make a walking figure and other models by code, and draw their outlines to PNG files in demo/
+  demo    Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
   test    Run every test; ends with a line `N passed, N failed, N skipped`
   ci      Check format, lints and documentation, then do what `test` does, then check the WGSL with other compilers
 

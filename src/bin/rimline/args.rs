@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use rimline::Counting;
 use rimline::mesh::Weld;
 
 use crate::bench::args::BenchArgs;
-use crate::spec::{self, LightSpec};
+use crate::spec::{self, AreaSpec, LampSpec, LightSpec};
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]
@@ -28,6 +29,10 @@ Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost 
 pub(crate) enum Command {
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
+    /// Draw models with their shadows, as a PNG; or masks of what each light reaches
+    Shadow(ShadowArgs),
+    /// Draw an animation with its shadows, as numbered PNG files
+    Film(FilmArgs),
     /// Extract facing, silhouette and winding bits for lights, as NumPy arrays
     Extract(ExtractArgs),
     /// Count the faces between points and lights: how deep in shadow each point lies
@@ -48,6 +53,18 @@ pub(crate) struct ModelArgs {
     /// A .gltf, .glb or .npz file; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
     pub(crate) file: PathBuf,
 
+    #[command(flatten)]
+    weld: WeldArgs,
+}
+
+impl ModelArgs {
+    pub(crate) fn weld(&self) -> Weld {
+        self.weld.weld()
+    }
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WeldArgs {
     /// Which vertices become one
     #[arg(long, value_enum, default_value_t = WeldArg::Data)]
     weld: WeldArg,
@@ -65,8 +82,8 @@ enum WeldArg {
     Position,
 }
 
-impl ModelArgs {
-    pub(crate) fn weld(&self) -> Weld {
+impl WeldArgs {
+    pub(crate) fn weld(self) -> Weld {
         match self.weld {
             _ if self.no_weld => Weld::Keep,
             WeldArg::Data => Weld::Data,
@@ -232,22 +249,8 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// Where the eye is; by default in front of the model, to the right and above, as near as
-    /// shows all of it
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
-    pub(crate) eye: Option<[f32; 3]>,
-
-    /// What the eye looks at; by default the middle of the model
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
-    pub(crate) target: Option<[f32; 3]>,
-
-    /// The vertical field of view in degrees
-    #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
-    pub(crate) fov: f32,
-
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
-    pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
 
     #[command(flatten)]
     pub(crate) pose: PoseArgs,
@@ -265,12 +268,216 @@ pub(crate) struct DrawArgs {
     pub(crate) out: PathBuf,
 }
 
+/// Where the picture is taken from, and its size.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ViewArgs {
+    /// Where the eye is; by default in front of the model, to the right and above, as near as
+    /// shows all of it
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) eye: Option<[f32; 3]>,
+
+    /// What the eye looks at; by default the middle of the model
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) target: Option<[f32; 3]>,
+
+    /// The vertical field of view in degrees
+    #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
+    pub(crate) fov: f32,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
+    pub(crate) size: [u32; 2],
+}
+
 const DRAW_EXAMPLES: &str = "\
 Examples:
   rimline draw fox.glb --out fox.png
   rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --size 1920x1080 --out fox.png
 
 Silhouette edges are drawn dark, open boundaries orange. World space is right-handed with +Y up.";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CountingArg {
+    /// z-pass where nothing lies between light and near rectangle, else ZP+: chosen on the GPU for each model and light
+    Auto,
+    /// z-pass begun with near caps, clipped by Rimline itself
+    #[value(name = "zp+")]
+    ZpPlus,
+    /// Count what is hidden; with light and dark caps
+    ZFail,
+    /// Count what is seen. Wrong where a shadow volume reaches the near plane; for comparison
+    ZPass,
+}
+
+/// The name that an option's value goes by.
+pub(crate) fn value_name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+impl CountingArg {
+    pub(crate) fn counting(self) -> Counting {
+        match self {
+            Self::Auto => Counting::Auto,
+            Self::ZpPlus => Counting::ZpPlus,
+            Self::ZFail => Counting::ZFail,
+            Self::ZPass => Counting::ZPass,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModeArg {
+    /// Ambient light, and each light added where it is not in shadow; right for any number of lights
+    Additive,
+    /// Everything lit; what is in shadow of any light redrawn in ambient light alone
+    Ambient,
+    /// Everything lit; what is in shadow of any light black
+    Black,
+    /// Everything lit; half of it taken away for each light that a place is in shadow of, highlights and all
+    Composited,
+}
+
+/// What the pictures with shadows have alike.
+#[derive(Args, Debug)]
+pub(crate) struct ShadowSceneArgs {
+    /// .gltf, .glb or .npz files, each of which casts shadows as one body; an .npz holds `positions` (V,3) float32 and
+    /// `faces` (F,3) of any integer type
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) weld: WeldArgs,
+
+    /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
+    /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the
+    /// left of the eye and above
+    #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::lamp)]
+    pub(crate) lights: Vec<LampSpec>,
+
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
+
+    /// The distance of the near plane from the eye; by default as far as the models allow
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::near)]
+    pub(crate) near: Option<f32>,
+
+    /// The height of the ground, an infinite plane that takes shadows and throws none; by default the models' lowest
+    /// point, or a little lower where they are flat
+    #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::any_number)]
+    pub(crate) ground: Option<f32>,
+
+    /// How shadow volumes are counted
+    #[arg(long, value_enum, default_value_t = CountingArg::Auto)]
+    pub(crate) method: CountingArg,
+
+    /// What becomes of shadows
+    #[arg(long, value_enum, default_value_t = ModeArg::Additive)]
+    pub(crate) mode: ModeArg,
+
+    /// Soft shadows: every light has this shape; for lights at infinity sizes are at distance 1. Without sizes they
+    /// are chosen by the scene
+    #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
+    pub(crate) area: Option<AreaSpec>,
+
+    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction
+    #[arg(long, value_name = "N", default_value = "32", allow_hyphen_values = true, value_parser = spec::samples)]
+    pub(crate) samples: usize,
+
+    /// Draw the shadow volumes, too, translucent and with their edges
+    #[arg(long)]
+    pub(crate) volumes: bool,
+
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
+
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
+    /// after morph and skin
+    #[arg(long, value_name = "FILE.wgsl")]
+    pub(crate) displace: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = SHADOW_EXAMPLES)]
+pub(crate) struct ShadowArgs {
+    #[command(flatten)]
+    pub(crate) scene: ShadowSceneArgs,
+
+    /// Where to write the picture
+    #[arg(long, value_name = "FILE.png", required_unless_present = "mask")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Write PREFIX.<light>.png, too, for each light: 255 lit, 0 in shadow or averted from the light, 128 background;
+    /// exact at each pixel's centre (with --area the share of samples that reach it, times 255)
+    #[arg(long, value_name = "PREFIX")]
+    pub(crate) mask: Option<PathBuf>,
+
+    /// Print what was chosen and counted, and times, as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SHADOW_EXAMPLES: &str = "\
+Options of a light, after its SPEC:
+  color=R,G,B   linear; 1,1,1 without it. All lights together set the exposure
+  intensity=I   times the color; 1 without it
+  range=R       where the light ends: models farther away throw no shadow, and it fades to nothing
+  begin=D       where it begins to fade; 0 without it
+  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron 1986)
+
+Examples:
+  rimline shadow fox.glb --out fox.png
+  rimline shadow fox.glb --animation Run --time 0.4 --light dir:1,2,1,color=1,.8,.6 --light point:-90,80,60,range=300 --out fox.png
+  rimline shadow fox.glb box.glb --area disc --out soft.png
+  rimline shadow fox.glb --light point:50,150,100 --mask fox --json
+
+World space is right-handed with +Y up.
+
+Keys of --json: adapter, method, mode, files, faces, samples (of a light), lights (a list of light, range, \
+color and casters, a list of file, casting, counting, silhouette_edges, each of them a value a sample with \
+--area), statistics (a list, one a file, of skipped, every_face, capped, overflowed_caps, undecided_pairs, \
+overflowed_lists), milliseconds (by stage).";
+
+#[derive(Args, Debug)]
+#[command(after_help = FILM_EXAMPLES)]
+pub(crate) struct FilmArgs {
+    #[command(flatten)]
+    pub(crate) scene: ShadowSceneArgs,
+
+    /// Pictures a second
+    #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::positive)]
+    pub(crate) fps: f32,
+
+    /// How many pictures; by default as many as the animation lasts
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
+    pub(crate) frames: Option<u32>,
+
+    /// How long, in seconds, instead of --frames
+    #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::positive)]
+    pub(crate) seconds: Option<f32>,
+
+    /// Where to write: a folder, for 0000.png, 0001.png and so on in it, or how the files' names begin
+    #[arg(long, value_name = "DIR|PREFIX")]
+    pub(crate) out: PathBuf,
+}
+
+const FILM_EXAMPLES: &str = "\
+Options of a light, after its SPEC:
+  color=R,G,B   linear; 1,1,1 without it. All lights together set the exposure
+  intensity=I   times the color; 1 without it
+  range=R       where the light ends: models farther away throw no shadow, and it fades to nothing
+  begin=D       where it begins to fade; 0 without it
+  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron 1986)
+
+Example:
+  rimline film fox.glb --animation Run --fps 30 --out frames/
+
+Each file is complete as soon as it is there; Ctrl-C keeps those that are done. The camera stands still.";
+
+/// Five digits of frames.
+pub(crate) const MAX_FRAMES: i64 = 100_000;
 
 #[derive(Args, Debug)]
 #[command(after_help = INFO_KEYS)]
@@ -367,7 +574,7 @@ mod tests {
         let Command::Draw(draw) = Cli::try_parse_from(line.split(' ')).expect(line).command else {
             panic!("draw was asked for");
         };
-        assert_eq!(draw.eye, Some([-1.0, 2.0, 0.5]));
+        assert_eq!(draw.view.eye, Some([-1.0, 2.0, 0.5]));
         assert_eq!(draw.pose.time, -2.0);
     }
 

@@ -1,9 +1,7 @@
 //! `rimline draw`: a model with its outline.
 
-mod camera;
 mod contact;
-mod kit;
-mod normals;
+mod frame;
 mod picture;
 
 use std::borrow::Cow;
@@ -23,9 +21,13 @@ use crate::input::{Input, Shape};
 use crate::output::Output;
 use crate::positions::Positions;
 use crate::progress::Progress;
-use camera::Camera;
-use kit::{Frame, extent};
+use crate::render::camera::Camera;
+use crate::render::{centre, check_size, extent, normals};
+use frame::Frame;
 use picture::Subject;
+
+/// Degrees that the eye is above the model by default.
+const ELEVATION: f64 = 17.0;
 
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let wanted = Wanted::parse(&args.device.device);
@@ -44,7 +46,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
     check_backend(&gpu)?;
-    check_size(&gpu, args.size)?;
+    check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -65,9 +67,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
     let nothing = || Failure::input(&input.file)(InputError::NoFinitePosition);
     let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
-    let middle = |axis: usize| bounds.min[axis] + 0.5 * (bounds.max[axis] - bounds.min[axis]);
-    let centre = [middle(0), middle(1), middle(2)];
-    let camera = Camera::new(args, centre, extent(&bounds), corners().copied())?;
+    let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
 
     let mut extractor =
         Extractor::new(&gpu.device, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
@@ -80,8 +80,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         normals: &normals::corner_normals(&world, &faces),
         extractor: &extractor,
     };
-    let frame = Frame::new(&camera, args.size, &bounds);
-    let texture = picture::record(&gpu, &mut encoder, &frame, args.size, &subject).map_err(fail)?;
+    let frame = Frame::new(&camera, args.view.size, &bounds);
+    let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     let picture = Picture::read(&gpu, &texture).map_err(fail)?;
     gpu.check()?;
@@ -94,15 +94,6 @@ fn check_backend(gpu: &Gpu) -> Result<(), NoDevice> {
     if gpu.info.backend == wgpu::Backend::Gl {
         let lacking = "reading of depth textures, which drawing needs; `extract` runs there".to_owned();
         return Err(NoDevice::Lacks { adapter: device::describe(&gpu.info), lacking });
-    }
-    Ok(())
-}
-
-fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), UsageError> {
-    let limit = gpu.device.limits().max_texture_dimension_2d;
-    if width.max(height) > limit {
-        let adapter = device::describe(&gpu.info);
-        return Err(UsageError::Size { width, height, limit, adapter });
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use rimline::shadow::{CameraError, ShadowLightError};
 use rimline::{LightError, MeshError};
 
 use crate::npz::NpzError;
@@ -92,6 +93,22 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
+    #[error(transparent)]
+    ShadowLights(ShadowLightError),
+    #[error("{0}; change --eye, --target, --fov or --near")]
+    Camera(CameraError),
+    #[error("{lights} lights with {samples} samples each are {}, and at most {limit} fit; take fewer --samples", lights * samples)]
+    Samples { lights: usize, samples: usize, limit: usize },
+    #[error("--area averages lights, which --mode {0} cannot; leave one of them out")]
+    AreaMode(String),
+    #[error(
+        "--size {width}x{height} takes {needed} MiB to draw, more than the {limit} MiB that {adapter} has for one array"
+    )]
+    PictureMemory { width: u32, height: u32, needed: u64, limit: u64, adapter: String },
+    #[error("nothing moves: give --animation, --displace, or how many --frames")]
+    NoAnimation,
+    #[error("a film of {frames} pictures is too long; at most {limit} are written")]
+    TooManyFrames { frames: u64, limit: u64 },
     #[error("there is nothing to measure; give --meshes or --scenes something other than `none`")]
     NothingToMeasure,
     #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]

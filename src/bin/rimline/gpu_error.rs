@@ -3,7 +3,7 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
-    ShadowQueryError,
+    ShadowError, ShadowFormatError, ShadowQueryError,
 };
 
 use crate::device::{Gpu, describe};
@@ -28,6 +28,10 @@ pub(crate) enum GpuError {
     ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
     Read(#[from] ReadError),
+    #[error(transparent)]
+    Shadow(#[from] ShadowError),
+    #[error(transparent)]
+    ShadowFormat(#[from] ShadowFormatError),
 }
 
 impl GpuError {
@@ -36,6 +40,11 @@ impl GpuError {
         // What the device itself reported comes first; the rest follows from it.
         if let Err(failure) = gpu.check() {
             return failure;
+        }
+        match &self {
+            Self::Shadow(ShadowError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowError::Light(lights)) => return UsageError::ShadowLights(*lights).into(),
+            _ => {}
         }
         match (self.memory(), self.lights()) {
             (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
@@ -56,9 +65,14 @@ impl GpuError {
                 QueryError::Positions(PositionError::Memory(memory))
                 | QueryError::Points(PositionError::Memory(memory)),
             )
-            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory))) => {
-                Some(memory)
-            }
+            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)))
+            | Self::Shadow(
+                ShadowError::Memory(memory)
+                | ShadowError::Positions(PositionError::Memory(memory))
+                | ShadowError::Include(
+                    IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)),
+                ),
+            ) => Some(memory),
             _ => None,
         }
     }

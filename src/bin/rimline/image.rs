@@ -8,19 +8,21 @@ use rimline::wgpu;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 
-/// Rows of 8-bit sRGB with alpha, top first, as they lie in a buffer.
+/// Rows of 8-bit sRGB with alpha, or of 8-bit grey, top first, as they lie in a buffer.
 pub(crate) struct Picture {
     size: [u32; 2],
-    /// Bytes from a row to the next.
+    /// Bytes from a row to the next, and of a pixel: 4 or 1.
     pitch: usize,
+    depth: usize,
     bytes: Vec<u8>,
 }
 
 impl Picture {
-    /// Copies a texture with four bytes a pixel. Waits for the device.
+    /// Copies a texture with four bytes a pixel or one. Waits for the device.
     pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Self, GpuError> {
         let (width, height) = (texture.width(), texture.height());
-        let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let depth = texture.format().block_copy_size(None).unwrap_or(4);
+        let pitch = (depth * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture"),
             size: u64::from(pitch) * u64::from(height),
@@ -39,22 +41,42 @@ impl Picture {
         gpu.queue.submit([encoder.finish()]);
         let mut bytes = Vec::with_capacity(pitch as usize * height as usize);
         read_back(&gpu.device, &gpu.queue, &buffer, |piece| bytes.extend_from_slice(piece))?;
-        Ok(Self { size: [width, height], pitch: pitch as usize, bytes })
+        Ok(Self { size: [width, height], pitch: pitch as usize, depth: depth as usize, bytes })
     }
 
-    /// Writes an opaque PNG.
+    /// The mean of pictures of one size, each byte rounded to the nearest; at least one picture.
+    pub(crate) fn mean(mut pictures: Vec<Self>) -> Self {
+        let mut mean = pictures.swap_remove(0);
+        let count = pictures.len() as u32 + 1;
+        if count > 1 {
+            for (at, byte) in mean.bytes.iter_mut().enumerate() {
+                let sum = u32::from(*byte) + pictures.iter().map(|other| u32::from(other.bytes[at])).sum::<u32>();
+                *byte = ((2 * sum + count) / (2 * count)) as u8;
+            }
+        }
+        mean
+    }
+
+    /// Writes an opaque PNG, in colour or grey.
     pub(crate) fn write_png(&self, to: impl Write) -> io::Result<()> {
         let [width, height] = self.size;
         let mut encoder = png::Encoder::new(to, width, height);
-        encoder.set_color(png::ColorType::Rgb);
+        let is_grey = self.depth == 1;
+        encoder.set_color(if is_grey { png::ColorType::Grayscale } else { png::ColorType::Rgb });
         encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        if !is_grey {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        }
         let mut header = encoder.write_header().map_err(io::Error::from)?;
         let mut rows = header.stream_writer().map_err(io::Error::from)?;
         for row in self.bytes.chunks(self.pitch) {
-            let pixels = row[..4 * width as usize].chunks_exact(4);
-            let colours: Vec<u8> = pixels.flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-            rows.write_all(&colours)?;
+            let row = &row[..self.depth * width as usize];
+            if is_grey {
+                rows.write_all(row)?;
+            } else {
+                let colours: Vec<u8> = row.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+                rows.write_all(&colours)?;
+            }
         }
         rows.finish().map_err(io::Error::from)
     }

@@ -10,6 +10,7 @@ mod displacement;
 mod draw;
 mod extract;
 mod failure;
+mod film;
 mod gpu_error;
 mod image;
 mod info;
@@ -20,6 +21,8 @@ mod page;
 mod positions;
 mod progress;
 mod query;
+mod render;
+mod shadow;
 mod spec;
 mod times;
 mod verify;
@@ -52,6 +55,8 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Extract(args) => extract::run(args),
         Command::Info(args) => info::run(args),
         Command::Draw(args) => draw::run(args),
+        Command::Shadow(args) => shadow::run(args),
+        Command::Film(args) => film::run(args),
         Command::Query(args) => query::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Bench(args) => bench::run(args),

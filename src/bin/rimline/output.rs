@@ -8,8 +8,8 @@ use std::sync::{Mutex, Once, PoisonError};
 
 use crate::failure::Failure;
 
-/// The file being written, for the handler of Ctrl-C to remove.
-static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// The files being written, for the handler of Ctrl-C to remove.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A file that takes its name only once it is complete: it is written beside its target and then renamed. Dropped
 /// before, or stopped by Ctrl-C, it is removed.
@@ -48,7 +48,7 @@ impl Output {
         remove_at_interrupt();
         let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
         let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        *unfinished = Some(temporary.clone());
+        unfinished.push(temporary.clone());
         Ok(Self { target, temporary, file: Some(BufWriter::with_capacity(1 << 18, file)) })
     }
 
@@ -65,7 +65,7 @@ impl Output {
             }
             let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
             std::fs::rename(&output.temporary, &output.target)?;
-            *unfinished = None;
+            unfinished.retain(|path| *path != output.temporary);
             Ok(())
         };
         complete(&mut self).map_err(|source| Failure::Output { file: self.target.clone(), source })
@@ -75,14 +75,14 @@ impl Output {
 impl Drop for Output {
     fn drop(&mut self) {
         self.file = None;
-        remove_unfinished();
+        remove_unfinished(|path| *path == self.temporary);
     }
 }
 
-/// Removes the file being written, if there is one. That it fails can have no remedy here.
-fn remove_unfinished() {
-    let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).take();
-    if let Some(path) = unfinished {
+/// Removes those of the files being written. That it fails can have no remedy here.
+fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.extract_if(.., |path| is_meant(path)) {
         let _ = std::fs::remove_file(path);
     }
 }
@@ -110,7 +110,7 @@ fn remove_at_interrupt() {
             if IS_FINISHING.load(Ordering::SeqCst) && !IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
                 return;
             }
-            remove_unfinished();
+            remove_unfinished(|_| true);
             // 128 and the number of the signal, as shells have it.
             std::process::exit(130);
         };

@@ -30,6 +30,16 @@ impl Progress {
         Self(bar)
     }
 
+    /// A bar of so many pictures.
+    pub(crate) fn pictures(count: u64) -> Self {
+        Self::with(ProgressBar::new(count), "{wide_bar} {pos}/{len} pictures, {eta} left")
+    }
+
+    /// One of them is done.
+    pub(crate) fn picture_done(&self) {
+        self.0.inc(1);
+    }
+
     /// Says what is done from now on.
     pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);

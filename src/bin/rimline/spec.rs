@@ -1,6 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
-use rimline::Light;
+use rimline::{AreaShape, Light};
 
 /// Which light `--light` asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,34 @@ pub(crate) enum LightSpec {
     Named(String),
     /// Every light of the file, in its order.
     All,
+}
+
+/// A light of `rimline shadow`: where it is, and how it shines.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LampSpec {
+    pub(crate) light: LightSpec,
+    /// Red, green and blue of its light, linear.
+    pub(crate) color: [f32; 3],
+    pub(crate) intensity: f32,
+    /// Where its light ends.
+    pub(crate) range: f32,
+    /// Where its light begins to fall off towards the range, and how.
+    pub(crate) begin: f32,
+    pub(crate) exponent: f32,
+}
+
+/// A light's shape of `--area`; without sizes they are chosen by the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum AreaSpec {
+    Chosen(AreaKind),
+    Given(AreaShape),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum AreaKind {
+    Rectangle,
+    Disc,
+    Sphere,
 }
 
 /// Why a value of the command line is refused; clap says which option it was given to.
@@ -32,6 +60,20 @@ pub(crate) enum SpecError {
     Size,
     #[error("a picture needs at least one pixel each way")]
     NoPixels,
+    #[error("there is no light option `{0}`; there are range=R, begin=R, exponent=E, color=R,G,B and intensity=I")]
+    LampOption(String),
+    #[error("{option}={value}: it must be {needed}")]
+    LampValue { option: &'static str, value: f32, needed: &'static str },
+    #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
+    Area(String),
+    #[error("a light's size must be more than 0")]
+    AreaSize,
+    #[error("the near plane must lie at a distance of more than 0")]
+    Near,
+    #[error("there are 1 to {limit} of them, not {given}")]
+    SampleCount { given: u32, limit: u32 },
+    #[error("it must be more than 0")]
+    NotPositive,
     #[error("the angle must lie between 0 and 180 degrees, both left out")]
     Angle,
 }
@@ -56,6 +98,111 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
         return Err(SpecError::Zero);
     }
     Ok(LightSpec::Given(light))
+}
+
+/// A light with its options, `SPEC[,option=value]…`.
+pub(crate) fn lamp(text: &str) -> Result<LampSpec, SpecError> {
+    let (place, options) = split_options(text);
+    let mut lamp = LampSpec {
+        light: light(place)?,
+        color: [1.0; 3],
+        intensity: 1.0,
+        range: f32::INFINITY,
+        begin: 0.0,
+        exponent: 1.0,
+    };
+    let at_least_0 = |option, value: f32| {
+        let needed = "0 or more";
+        if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
+    };
+    for option in options {
+        let (name, value) = option.split_once('=').unwrap_or((option, ""));
+        match name {
+            "range" => {
+                lamp.range = number(value)?;
+                if lamp.range <= 0.0 {
+                    let needed = "more than 0";
+                    return Err(SpecError::LampValue { option: "range", value: lamp.range, needed });
+                }
+            }
+            "begin" => lamp.begin = at_least_0("begin", number(value)?)?,
+            "exponent" => lamp.exponent = at_least_0("exponent", number(value)?)?,
+            "intensity" => lamp.intensity = at_least_0("intensity", number(value)?)?,
+            "color" => {
+                lamp.color = numbers(value)?;
+                for component in lamp.color {
+                    at_least_0("color", component)?;
+                }
+            }
+            _ => return Err(SpecError::LampOption(name.to_owned())),
+        }
+    }
+    Ok(lamp)
+}
+
+/// The part before the first `,name=`, and the options after it, whose values may hold commas.
+fn split_options(text: &str) -> (&str, Vec<&str>) {
+    // A comma begins an option where a name of letters and `=` follow.
+    let is_start = |&(at, _): &(usize, &str)| {
+        let name = text[at + 1..].split('=').next().unwrap_or_default();
+        at + 1 + name.len() < text.len() && !name.is_empty() && name.chars().all(|c| c.is_ascii_alphabetic())
+    };
+    let starts: Vec<usize> = text.match_indices(',').filter(is_start).map(|(at, _)| at).collect();
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    let options = starts.iter().zip(ends).map(|(&start, end)| &text[start + 1..end]).collect();
+    (&text[..starts.first().copied().unwrap_or(text.len())], options)
+}
+
+/// The shape of lights with an area.
+pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
+    let given = |shape, sizes: &[f32]| {
+        if sizes.iter().all(|&size| size > 0.0) { Ok(AreaSpec::Given(shape)) } else { Err(SpecError::AreaSize) }
+    };
+    match text.split_once(':') {
+        None => Ok(AreaSpec::Chosen(match text {
+            "rect" => AreaKind::Rectangle,
+            "disc" => AreaKind::Disc,
+            "sphere" => AreaKind::Sphere,
+            _ => return Err(SpecError::Area(text.to_owned())),
+        })),
+        Some(("rect", sizes)) => {
+            let sizes @ [width, height] = numbers(sizes)?;
+            given(AreaShape::Rectangle { width, height }, &sizes)
+        }
+        Some((kind @ ("disc" | "sphere"), size)) => {
+            let radius = number(size)?;
+            let is_disc = kind == "disc";
+            given(if is_disc { AreaShape::Disc { radius } } else { AreaShape::Sphere { radius } }, &[radius])
+        }
+        Some(_) => Err(SpecError::Area(text.to_owned())),
+    }
+}
+
+/// Samples of a light with an area.
+pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
+    const LIMIT: u32 = 32;
+    match text.trim().parse::<u32>() {
+        Ok(count @ 1..=LIMIT) => Ok(count as usize),
+        Ok(given) => Err(SpecError::SampleCount { given, limit: LIMIT }),
+        Err(_) => Err(SpecError::Number(text.to_owned())),
+    }
+}
+
+/// The near plane's distance.
+pub(crate) fn near(text: &str) -> Result<f32, SpecError> {
+    let distance = number(text)?;
+    if distance > 0.0 { Ok(distance) } else { Err(SpecError::Near) }
+}
+
+/// A height, or whatever number.
+pub(crate) fn any_number(text: &str) -> Result<f32, SpecError> {
+    number(text)
+}
+
+/// A positive number.
+pub(crate) fn positive(text: &str) -> Result<f32, SpecError> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err(SpecError::NotPositive) }
 }
 
 /// A point, `x,y,z`.
@@ -144,6 +291,35 @@ mod tests {
         assert_eq!(error("dir:0,-0,0"), SpecError::Zero);
         assert_eq!(error("hom:0,0,0,0"), SpecError::Zero);
         assert_eq!(error("file:"), SpecError::NoName);
+    }
+
+    #[test]
+    fn lamps_and_their_options() {
+        let lamp = |text: &str| lamp(text).expect(text);
+        let plain = lamp("point:1,2,3");
+        assert_eq!((plain.color, plain.intensity, plain.range), ([1.0; 3], 1.0, f32::INFINITY));
+        let full = lamp("dir:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
+        assert_eq!((full.color, full.intensity, full.range), ([1.0, 0.5, 0.0], 0.5, 7.0));
+        assert_eq!((full.begin, full.exponent), (2.0, 3.0));
+        let named = lamp("file:Lamp, big,range=2");
+        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), 2.0));
+        let error = |text: &str| super::lamp(text).expect_err(text);
+        assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));
+        assert_eq!(error("point:1,2,3,color=1,1"), SpecError::Count { wanted: 3, given: 2 });
+        assert!(matches!(error("point:1,2,3,range=0"), SpecError::LampValue { option: "range", .. }));
+        assert!(matches!(error("point:1,2,3,color=1,-1,0"), SpecError::LampValue { option: "color", .. }));
+        assert_eq!(error("point:1,2,range=3"), SpecError::Count { wanted: 3, given: 2 });
+    }
+
+    #[test]
+    fn areas() {
+        assert_eq!(area("disc"), Ok(AreaSpec::Chosen(AreaKind::Disc)));
+        assert_eq!(area("rect:1,2"), Ok(AreaSpec::Given(AreaShape::Rectangle { width: 1.0, height: 2.0 })));
+        assert_eq!(area("sphere:.5"), Ok(AreaSpec::Given(AreaShape::Sphere { radius: 0.5 })));
+        assert_eq!(area("tube:1"), Err(SpecError::Area("tube:1".into())));
+        assert_eq!(area("disc:0"), Err(SpecError::AreaSize));
+        assert_eq!(area("rect:1"), Err(SpecError::Count { wanted: 2, given: 1 }));
+        assert_eq!(samples("33"), Err(SpecError::SampleCount { given: 33, limit: 32 }));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, TextureFormat};
 
-use super::kit::{Kit, Pass};
 use super::picture::color_pass;
+use crate::render::kit::{Kit, Pass};
 
 const SIZE: u32 = 512;
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
@@ -25,12 +25,14 @@ pub(super) fn record(
         BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Max };
     let below = kit.pipeline(&Pass {
         name: "below",
+        vertex: "below",
         source: include_str!("ground.wgsl"),
         groups: &[geometry.0],
         topology: wgpu::PrimitiveTopology::TriangleList,
         format: FORMAT,
         blend: Some(BlendState { color: nearest, alpha: nearest }),
         samples: 1,
+        write: wgpu::ColorWrites::ALL,
         depth: None,
         constants: &[],
     });
@@ -65,12 +67,14 @@ pub(super) fn record(
         let step = if across { [step, 0.0] } else { [0.0, step] };
         let pipeline = kit.pipeline(&Pass {
             name: "blur",
+            vertex: "blur",
             source: include_str!("blur.wgsl"),
             groups: &[&layout],
             topology: wgpu::PrimitiveTopology::TriangleList,
             format: FORMAT,
             blend: None,
             samples: 1,
+            write: wgpu::ColorWrites::ALL,
             depth: None,
             constants: &[("step_x", step[0]), ("step_y", step[1])],
         });

@@ -5,9 +5,10 @@ use rimline::wgpu;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 
 use super::contact;
-use super::kit::{Frame, Kit, Pass};
+use super::frame::Frame;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
+use crate::render::kit::{Kit, Pass};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
@@ -59,7 +60,7 @@ const DEPTH_TYPE: wgpu::BindingType = wgpu::BindingType::Texture {
 
 impl<'a> Canvas<'a> {
     fn new(gpu: &'a Gpu, frame: &Frame, size: [u32; 2]) -> Self {
-        let kit = Kit::new(&gpu.device, &gpu.queue, frame);
+        let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), bytemuck::bytes_of(frame));
         let target = |label, format, samples, usage| view(&kit.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
         let depth = target("depth", TextureFormat::Depth32Float, SAMPLES, readable);
@@ -117,12 +118,14 @@ impl<'a> Canvas<'a> {
     fn occlusion(&self, encoder: &mut wgpu::CommandEncoder) {
         let pipeline = self.kit.pipeline(&Pass {
             name: "occlusion",
+            vertex: "occlusion",
             source: include_str!("occlusion.wgsl"),
             groups: &[&self.depth_layout],
             topology: PrimitiveTopology::TriangleList,
             format: TextureFormat::R8Unorm,
             blend: None,
             samples: 1,
+            write: wgpu::ColorWrites::ALL,
             depth: None,
             constants: &[],
         });
@@ -191,13 +194,21 @@ fn onto_picture(
 ) -> wgpu::RenderPipeline {
     kit.pipeline(&Pass {
         name,
+        vertex: name,
         source,
         groups,
         topology,
         format: FORMAT,
         blend,
         samples: SAMPLES,
-        depth,
+        write: wgpu::ColorWrites::ALL,
+        depth: depth.map(|write| wgpu::DepthStencilState {
+            format: TextureFormat::Depth32Float,
+            depth_write_enabled: Some(write),
+            depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
         constants: &[],
     })
 }

@@ -1,98 +1,45 @@
-//! What the passes of the picture share: the frame's uniform, and a short way to pipelines.
+//! What the passes of a picture share: the frame's uniform, and a short way to pipelines.
 
 use rimline::wgpu;
 
-use super::camera::Camera;
-
-/// As in `frame.wgsl`.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(super) struct Frame {
-    eye: [f32; 3],
-    near: f32,
-    right: [f32; 3],
-    scale_x: f32,
-    up: [f32; 3],
-    scale_y: f32,
-    forward: [f32; 3],
-    half_line: f32,
-    size: [f32; 2],
-    extent: f32,
-    ground: f32,
-    ground_centre: [f32; 2],
-    ground_half: f32,
-    shadow_height: f32,
-}
-
-impl Frame {
-    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &rimline::mesh::Bounds) -> Self {
-        let extent = extent(bounds);
-        let [min, max] = [bounds.min, bounds.max];
-        let middle = |axis: usize| min[axis] + 0.5 * (max[axis] - min[axis]);
-        Self {
-            eye: camera.eye.into(),
-            near: camera.near,
-            right: camera.right.into(),
-            scale_x: camera.scale[0],
-            up: camera.up.into(),
-            scale_y: camera.scale[1],
-            forward: camera.forward.into(),
-            // 2.75 pixels wide at 960 pixels of height, and never too thin to see.
-            half_line: (size[1] as f32 / 700.0).clamp(0.9, 4.0),
-            size: size.map(|pixels| pixels as f32),
-            extent,
-            ground: min[1],
-            ground_centre: [middle(0), middle(2)],
-            ground_half: 0.5 * (max[0] - min[0]).max(max[2] - min[2]) + 0.3 * extent,
-            shadow_height: 0.3 * extent,
-        }
-    }
-
-    /// The eye is above the ground, so the ground is seen.
-    pub(super) fn sees_ground(&self) -> bool {
-        self.eye[1] > self.ground
-    }
-}
-
-/// The largest side of the bounds, or 1 for a single point.
-pub(super) fn extent(bounds: &rimline::mesh::Bounds) -> f32 {
-    let sides = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]);
-    let largest = sides.fold(0.0, f32::max);
-    if largest > 0.0 { largest } else { 1.0 }
-}
-
 /// Makes pipelines and bind groups; group 0 is always the frame.
-pub(super) struct Kit<'a> {
-    pub(super) device: &'a wgpu::Device,
+pub(crate) struct Kit<'a> {
+    pub(crate) device: &'a wgpu::Device,
+    /// WGSL that declares the frame and what every pass knows.
+    prelude: &'static str,
     frame_layout: wgpu::BindGroupLayout,
-    pub(super) frame_group: wgpu::BindGroup,
+    pub(crate) frame_group: wgpu::BindGroup,
+    frame: wgpu::Buffer,
 }
 
 /// A pipeline without what they all have alike.
-pub(super) struct Pass<'a> {
-    pub(super) name: &'static str,
-    /// After `frame.wgsl`; entry points are the name with `_vertex` and `_fragment`.
-    pub(super) source: &'a str,
+pub(crate) struct Pass<'a> {
+    pub(crate) name: &'static str,
+    /// What the vertex entry point's name begins with; often the pass's own.
+    pub(crate) vertex: &'a str,
+    /// After the prelude; entry points are the names with `_vertex` and `_fragment`.
+    pub(crate) source: &'a str,
     /// Groups 1 and on.
-    pub(super) groups: &'a [&'a wgpu::BindGroupLayout],
-    pub(super) topology: wgpu::PrimitiveTopology,
-    pub(super) format: wgpu::TextureFormat,
-    pub(super) blend: Option<wgpu::BlendState>,
-    pub(super) samples: u32,
-    /// Whether depth is written; `None` without a depth buffer.
-    pub(super) depth: Option<bool>,
-    pub(super) constants: &'a [(&'a str, f64)],
+    pub(crate) groups: &'a [&'a wgpu::BindGroupLayout],
+    pub(crate) topology: wgpu::PrimitiveTopology,
+    pub(crate) format: wgpu::TextureFormat,
+    pub(crate) blend: Option<wgpu::BlendState>,
+    pub(crate) samples: u32,
+    pub(crate) write: wgpu::ColorWrites,
+    pub(crate) depth: Option<wgpu::DepthStencilState>,
+    pub(crate) constants: &'a [(&'a str, f64)],
 }
 
 impl<'a> Kit<'a> {
-    pub(super) fn new(device: &'a wgpu::Device, queue: &wgpu::Queue, frame: &Frame) -> Self {
+    /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
+    pub(crate) fn new(device: &'a wgpu::Device, queue: &wgpu::Queue, prelude: &'static str, frame: &[u8]) -> Self {
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
-            size: size_of::<Frame>() as u64,
+            size: frame.len() as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        queue.write_buffer(&buffer, 0, bytemuck::bytes_of(frame));
+        queue.write_buffer(&buffer, 0, frame);
         let uniform = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset: false,
@@ -100,14 +47,19 @@ impl<'a> Kit<'a> {
         };
         let frame_layout = layout(device, &[uniform]);
         let frame_group = group(device, &frame_layout, &[buffer.as_entire_binding()]);
-        Self { device, frame_layout, frame_group }
+        Self { device, prelude, frame_layout, frame_group, frame: buffer }
     }
 
-    pub(super) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    /// Another frame, for what is submitted from now on.
+    pub(crate) fn set_frame(&self, queue: &wgpu::Queue, frame: &[u8]) {
+        queue.write_buffer(&self.frame, 0, frame);
+    }
+
+    pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
         layout(self.device, types)
     }
 
-    pub(super) fn group(
+    pub(crate) fn group(
         &self,
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
@@ -116,18 +68,27 @@ impl<'a> Kit<'a> {
     }
 
     /// A storage buffer with these contents.
-    pub(super) fn buffer(&self, queue: &wgpu::Queue, label: &str, contents: &[u8]) -> wgpu::Buffer {
+    pub(crate) fn buffer(&self, queue: &wgpu::Queue, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        self.filled(queue, label, contents, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// A uniform buffer with these contents.
+    pub(crate) fn uniform(&self, queue: &wgpu::Queue, label: &str, contents: &[u8]) -> wgpu::Buffer {
+        self.filled(queue, label, contents, wgpu::BufferUsages::UNIFORM)
+    }
+
+    fn filled(&self, queue: &wgpu::Queue, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: (contents.len() as u64).max(16),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         queue.write_buffer(&buffer, 0, contents);
         buffer
     }
 
-    pub(super) fn target(
+    pub(crate) fn target(
         &self,
         label: &str,
         [width, height]: [u32; 2],
@@ -147,10 +108,10 @@ impl<'a> Kit<'a> {
         })
     }
 
-    pub(super) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
+    pub(crate) fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(pass.name),
-            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", include_str!("frame.wgsl"), pass.source).into()),
+            source: wgpu::ShaderSource::Wgsl(format!("{}\n{}", self.prelude, pass.source).into()),
         });
         let mut groups = vec![Some(&self.frame_layout)];
         groups.extend(pass.groups.iter().copied().map(Some));
@@ -165,18 +126,12 @@ impl<'a> Kit<'a> {
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
-                entry_point: Some(&format!("{}_vertex", pass.name)),
+                entry_point: Some(&format!("{}_vertex", pass.vertex)),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState { topology: pass.topology, ..Default::default() },
-            depth_stencil: pass.depth.map(|write| wgpu::DepthStencilState {
-                format: wgpu::TextureFormat::Depth32Float,
-                depth_write_enabled: Some(write),
-                depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
+            depth_stencil: pass.depth.clone(),
             multisample: wgpu::MultisampleState { count: pass.samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
@@ -185,7 +140,7 @@ impl<'a> Kit<'a> {
                 targets: &[Some(wgpu::ColorTargetState {
                     format: pass.format,
                     blend: pass.blend,
-                    write_mask: wgpu::ColorWrites::ALL,
+                    write_mask: pass.write,
                 })],
             }),
             multiview_mask: None,

@@ -6,7 +6,7 @@ use rimline::glam::{Vec2, Vec3};
 const CREASE: f32 = 60.0;
 
 /// A normal a corner of `faces`, folded onto an octahedron as two 16-bit signed fractions. Neighbours count by area.
-pub(super) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
+pub(crate) fn corner_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<u32> {
     let position = |v: u32| Vec3::from(positions[v as usize]);
     // Twice the area long; neither tiny nor huge models leave the range of floats.
     let extent = positions.iter().flatten().filter(|c| c.is_finite()).fold(0.0_f32, |a, c| a.max(c.abs()));

@@ -2,31 +2,32 @@
 
 use rimline::glam::{DVec3, Vec3};
 
-use crate::args::DrawArgs;
+use crate::args::ViewArgs;
 use crate::failure::UsageError;
 
-/// Degrees to the right of the model's front, which is +Z, and above it.
-const AZIMUTH: f64 = 33.0;
-const ELEVATION: f64 = 17.0;
+/// Degrees to the right of the model's front, which is +Z.
+pub(crate) const AZIMUTH: f64 = 33.0;
 /// How much of the picture's width or height the model takes.
 const FILLED: f64 = 0.86;
 
 /// A right-handed perspective camera with an infinite far plane and reversed depth, `near / distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Camera {
-    pub(super) eye: Vec3,
-    pub(super) right: Vec3,
-    pub(super) up: Vec3,
-    pub(super) forward: Vec3,
+pub(crate) struct Camera {
+    pub(crate) eye: Vec3,
+    pub(crate) right: Vec3,
+    pub(crate) up: Vec3,
+    pub(crate) forward: Vec3,
     /// Clip units per unit of view space at distance 1.
-    pub(super) scale: [f32; 2],
-    pub(super) near: f32,
+    pub(crate) scale: [f32; 2],
+    pub(crate) near: f32,
 }
 
 impl Camera {
-    /// The camera of the command line, with whatever is left open chosen so that all `points` are seen.
-    pub(super) fn new(
-        args: &DrawArgs,
+    /// The camera of the command line, with whatever is left open chosen so that all `points` are seen: from
+    /// `elevation` degrees above.
+    pub(crate) fn new(
+        args: &ViewArgs,
+        elevation: f64,
         centre: [f32; 3],
         extent: f32,
         points: impl Iterator<Item = [f32; 3]> + Clone,
@@ -35,7 +36,7 @@ impl Camera {
         let mut target = vector(args.target.unwrap_or(centre));
         let scale_y = 1.0 / (f64::from(args.fov).to_radians() / 2.0).tan();
         let [width, height] = args.size.map(f64::from);
-        let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
+        let (azimuth, elevation) = (AZIMUTH.to_radians(), elevation.to_radians());
         let backward = match args.eye {
             Some(eye) => (vector(eye) - target).try_normalize().ok_or(UsageError::EyeAtTarget)?,
             None => DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos()),
@@ -122,10 +123,10 @@ mod tests {
     use crate::args::{Cli, Command};
     use clap::Parser;
 
-    fn args(options: &str) -> DrawArgs {
+    fn args(options: &str) -> ViewArgs {
         let line = format!("rimline draw a.glb --out a.png {options}");
         match Cli::parse_from(line.split_whitespace()).command {
-            Command::Draw(args) => args,
+            Command::Draw(args) => args.view,
             _ => panic!("draw was asked for"),
         }
     }
@@ -144,7 +145,7 @@ mod tests {
     #[test]
     fn the_default_shows_every_point_and_wastes_little() {
         for options in ["", "--size 300x900 --fov 70", "--size 900x300"] {
-            let camera = Camera::new(&args(options), [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let camera = Camera::new(&args(options), 17.0, [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
             let widest = CUBE
                 .into_iter()
                 .map(|point| {
@@ -163,7 +164,7 @@ mod tests {
     #[test]
     fn the_basis_is_right_handed_even_straight_down() {
         for options in ["--eye 10,50,10", "--eye 10,-50,10", "--eye -3,4,5"] {
-            let camera = Camera::new(&args(options), [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let camera = Camera::new(&args(options), 17.0, [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
             assert!(camera.up.length() > 0.999);
         }
@@ -171,7 +172,7 @@ mod tests {
 
     #[test]
     fn an_eye_at_its_target_sees_nothing() {
-        let camera = Camera::new(&args("--eye 1,2,3 --target 1,2,3"), [0.0; 3], 2.0, CUBE.into_iter());
+        let camera = Camera::new(&args("--eye 1,2,3 --target 1,2,3"), 17.0, [0.0; 3], 2.0, CUBE.into_iter());
         assert!(matches!(camera, Err(UsageError::EyeAtTarget)));
     }
 }

@@ -1,0 +1,47 @@
+//! Shadow volumes in a renderer that has its own passes: they draw into its depth-stencil attachment, with its camera,
+//! between its depth pass and its light passes. Writes `shadows_drop_in.png`. Run it with
+//! `cargo run --release --example shadows_drop_in`.
+
+#[path = "../support/stage.rs"]
+mod stage;
+#[path = "../support/mod.rs"]
+mod support;
+
+use rimline::glam::Vec3;
+use rimline::gpu::{
+    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
+use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes};
+use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Yours: a device, a renderer with its camera, attachments and lights, and vertex positions in a buffer.
+    let canvas = support::Canvas::new(640)?;
+    let device = &canvas.device;
+    let camera = Camera::new(Vec3::new(2.4, 3.6, 6.0), Vec3::new(0.75, 1.05, 0.0), 35.0);
+    let sun = Light::directional([-0.8, 1.2, 0.5]);
+    let stage = Stage::new(&canvas, &camera, &[Lamp { xyzw: sun.to_array(), color: [0.95, 0.90, 0.82] }]);
+    let shape = shapes::torus(192, 96, 1.0, 0.4);
+    let upright = |&[x, y, z]: &[f32; 3]| [x, 1.4 - z, y];
+    let vertices: Vec<[f32; 3]> = shape.positions.iter().map(upright).collect();
+    let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
+    let bodies = [stage.body(&vertex_buffer, &shape.faces)];
+
+    // Once: what your attachments are.
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+    // Once a mesh: topology, extraction, volumes.
+    let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
+    let mut extractor = Extractor::new(device, &mesh, ExtractorOptions::default())?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+
+    // Every frame: extract and choose, then draw the volumes where the stencil is wanted. Nothing is read back.
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
+    extractor.encode(&mut encoder, positions, &[sun], None)?;
+    volumes.encode(&mut encoder, &pipelines, &extractor, positions, &view, &[RangedLight::from(sun)], None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    canvas.save(encoder, "shadows_drop_in.png")
+}

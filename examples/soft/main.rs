@@ -1,0 +1,55 @@
+//! Soft shadows: a disc of light as 32 samples, which share one extraction. Writes `soft.png`. Run it with
+//! `cargo run --release --example soft`.
+
+#[path = "../support/stage.rs"]
+mod stage;
+#[path = "../support/mod.rs"]
+mod support;
+
+use rimline::glam::Vec3;
+use rimline::gpu::{
+    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
+use rimline::{
+    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes,
+};
+use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
+
+/// One word of lights: the extraction decides them together.
+const SAMPLES: usize = 32;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let canvas = support::Canvas::new(640)?;
+    let device = &canvas.device;
+    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0);
+    let lamp = AreaLight {
+        light: Light::point([-3.2, 5.6, 2.2]),
+        shape: AreaShape::Disc { radius: 0.6 },
+        normal: [3.2, -4.6, -2.2],
+    };
+    let lights = lamp.samples(SAMPLES);
+    let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
+    let stage = Stage::new(&canvas, &camera, &lights.iter().map(share).collect::<Vec<_>>());
+
+    let shape = shapes::blob(96, 0.6, 7);
+    let vertices: Vec<[f32; 3]> = shape.positions.iter().map(|&[x, y, z]| [x, y + 1.4, z]).collect();
+    let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
+    let bodies = [stage.body(&vertex_buffer, &shape.faces)];
+
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+    let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
+    let options = ExtractorOptions { max_lights: SAMPLES, ..ExtractorOptions::default() };
+    let mut extractor = Extractor::new(device, &mesh, options)?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
+    extractor.encode(&mut encoder, positions, &lights, None)?;
+    let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
+    volumes.encode(&mut encoder, &pipelines, &extractor, positions, &view, &ranged, None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    canvas.save(encoder, "soft.png")
+}

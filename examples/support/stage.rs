@@ -1,0 +1,212 @@
+//! A host's renderer that shadow volumes are dropped into: bodies and a floor at y = 0, ambient light first, then light
+//! after light where the stencil is still 0. Twice as large as the picture, which averages it.
+
+use rimline::glam::{Mat4, Vec3, Vec4};
+use rimline::wgpu;
+use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, CompareFunction, LoadOp, StoreOp, TextureFormat};
+
+use crate::support::{Canvas, PipelineOptions};
+
+/// The format of the colour attachment in which light is added.
+pub(crate) const COLOR: TextureFormat = TextureFormat::Rgba16Float;
+/// The format of the depth and stencil attachment.
+pub(crate) const DEPTH_STENCIL: TextureFormat = TextureFormat::Depth24PlusStencil8;
+
+/// A camera with an infinite far plane and reversed depth.
+#[derive(Clone, Copy)]
+pub(crate) struct Camera {
+    pub(crate) eye: Vec3,
+    /// From positions less the eye to clip space.
+    pub(crate) view_projection: Mat4,
+}
+
+impl Camera {
+    /// Vertical field of view in degrees; +Y is up.
+    pub(crate) fn new(eye: Vec3, target: Vec3, field_of_view: f32) -> Self {
+        let forward = (target - eye).normalize();
+        let right = forward.cross(Vec3::Y).normalize();
+        let scale = 1.0 / (0.5 * field_of_view.to_radians()).tan();
+        let near = Vec4::new(0.0, 0.0, 0.0, 0.1);
+        let rows = [(scale * right).extend(0.0), (scale * right.cross(forward)).extend(0.0), near, forward.extend(0.0)];
+        Self { eye, view_projection: Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose() }
+    }
+}
+
+/// A light as homogeneous coordinates, and its colour.
+pub(crate) struct Lamp {
+    pub(crate) xyzw: [f32; 4],
+    pub(crate) color: [f32; 3],
+}
+
+/// What the renderer draws.
+pub(crate) struct Body {
+    pub(crate) group: BindGroup,
+    pub(crate) corners: u32,
+}
+
+/// The renderer.
+pub(crate) struct Stage<'a> {
+    canvas: &'a Canvas,
+    layouts: [BindGroupLayout; 2],
+    frame: BindGroup,
+    lamps: usize,
+    /// In ambient light and for a light: bodies, floor.
+    ambient: [wgpu::RenderPipeline; 2],
+    lit: [wgpu::RenderPipeline; 2],
+    tone: (wgpu::RenderPipeline, BindGroup),
+    color: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+const SLOT: u64 = 256;
+
+impl<'a> Stage<'a> {
+    pub(crate) fn new(canvas: &'a Canvas, camera: &Camera, lamps: &[Lamp]) -> Self {
+        let mut data: Vec<[f32; 64]> = vec![[0.0; 64]; 1 + lamps.len()];
+        data[0][..16].copy_from_slice(&camera.view_projection.to_cols_array());
+        data[0][16..19].copy_from_slice(&camera.eye.to_array());
+        for (slot, lamp) in data[1..].iter_mut().zip(lamps) {
+            slot[..4].copy_from_slice(&lamp.xyzw);
+            slot[4..7].copy_from_slice(&lamp.color);
+        }
+        let buffer = canvas.uniform(bytemuck::cast_slice(&data));
+        let color = canvas.target(2 * canvas.size, COLOR);
+        let depth = canvas.target(2 * canvas.size, DEPTH_STENCIL);
+        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let storage = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let layouts = [canvas.layout(&[uniform(false), uniform(true)]), canvas.layout(&[storage; 2])];
+        let part = |size| BufferBinding { buffer: &buffer, offset: 0, size: BufferSize::new(size) };
+        let parts = [part(80), part(32)].map(wgpu::BindingResource::Buffer);
+        let frame = canvas.group(&layouts[0], &parts);
+        let wgsl = include_str!("stage.wgsl");
+        let pipelines = |fragment, blend, depth_stencil: wgpu::DepthStencilState| {
+            [("body", wgpu::PrimitiveTopology::TriangleList), ("floor_quad", wgpu::PrimitiveTopology::TriangleStrip)]
+                .map(|(vertex, topology)| {
+                    canvas.pipeline(&PipelineOptions {
+                        layouts: &[&layouts[0], &layouts[1]],
+                        wgsl,
+                        entry_points: [vertex, fragment],
+                        topology,
+                        format: COLOR,
+                        blend,
+                        depth_stencil: Some(depth_stencil.clone()),
+                    })
+                })
+        };
+        let ambient = pipelines("ambient", None, depth_stencil(CompareFunction::Greater, CompareFunction::Always));
+        let add = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let add = wgpu::BlendState { color: add, alpha: add };
+        let lit = pipelines("lit", Some(add), depth_stencil(CompareFunction::Equal, CompareFunction::Equal));
+        let read = canvas.layout(&[texture]);
+        let tone = canvas.pipeline(&PipelineOptions {
+            layouts: &[&read],
+            wgsl: include_str!("tone.wgsl"),
+            entry_points: ["cover", "tone"],
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            format: Canvas::FORMAT,
+            blend: None,
+            depth_stencil: None,
+        });
+        let tone = (tone, canvas.group(&read, &[wgpu::BindingResource::TextureView(&color)]));
+        Self { canvas, layouts, frame, lamps: lamps.len(), ambient, lit, tone, color, depth }
+    }
+
+    /// Something to draw: tightly packed positions and faces.
+    pub(crate) fn body(&self, positions: &wgpu::Buffer, faces: &[[u32; 3]]) -> Body {
+        let buffers = [positions, &self.canvas.storage(bytemuck::cast_slice(faces))];
+        let group = self.canvas.group(&self.layouts[1], &buffers.map(wgpu::Buffer::as_entire_binding));
+        Body { group, corners: 3 * faces.len() as u32 }
+    }
+
+    /// Draws everything. `shade` draws a light's shadow volumes into the stencil, which is 0 everywhere.
+    pub(crate) fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        bodies: &[Body],
+        shade: impl Fn(&mut wgpu::RenderPass<'_>, usize),
+    ) {
+        let sky = wgpu::Color { r: 0.62, g: 0.62, b: 0.63, a: 1.0 };
+        let mut pass = self.pass(encoder, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
+        self.everything(&mut pass, &self.ambient, bodies, 0);
+        drop(pass);
+        for lamp in 0..self.lamps {
+            let mut pass = self.pass(encoder, (LoadOp::Load, LoadOp::Load));
+            shade(&mut pass, lamp);
+            self.everything(&mut pass, &self.lit, bodies, lamp);
+        }
+        self.canvas.draw(encoder, |pass| {
+            pass.set_pipeline(&self.tone.0);
+            pass.set_bind_group(0, &self.tone.1, &[]);
+            pass.draw(0..3, 0..1);
+        });
+    }
+
+    fn everything(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        [body, floor]: &[wgpu::RenderPipeline; 2],
+        bodies: &[Body],
+        lamp: usize,
+    ) {
+        pass.set_bind_group(0, &self.frame, &[(1 + lamp as u32) * SLOT as u32]);
+        pass.set_pipeline(body);
+        for body in bodies {
+            pass.set_bind_group(1, &body.group, &[]);
+            pass.draw(0..body.corners, 0..1);
+        }
+        pass.set_pipeline(floor);
+        pass.draw(0..4, 0..1);
+    }
+
+    fn pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
+    ) -> wgpu::RenderPass<'e> {
+        let store = StoreOp::Store;
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("stage"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.color,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: color, store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth,
+                depth_ops: Some(wgpu::Operations { load: depth, store }),
+                stencil_ops: Some(wgpu::Operations { load: LoadOp::Clear(0), store }),
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+}
+
+/// Depth is written where anything nearer may come; the stencil decides where light may.
+fn depth_stencil(compare: CompareFunction, stencil: CompareFunction) -> wgpu::DepthStencilState {
+    let face = wgpu::StencilFaceState { compare: stencil, ..wgpu::StencilFaceState::IGNORE };
+    wgpu::DepthStencilState {
+        format: DEPTH_STENCIL,
+        depth_write_enabled: Some(compare != CompareFunction::Equal),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0 },
+        bias: wgpu::DepthBiasState::default(),
+    }
+}

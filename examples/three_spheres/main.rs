@@ -1,0 +1,74 @@
+//! Three spheres displaced by noise in a shader, lit by three coloured lights, after the last figure of Brabec and Seidel
+//! (2003): whatever moves the vertices on the GPU, silhouettes and shadows follow. Writes `three_spheres.png`. Run it with
+//! `cargo run --release --example three_spheres [SECONDS]`.
+
+#[path = "../support/stage.rs"]
+mod stage;
+#[path = "../support/mod.rs"]
+mod support;
+
+use rimline::glam::Vec3;
+use rimline::gpu::{
+    Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
+use rimline::model::InstancePose;
+use rimline::{
+    Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, RangedLight, ShadowCamera, shapes,
+};
+use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
+
+/// Where the spheres are; `noise.wgsl` knows it, too.
+const CENTRES: [[f32; 3]; 3] = [[-2.0, 1.25, 0.6], [0.0, 1.25, -1.7], [2.0, 1.25, 0.6]];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.0), |text| text.parse())?;
+    let canvas = support::Canvas::new(704)?;
+    let device = &canvas.device;
+    let camera = Camera::new(Vec3::new(0.0, 6.0, 11.5), Vec3::new(0.0, 0.75, -0.2), 33.0);
+    let lamps = [
+        Lamp { xyzw: [-4.5, 6.0, 3.5, 1.0], color: [0.62, 0.10, 0.05] },
+        Lamp { xyzw: [4.5, 6.0, 3.5, 1.0], color: [0.06, 0.46, 0.10] },
+        Lamp { xyzw: [0.0, 7.0, 5.5, 1.0], color: [0.07, 0.14, 0.60] },
+    ];
+    let lights = lamps.each_ref().map(|lamp| Light::homogeneous(lamp.xyzw));
+    let stage = Stage::new(&canvas, &camera, &lamps);
+
+    // One sphere, three times; the deformer places and displaces it.
+    let sphere = shapes::sphere(64);
+    let model = Model {
+        geometries: vec![Geometry {
+            source_vertices: (0..sphere.positions.len() as u32).collect(),
+            positions: sphere.positions,
+            faces: sphere.faces,
+            ..Geometry::default()
+        }],
+        instances: vec![Instance { geometry: 0, name: None }; 3],
+    };
+    let placed = |[x, y, z]: [f32; 3]| InstancePose {
+        palette: vec![[[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]],
+        ..InstancePose::default()
+    };
+    let pose = Pose { instances: CENTRES.map(placed).to_vec(), ..Pose::default() };
+    let displacement = Displacement::new(include_str!("noise.wgsl"))?;
+    let options = DeformerOptions { displacement: Some(&displacement), ..DeformerOptions::default() };
+    let deformer = Deformer::new(device, &model, options)?;
+    let mesh = model.mesh(&pose)?;
+    let bodies = [stage.body(deformer.positions().buffer, mesh.faces())];
+
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+    let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+    let mut extractor = Extractor::new(device, &mesh, options)?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+
+    // Every frame.
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
+    deformer.encode(&mut encoder, &pose, seconds, None, None)?;
+    extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
+    let ranged = lights.map(RangedLight::from);
+    volumes.encode(&mut encoder, &pipelines, &extractor, deformer.positions(), &view, &ranged, None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    canvas.save(encoder, "three_spheres.png")
+}

@@ -1,0 +1,198 @@
+//! Lights with an area, as sample lights for soft shadows.
+//!
+//! Shadows of up to 32 samples share one extraction: they are one word of lights. Placement is deterministic: n-rooks
+//! (Shirley 1991), with the golden ratio's sequence as the permutation, which also keeps samples apart from each other.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::Light;
+
+/// The shape of a light with an area. Lengths are in the unit of the positions; for a light at infinity, at distance 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaShape {
+    /// Level in its width.
+    Rectangle {
+        /// Across.
+        width: f32,
+        /// Upwards.
+        height: f32,
+    },
+    /// A flat disc.
+    Disc {
+        /// From the middle to the rim.
+        radius: f32,
+    },
+    /// A ball that looks evenly bright from everywhere.
+    Sphere {
+        /// From the middle to the surface.
+        radius: f32,
+    },
+}
+
+/// A light with an area around a light without.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaLight {
+    /// Its middle.
+    pub light: Light,
+    /// Its shape and size.
+    pub shape: AreaShape,
+    /// Where rectangles and discs face, of any length; for a light at infinity they face the scene whatever this is.
+    pub normal: [f32; 3],
+}
+
+impl AreaLight {
+    /// `count` lights spread over the shape, each of which stands for an equal share of its light; one alone is the
+    /// middle. The same in every run. w is 1, or 0 for a light at infinity.
+    pub fn samples(&self, count: usize) -> Vec<Light> {
+        let Light { xyz, w } = self.light;
+        let xyz = DVec3::from_array(xyz.map(f64::from));
+        let (middle, normal) = if w == 0.0 {
+            let towards = xyz.normalize_or_zero();
+            (towards, towards)
+        } else {
+            (xyz / f64::from(w), DVec3::from_array(self.normal.map(f64::from)).normalize_or_zero())
+        };
+        let right = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
+        let up = normal.cross(right).try_normalize().unwrap_or(DVec3::Z);
+        let place = |sample| {
+            let offset = match self.shape {
+                AreaShape::Rectangle { width, height } => {
+                    let at = square(sample, count) - 0.5;
+                    right * at.x * f64::from(width) + up * at.y * f64::from(height)
+                }
+                AreaShape::Disc { radius } => {
+                    let at = disc(square(sample, count)) * f64::from(radius);
+                    right * at.x + up * at.y
+                }
+                AreaShape::Sphere { radius } => ball(sample, count) * f64::from(radius),
+            };
+            let place = (middle + offset).as_vec3().to_array();
+            if w == 0.0 { Light::directional(place) } else { Light::point(place) }
+        };
+        (0..count).map(place).collect()
+    }
+}
+
+/// A sample's place in the unit square: alone in its row and its column, as rooks that do not threaten each other.
+fn square(sample: usize, count: usize) -> DVec2 {
+    DVec2::new(cell(sample, count), cell(rank(sample, count, GOLDEN), count))
+}
+
+/// The middle of one of `count` parts of the unit interval.
+fn cell(index: usize, count: usize) -> f64 {
+    (index as f64 + 0.5) / count as f64
+}
+
+/// Fraction of the golden ratio, and of the plastic number's square, its like in one more dimension.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+const PLASTIC: f64 = 0.569_840_290_998_053_3;
+
+/// How many of the multiples of `step`, of as many as there are samples, have a smaller fraction than this one's.
+fn rank(sample: usize, count: usize, step: f64) -> usize {
+    let fraction = |index: usize| (index as f64 * step).fract();
+    (0..count).filter(|&other| fraction(other) < fraction(sample)).count()
+}
+
+/// The unit square onto the unit disc, areas and neighbours kept (Shirley and Chiu 1997).
+fn disc(at: DVec2) -> DVec2 {
+    let DVec2 { x, y } = 2.0 * at - 1.0;
+    if x == 0.0 && y == 0.0 {
+        return DVec2::ZERO;
+    }
+    let (radius, angle) =
+        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
+    radius * DVec2::from_angle(angle)
+}
+
+/// A sample's place in the unit ball, so dense that the ball's picture is even from every side: as 1 / √(1 − r²).
+fn ball(sample: usize, count: usize) -> DVec3 {
+    if count == 1 {
+        return DVec3::ZERO;
+    }
+    // With r = sin t, what lies within r is (2t − sin 2t) / π: solved by halving.
+    let share = cell(rank(sample, count, PLASTIC), count);
+    let (mut low, mut high) = (0.0, FRAC_PI_2);
+    for _ in 0..60 {
+        let t: f64 = 0.5 * (low + high);
+        if 2.0 * t - (2.0 * t).sin() < share * PI { low = t } else { high = t }
+    }
+    let at = square(sample, count);
+    let height = 2.0 * at.x - 1.0;
+    let around = (1.0 - height * height).sqrt() * DVec2::from_angle(TAU * at.y);
+    DVec3::new(around.x, height, around.y) * low.sin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(shape: AreaShape) -> AreaLight {
+        AreaLight { light: Light::homogeneous([2.0, 4.0, 6.0, 2.0]), shape, normal: [0.0, -3.0, 0.1] }
+    }
+
+    fn offsets(shape: AreaShape, count: usize) -> Vec<DVec3> {
+        let samples = light(shape).samples(count);
+        assert!(samples.iter().all(|sample| sample.w == 1.0));
+        samples.iter().map(|s| DVec3::from_array(s.xyz.map(f64::from)) - DVec3::new(1.0, 2.0, 3.0)).collect()
+    }
+
+    #[test]
+    fn rooks_do_not_threaten_each_other() {
+        for count in 1..=64 {
+            for step in [GOLDEN, PLASTIC] {
+                let mut ranks: Vec<usize> = (0..count).map(|sample| rank(sample, count, step)).collect();
+                ranks.sort_unstable();
+                assert!(ranks.into_iter().eq(0..count), "{count} samples");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_lie_within_their_shapes_and_fill_them() {
+        let count = 32;
+        let flat = DVec3::new(0.0, -3.0, 0.1).normalize();
+        for at in offsets(AreaShape::Rectangle { width: 2.0, height: 1.0 }, count) {
+            assert!(at.dot(flat).abs() < 1e-6 && at.x.abs() < 1.0 && at.z.abs() < 0.5);
+        }
+        let disc = offsets(AreaShape::Disc { radius: 0.5 }, count);
+        assert!(disc.iter().all(|at| at.dot(flat).abs() < 1e-6 && at.length() < 0.5));
+        // Half of a disc's area is within 0.71 of its radius.
+        let inner = disc.iter().filter(|at| at.length() < 0.5 * 0.5_f64.sqrt()).count();
+        assert!(inner.abs_diff(count / 2) <= 2, "{inner}");
+        // A ball's picture: the same of it.
+        for axis in [DVec3::X, DVec3::Y, DVec3::new(0.6, 0.0, 0.8)] {
+            let ball = offsets(AreaShape::Sphere { radius: 0.5 }, 512);
+            assert!(ball.iter().all(|at| at.length() <= 0.5 + 1e-6));
+            let inner = ball.iter().filter(|at| at.reject_from(axis).length() < 0.5 * 0.5_f64.sqrt()).count();
+            assert!(inner.abs_diff(256) <= 26, "{axis}: {inner}");
+        }
+    }
+
+    #[test]
+    fn the_middle_of_all_samples_is_that_of_the_shape() {
+        let shapes = [
+            AreaShape::Rectangle { width: 1.0, height: 1.0 },
+            AreaShape::Disc { radius: 0.5 },
+            AreaShape::Sphere { radius: 0.5 },
+        ];
+        for shape in shapes {
+            for count in [1, 5, 16, 32] {
+                let middle = offsets(shape, count).into_iter().sum::<DVec3>() / count as f64;
+                assert!(middle.length() < 0.4 / count as f64, "{shape:?}, {count}: {middle}");
+            }
+            assert_eq!(light(shape).samples(7), light(shape).samples(7));
+        }
+    }
+
+    #[test]
+    fn lights_at_infinity_stay_there() {
+        let shape = AreaShape::Disc { radius: 0.1 };
+        let sun = AreaLight { light: Light::directional([0.0, 9.0, 0.0]), shape, normal: [1.0, 0.0, 0.0] };
+        for sample in sun.samples(8) {
+            let [x, y, z] = sample.xyz;
+            assert!(sample.w == 0.0 && (y - 1.0).abs() < 1e-6 && x.hypot(z) < 0.1);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! `rimline film`: an animation with its shadows, as numbered pictures.
+
+use std::path::{Path, PathBuf};
+
+use rimline::wgpu;
+
+use crate::args::{FilmArgs, MAX_FRAMES};
+use crate::failure::{Failure, UsageError};
+use crate::gpu_error::GpuError;
+use crate::input::{Input, Source};
+use crate::output::{Output, print};
+use crate::progress::Progress;
+use crate::shadow;
+use crate::shadow::body::Body;
+use crate::shadow::caster::Caster;
+use crate::shadow::set::{Props, Set, open_gpu};
+use crate::shadow::studio::{Pictures, Studio};
+
+/// Moments that the camera is chosen by: it must see all of the motion.
+const LOOKS: u32 = 12;
+
+pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
+    let scene = &args.scene;
+    let progress = Progress::start();
+    progress.step("reading the models");
+    let props = Props::read(scene)?;
+    let frames = frames(args, &props)?;
+    let time = |frame: u32| scene.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
+    let file = |frame: u32| frame_file(&args.out, frame, frames);
+    let mut output = Some(Output::create(&file(0))?);
+
+    progress.step("opening the device");
+    let gpu = open_gpu(scene)?;
+    let fail = |error: GpuError| error.on(&gpu);
+    progress.step("looking at the motion");
+    let mut bodies = props.bodies(&gpu, time(0))?;
+    let mut points = Vec::new();
+    for look in 0..LOOKS.min(frames) {
+        let moment = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
+        bodies.iter_mut().try_for_each(|body| body.pose(&gpu, moment))?;
+        points.extend(bodies.iter().flat_map(Body::corners));
+    }
+    let mut set = Set::new(scene, bodies, points)?;
+    let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes).map_err(fail)?;
+    drop(progress);
+
+    let progress = Progress::pictures(u64::from(frames));
+    let mut casters: Vec<Caster> = Vec::new();
+    let mut faces: Vec<Vec<[u32; 3]>> = Vec::new();
+    for frame in 0..frames {
+        let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
+        set.pose(&gpu, time(frame))?;
+        for (number, body) in set.bodies.iter().enumerate() {
+            // A mirrored instance turns its faces: another mesh.
+            let mesh = &body.scene.mesh;
+            if faces.get(number).is_none_or(|old| old != mesh.faces()) {
+                let caster = Caster::new(&gpu, &studio.kit, &pictures.pipelines, mesh, number, set.samples());
+                casters.truncate(number);
+                casters.push(caster.map_err(fail)?);
+                faces.truncate(number);
+                faces.push(mesh.faces().to_vec());
+            }
+        }
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
+        set.encode(&gpu, &mut encoder, &studio, &pictures.pipelines, &mut casters, None).map_err(fail)?;
+        gpu.queue.submit([encoder.finish()]);
+        let picture = shadow::picture(&gpu, &studio, &pictures, &set, &casters).map_err(fail)?;
+        gpu.check()?;
+        output.finish(|file| picture.write_png(file))?;
+        progress.picture_done();
+    }
+    drop(progress);
+    print(&format!("{frames} pictures, {} to {}\n", file(0).display(), file(frames - 1).display()))
+}
+
+/// How many pictures are asked for, or make up the longest animation.
+fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
+    let duration = |(input, animation): (&Input, &Option<usize>)| match (&input.source, animation) {
+        (Source::Gltf(asset), Some(index)) => asset.animations().get(*index).map(|info| info.duration_s),
+        _ => None,
+    };
+    let lasts = props
+        .inputs
+        .iter()
+        .zip(&props.animations)
+        .filter_map(duration)
+        .fold(None, |longest, seconds| Some(longest.map_or(seconds, |longest: f32| longest.max(seconds))));
+    let seconds = match (args.frames, args.seconds.or(lasts)) {
+        (Some(frames), _) => return Ok(frames),
+        (None, Some(seconds)) => seconds,
+        (None, None) => return Err(UsageError::NoAnimation.into()),
+    };
+    let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
+    if frames > MAX_FRAMES as f64 {
+        return Err(UsageError::TooManyFrames { frames: frames as u64, limit: MAX_FRAMES as u64 }.into());
+    }
+    Ok(frames as u32)
+}
+
+/// In a folder that is there or that a separator ends, else behind a prefix; four digits or as many as it takes.
+fn frame_file(out: &Path, frame: u32, frames: u32) -> PathBuf {
+    let digits = (frames - 1).to_string().len().max(4);
+    let number = format!("{frame:0digits$}.png");
+    if out.is_dir() || out.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
+        return out.join(number);
+    }
+    let mut name = out.as_os_str().to_owned();
+    name.push(number);
+    name.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_numbered_in_folders_and_behind_prefixes() {
+        let folder = std::env::temp_dir();
+        assert_eq!(frame_file(&folder, 7, 10), folder.join("0007.png"));
+        assert_eq!(frame_file(Path::new("no/such/"), 7, 10), Path::new("no/such/0007.png"));
+        assert_eq!(frame_file(Path::new("a/walk_"), 12_345, 20_000), Path::new("a/walk_12345.png"));
+    }
+}

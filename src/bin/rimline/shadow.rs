@@ -1,0 +1,144 @@
+//! `rimline shadow`: models with their shadows.
+
+pub(crate) mod body;
+pub(crate) mod caster;
+mod frame;
+mod lamps;
+mod painter;
+mod report;
+pub(crate) mod set;
+pub(crate) mod studio;
+
+use rimline::gpu::StageTimer;
+use rimline::wgpu;
+
+use crate::args::ShadowArgs;
+use crate::device::Gpu;
+use crate::displacement;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+use crate::image::Picture;
+use crate::output::{Output, print};
+use crate::progress::Progress;
+use crate::times::Times;
+use caster::Caster;
+use report::Report;
+use set::{Props, Set, mask_file};
+use studio::{Masks, Pictures, Studio};
+
+pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
+    let scene = &args.scene;
+    let progress = Progress::start();
+    let mut times = Times::default();
+    progress.step("reading the models");
+    let props = times.measure("load", || Props::read(scene))?;
+    for &animation in &props.animations {
+        displacement::note_idle_time(&scene.pose, animation, props.displacement.as_ref());
+    }
+    let output = args.out.as_deref().map(Output::create).transpose()?;
+
+    progress.step("opening the device");
+    let gpu = set::open_gpu(scene)?;
+    let fail = |error: GpuError| error.on(&gpu);
+    progress.step("placing the models");
+    let bodies = times.measure("topology", || props.bodies(&gpu, scene.pose.time))?;
+    let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::corners).collect();
+    let set = Set::new(scene, bodies, points)?;
+    let mask_files: Vec<_> = match &args.mask {
+        None => Vec::new(),
+        Some(prefix) => (0..set.lamps.len()).map(|light| mask_file(prefix, light)).collect(),
+    };
+    let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
+
+    progress.step("drawing");
+    let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let counting = scene.method.counting();
+    let pictures = output.is_some().then(|| Pictures::new(&gpu, &studio, counting, scene.mode, scene.volumes));
+    let pictures = pictures.transpose().map_err(fail)?;
+    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &studio, counting)).transpose().map_err(fail)?;
+    let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
+    let Some(pipelines) = pipelines else { return Ok(()) };
+    let mut casters = (0..)
+        .zip(&set.bodies)
+        .map(|(number, body)| Caster::new(&gpu, &studio.kit, pipelines, &body.scene.mesh, number, set.samples()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(fail)?;
+    let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("shadow") });
+    set.encode(&gpu, &mut encoder, &studio, pipelines, &mut casters, timer.as_mut()).map_err(fail)?;
+    if let Some(timer) = &timer {
+        timer.resolve(&mut encoder);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    gpu.wait()?;
+    if let Some(timer) = &timer {
+        for (stage, milliseconds) in timer.read(&gpu.device, &gpu.queue).map_err(|error| fail(error.into()))? {
+            times.add(stage, milliseconds);
+        }
+    }
+    if let (Some(pictures), Some(output)) = (&pictures, output) {
+        let picture = times.measure("picture", || picture(&gpu, &studio, pictures, &set, &casters)).map_err(fail)?;
+        gpu.check()?;
+        output.finish(|file| picture.write_png(file))?;
+    }
+    if let Some(masks) = &masks {
+        let mut first = 0;
+        for (lamp, output) in set.lamps.iter().zip(mask_outputs) {
+            let samples = first..first + lamp.samples.len();
+            first = samples.end;
+            let mask = times.measure("masks", || mask(&gpu, &studio, masks, &set, &casters, samples)).map_err(fail)?;
+            gpu.check()?;
+            output.finish(|file| mask.write_png(file))?;
+        }
+    }
+    let report = Report::read(&gpu, &set, &casters).map_err(|error| fail(error.into()))?;
+    gpu.check()?;
+    drop(progress);
+    let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
+    print(&if args.json { report.json(scene, &times) } else { report.text(&written, &times) })
+}
+
+/// Draws and reads a picture of what was encoded and submitted.
+pub(crate) fn picture(
+    gpu: &Gpu,
+    studio: &Studio<'_>,
+    pictures: &Pictures,
+    set: &Set<'_>,
+    casters: &[Caster],
+) -> Result<Picture, GpuError> {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+    let texture = pictures.record(&mut encoder, studio, &set.subject(casters))?;
+    gpu.queue.submit([encoder.finish()]);
+    Picture::read(gpu, texture)
+}
+
+/// A light's mask: the mean of its samples'.
+fn mask(
+    gpu: &Gpu,
+    studio: &Studio<'_>,
+    masks: &Masks,
+    set: &Set<'_>,
+    casters: &[Caster],
+    samples: std::ops::Range<usize>,
+) -> Result<Picture, GpuError> {
+    let subject = set.subject(casters);
+    let mut pictures = Vec::with_capacity(samples.len());
+    for light in samples {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("mask") });
+        let texture = masks.record(&mut encoder, studio, &subject, light);
+        gpu.queue.submit([encoder.finish()]);
+        pictures.push(Picture::read(gpu, texture)?);
+    }
+    Ok(Picture::mean(pictures))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mask_file;
+    use std::path::Path;
+
+    #[test]
+    fn masks_are_numbered_after_their_prefix() {
+        assert_eq!(mask_file(Path::new("a/b.x"), 3), Path::new("a/b.x.3.png"));
+    }
+}

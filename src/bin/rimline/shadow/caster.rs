@@ -1,0 +1,83 @@
+//! A body that throws shadows, on the GPU.
+
+use rimline::gpu::{Extractor, ExtractorOptions, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer};
+use rimline::shadow::{RangedLight, ShadowCamera};
+use rimline::{Light, Mesh, wgpu};
+
+use super::body::Body;
+use crate::device::Gpu;
+use crate::gpu_error::GpuError;
+use crate::render::kit::Kit;
+use crate::render::normals;
+
+/// Front and back of the first, second … body; then from the beginning again.
+const CLAYS: [[[f32; 3]; 2]; 4] = [
+    [[0.62, 0.60, 0.565], [0.50, 0.33, 0.24]],
+    [[0.36, 0.49, 0.56], [0.58, 0.40, 0.29]],
+    [[0.60, 0.42, 0.31], [0.33, 0.45, 0.51]],
+    [[0.46, 0.54, 0.38], [0.58, 0.40, 0.29]],
+];
+
+/// What a body needs to be drawn and to throw shadows.
+pub(crate) struct Caster {
+    pub(crate) extractor: Extractor,
+    pub(crate) volumes: ShadowVolumes,
+    clay: wgpu::Buffer,
+    faces: wgpu::Buffer,
+    pub(crate) corners: u32,
+    /// With a word of facing masks each.
+    pub(crate) groups: Vec<wgpu::BindGroup>,
+}
+
+impl Caster {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        kit: &Kit<'_>,
+        pipelines: &ShadowPipelines,
+        mesh: &Mesh,
+        number: usize,
+        max_lights: usize,
+    ) -> Result<Self, GpuError> {
+        let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
+        let extractor = Extractor::new(&gpu.device, mesh, options)?;
+        let volumes = ShadowVolumes::new(pipelines, &extractor, mesh, ShadowOptions::default())?;
+        let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
+        Ok(Self {
+            extractor,
+            volumes,
+            clay: kit.uniform(&gpu.queue, "clay", bytemuck::cast_slice(&clay)),
+            faces: kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(mesh.faces())),
+            corners: 3 * mesh.faces().len() as u32,
+            groups: Vec::new(),
+        })
+    }
+
+    /// The bind groups for where the body is now.
+    pub(crate) fn place(&mut self, gpu: &Gpu, kit: &Kit<'_>, layout: &wgpu::BindGroupLayout, body: &Body<'_>) {
+        let normals = normals::corner_normals(&body.world, body.scene.mesh.faces());
+        let normals = kit.buffer(&gpu.queue, "normals", bytemuck::cast_slice(&normals));
+        let positions = body.positions.buffer();
+        let group = |facing: &wgpu::Buffer| {
+            let buffers = [&self.clay, positions.buffer, &self.faces, &normals, facing];
+            kit.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
+        };
+        self.groups = self.extractor.results().facing.iter().map(group).collect();
+    }
+
+    /// Records extraction and choice.
+    pub(crate) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &ShadowPipelines,
+        body: &Body<'_>,
+        camera: &ShadowCamera,
+        lights: &[RangedLight],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        let positions = body.positions.buffer();
+        let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
+        self.extractor.encode(encoder, positions, &plain, timer.as_deref_mut())?;
+        self.volumes.encode(encoder, pipelines, &self.extractor, positions, camera, lights, timer)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,145 @@
+//! Pipelines that draw all receivers: the bodies and the ground.
+
+use rimline::wgpu;
+use wgpu::{
+    BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites, CompareFunction, PrimitiveTopology,
+    StencilOperation, TextureFormat,
+};
+
+use super::caster::Caster;
+use crate::render::kit::{Kit, Pass};
+
+pub(super) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
+
+/// Which pixels a painter draws onto.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Onto {
+    /// What is nearest, and it is so found.
+    Nearest,
+    /// The nearest again, where the stencil is still 0; which it is no more afterwards, so that faces that coincide add
+    /// their light once.
+    Lit,
+    /// The nearest again, where the stencil is not 0; which it is afterwards.
+    Shadowed,
+}
+
+/// What a painter does to the colour that is there.
+pub(super) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
+/// There times drawn.
+pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));
+
+const fn blend(src_factor: BlendFactor, dst_factor: BlendFactor) -> BlendState {
+    let color = BlendComponent { src_factor, dst_factor, operation: BlendOperation::Add };
+    BlendState { color, alpha: color }
+}
+
+/// The targets of a picture or a mask.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub(super) format: TextureFormat,
+    pub(super) samples: u32,
+}
+
+/// Bind groups' layouts beyond the frame's.
+pub(super) struct Layouts {
+    pub(super) lamp: wgpu::BindGroupLayout,
+    pub(super) geometry: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    pub(super) fn new(kit: &Kit<'_>) -> Self {
+        let buffer =
+            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
+        Self {
+            lamp: kit.layout(&[buffer(uniform, true)]),
+            geometry: kit.layout(&[buffer(uniform, false), storage, storage, storage, storage]),
+        }
+    }
+}
+
+/// Draws bodies and ground with fragment shaders of one name.
+pub(super) struct Painter {
+    surface: wgpu::RenderPipeline,
+    ground: wgpu::RenderPipeline,
+}
+
+impl Painter {
+    pub(super) fn new(
+        kit: &Kit<'_>,
+        layouts: &Layouts,
+        target: Target,
+        fragment: &'static str,
+        onto: Onto,
+        blend: Option<BlendState>,
+        write: ColorWrites,
+    ) -> Self {
+        let pipeline = |vertex, source, groups: &[&wgpu::BindGroupLayout]| {
+            kit.pipeline(&Pass {
+                name: fragment,
+                vertex,
+                source,
+                groups,
+                topology: PrimitiveTopology::TriangleList,
+                format: target.format,
+                blend,
+                samples: target.samples,
+                write,
+                depth: Some(onto.state()),
+                constants: &[],
+            })
+        };
+        Self {
+            surface: pipeline("surface", include_str!("surface.wgsl"), &[&layouts.lamp, &layouts.geometry]),
+            ground: pipeline("ground", include_str!("ground.wgsl"), &[&layouts.lamp]),
+        }
+    }
+
+    /// Draws everything for one light; groups 0 and 1 must be the frame's and the light's.
+    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, casters: &[Caster], light: usize, has_ground: bool) {
+        pass.set_pipeline(&self.surface);
+        for caster in casters {
+            if let Some(group) = caster.groups.get(light / 32) {
+                pass.set_bind_group(2, group, &[]);
+                pass.draw(0..caster.corners, 0..1);
+            }
+        }
+        if has_ground {
+            pass.set_pipeline(&self.ground);
+            pass.draw(0..12, 0..1);
+        }
+    }
+}
+
+impl Onto {
+    fn state(self) -> wgpu::DepthStencilState {
+        let (compare, stencil, pass_op) = match self {
+            Self::Nearest => (CompareFunction::Greater, CompareFunction::Always, StencilOperation::Keep),
+            Self::Lit => (CompareFunction::Equal, CompareFunction::Equal, StencilOperation::IncrementClamp),
+            Self::Shadowed => (CompareFunction::Equal, CompareFunction::NotEqual, StencilOperation::Zero),
+        };
+        let face = wgpu::StencilFaceState {
+            compare: stencil,
+            fail_op: StencilOperation::Keep,
+            depth_fail_op: StencilOperation::Keep,
+            pass_op,
+        };
+        depth_state(self == Self::Nearest, compare, face)
+    }
+}
+
+/// A state of the depth-stencil attachment.
+pub(super) fn depth_state(
+    write: bool,
+    compare: CompareFunction,
+    face: wgpu::StencilFaceState,
+) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0xff },
+        bias: wgpu::DepthBiasState::default(),
+    }
+}

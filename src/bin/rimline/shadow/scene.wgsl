@@ -1,0 +1,92 @@
+// What every pass of a picture with shadows knows. World space is right-handed with +Y up; positions are taken relative
+// to the eye; depth is reversed, near / distance. Light is linear.
+
+struct Frame {
+  // From positions less the eye to clip space; the shadow volumes' camera.
+  view_projection: mat4x4<f32>,
+  eye: vec3<f32>,
+  // The ground's height over the eye; negative, since it is seen from above.
+  ground: f32,
+  right: vec3<f32>,
+  // Clip units per unit of view space at distance 1.
+  scale_x: f32,
+  up: vec3<f32>,
+  scale_y: f32,
+  forward: vec3<f32>,
+  exposure: f32,
+  ambient: vec3<f32>,
+  // From the centre, where the ground begins to fade into the backdrop, and where it has.
+  fade_begin: f32,
+  backdrop: vec3<f32>,
+  fade_end: f32,
+  // Width and height in pixels.
+  size: vec2<f32>,
+  // Below the models, (x, z), relative to the eye.
+  centre: vec2<f32>,
+}
+
+// A light, or a sample of one with an area.
+struct Lamp {
+  // Homogeneous, relative to the eye.
+  light: vec4<f32>,
+  color: vec3<f32>,
+  // Where it ends; 0: nowhere.
+  range: f32,
+  // Where it begins to fade, and how.
+  begin: f32,
+  exponent: f32,
+  // Its bit in the word of facing masks that is bound.
+  bit: u32,
+  // How dense its volume is drawn.
+  density: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<uniform> lamp: Lamp;
+
+// As `rimline_clip` of the library's include has it.
+fn to_clip(position: vec3<f32>) -> vec4<f32> {
+  let q = position - frame.eye;
+  return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
+    frame.view_projection[3];
+}
+
+fn direction_to_clip(d: vec3<f32>) -> vec4<f32> {
+  return frame.view_projection[0] * d.x + frame.view_projection[1] * d.y + frame.view_projection[2] * d.z;
+}
+
+// What comes of a light at a place relative to the eye, on a surface across its rays; xyz points to the light.
+struct Arriving {
+  towards: vec3<f32>,
+  color: vec3<f32>,
+}
+
+fn arriving(q: vec3<f32>) -> Arriving {
+  let l = lamp.light.xyz - lamp.light.w * q;
+  var share = 1.0;
+  if (lamp.range > 0.0 && lamp.light.w > 0.0) {
+    // Bergeron's falloff, as `rimline::shadow::falloff`.
+    let distance = length(l) / lamp.light.w;
+    let left = saturate((lamp.range - distance) / max(lamp.range - lamp.begin, 1e-30));
+    share = select(select(0.0, pow(left, lamp.exponent), left > 0.0), 1.0,
+      distance <= lamp.begin && distance < lamp.range);
+  }
+  return Arriving(normalize(l), lamp.color * share);
+}
+
+// A triangle that covers the target.
+fn cover(vertex: u32) -> vec4<f32> {
+  return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// The paper behind everything, a little lighter behind its middle.
+fn backdrop(pixel: vec2<f32>) -> vec3<f32> {
+  let p = (pixel - 0.5 * frame.size) / frame.size.y;
+  let glow = exp(-1.3 * dot(p, p));
+  return frame.backdrop * mix(0.8, 1.0, glow);
+}
+
+// Noise with little energy in low frequencies, from 0 to 1.
+fn dither(pixel: vec2<f32>) -> f32 {
+  return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
+}

@@ -1,0 +1,185 @@
+//! The scene: bodies, lights and camera as the command line asks for them.
+
+use std::path::Path;
+
+use rimline::glam::Vec3;
+use rimline::mesh::Bounds;
+use rimline::shadow::RangedLight;
+use rimline::{Displacement, MAX_LIGHTS};
+
+use super::body::{Body, animations};
+use super::caster::Caster;
+use super::frame::{Frame, shadow_camera};
+use super::lamps::{Lamp, LampData, Stage};
+use super::studio::{Studio, Subject};
+use crate::args::{ModeArg, ShadowSceneArgs, value_name};
+use crate::device::{self, Gpu, Wanted};
+use crate::displacement;
+use crate::failure::{Failure, InputError, UsageError};
+use crate::gpu_error::GpuError;
+use crate::input::Input;
+use crate::render::camera::Camera;
+use crate::render::{centre, check_size, extent};
+
+/// Degrees that the eye is above the models by default: enough to see shadows on the ground.
+const ELEVATION: f64 = 24.0;
+
+/// What was read before any device is opened.
+pub(crate) struct Props {
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) animations: Vec<Option<usize>>,
+    pub(crate) displacement: Option<Displacement>,
+}
+
+impl Props {
+    pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
+        if Wanted::parse(&args.device.device) == Wanted::Cpu {
+            return Err(UsageError::DrawOnCpu.into());
+        }
+        if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
+            return Err(UsageError::AreaMode(value_name(mode)).into());
+        }
+        let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+        let open = |file: &std::path::PathBuf| Input::read(file, args.weld.weld());
+        let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        let animations = animations(&inputs, &args.pose)?;
+        Ok(Self { inputs, animations, displacement })
+    }
+
+    pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<Body<'_>>, Failure> {
+        let body = |(input, &animation)| Body::new(gpu, input, animation, time_s, self.displacement.as_ref());
+        self.inputs.iter().zip(&self.animations).map(body).collect()
+    }
+}
+
+/// Opens the device, if it can draw such a picture.
+pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
+    let gpu = device::open_gpu(&Wanted::parse(&args.device.device))?;
+    check_size(&gpu, args.view.size)?;
+    let [width, height] = args.view.size;
+    // The multisampled linear picture is the largest array.
+    let needed = 4 * 8 * u64::from(width) * u64::from(height);
+    let limit = gpu.device.limits().max_buffer_size;
+    if needed > limit {
+        let ([needed, limit], adapter) = ([needed >> 20, limit >> 20], device::describe(&gpu.info));
+        return Err(UsageError::PictureMemory { width, height, needed, limit, adapter }.into());
+    }
+    Ok(gpu)
+}
+
+/// Where everything is.
+pub(crate) struct Set<'a> {
+    args: &'a ShadowSceneArgs,
+    pub(crate) bodies: Vec<Body<'a>>,
+    pub(crate) stage: Stage,
+    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) camera: Camera,
+}
+
+impl<'a> Set<'a> {
+    /// `points` are those that the camera must see, if it is not given.
+    pub(crate) fn new(
+        args: &'a ShadowSceneArgs,
+        bodies: Vec<Body<'a>>,
+        mut points: Vec<[f32; 3]>,
+    ) -> Result<Self, Failure> {
+        let first = &bodies[0];
+        let nothing = || Failure::input(&first.input.file)(InputError::NoFinitePosition);
+        let bounds = Bounds::of(&points).ok_or_else(nothing)?;
+        let stage = Stage {
+            centre: centre(&bounds),
+            extent: extent(&bounds),
+            ground: args.ground.unwrap_or_else(|| ground(&bounds)),
+        };
+        let lamps = Lamp::all(args, first, &stage)?;
+        let samples = args.area.map_or(1, |_| args.samples);
+        if lamps.len() * samples > MAX_LIGHTS {
+            let (lights, limit) = (lamps.len(), MAX_LIGHTS);
+            return Err(UsageError::Samples { lights, samples, limit }.into());
+        }
+        let nearest_to = points.clone();
+        if args.view.eye.is_none() {
+            let shadows: Vec<[f32; 3]> =
+                lamps.iter().flat_map(|lamp| nearest_to.iter().map(|&point| lamp.shadow_of(point, &stage))).collect();
+            points.extend(shadows);
+        }
+        let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, points.iter().copied())?;
+        camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &nearest_to));
+        Ok(Self { args, bodies, stage, lamps, camera })
+    }
+
+    /// Moves everything to another moment; the camera stays.
+    pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
+        self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
+    }
+
+    pub(crate) fn ranged(&self) -> Vec<RangedLight> {
+        self.lamps.iter().flat_map(Lamp::ranged).collect()
+    }
+
+    pub(crate) fn samples(&self) -> usize {
+        self.lamps.iter().map(|lamp| lamp.samples.len()).sum()
+    }
+
+    pub(crate) fn frame(&self) -> Frame {
+        Frame::new(&self.camera, self.args.view.size, &self.stage, &self.lamps)
+    }
+
+    pub(crate) fn lamp_data(&self) -> Vec<LampData> {
+        let mut data = Vec::new();
+        for lamp in &self.lamps {
+            data.extend(lamp.data(&self.camera, data.len(), self.lamps.len()));
+        }
+        data
+    }
+
+    pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> Subject<'a> {
+        let has_ground = self.frame().sees_ground();
+        Subject { casters, bodies: &self.bodies, samples: self.samples(), has_ground }
+    }
+
+    /// Records what the casters need for the moment at hand.
+    pub(crate) fn encode(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut rimline::wgpu::CommandEncoder,
+        studio: &Studio<'_>,
+        pipelines: &rimline::gpu::ShadowPipelines,
+        casters: &mut [Caster],
+        mut timer: Option<&mut rimline::gpu::StageTimer>,
+    ) -> Result<(), GpuError> {
+        studio.set(gpu, &self.frame(), &self.lamp_data());
+        let (camera, lights) = (shadow_camera(&self.camera), self.ranged());
+        for (caster, body) in casters.iter_mut().zip(&self.bodies) {
+            caster.place(gpu, &studio.kit, studio.geometry_layout(), body);
+            caster.encode(encoder, pipelines, body, &camera, &lights, timer.as_deref_mut())?;
+        }
+        Ok(())
+    }
+}
+
+/// The models' lowest point. What lies flat hovers, or the ground would be in the same plane.
+fn ground(bounds: &Bounds) -> f32 {
+    let extent = extent(bounds);
+    let is_flat = bounds.max[1] - bounds.min[1] < 0.01 * extent;
+    if is_flat { bounds.min[1] - 0.1 * extent } else { bounds.min[1] }
+}
+
+/// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
+fn near(camera: &Camera, stage: &Stage, points: &[[f32; 3]]) -> f32 {
+    let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
+    let nearest = points.iter().map(ahead).fold(f32::INFINITY, f32::min);
+    let height = camera.eye.y - stage.ground;
+    let least = 1e-3 * stage.extent;
+    let most = if height > 0.0 { 0.2 * height } else { f32::INFINITY };
+    let wanted = if nearest > 0.0 { (0.5 * nearest).min(0.05 * (nearest + stage.extent)) } else { least };
+    // So far away that the extent is lost beside the distance, the distance alone counts.
+    wanted.min(most).max(1e-6 * nearest.max(least))
+}
+
+/// `PREFIX.<light>.png`.
+pub(crate) fn mask_file(prefix: &Path, light: usize) -> std::path::PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(format!(".{light}.png"));
+    name.into()
+}

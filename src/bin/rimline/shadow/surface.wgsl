@@ -1,0 +1,120 @@
+// The models, as matte clay. A face's side towards a light is the bit that the extraction found for it; smooth normals
+// only shade.
+
+struct Clay {
+  front: vec3<f32>,
+  back: vec3<f32>,
+}
+
+@group(2) @binding(0) var<uniform> clay: Clay;
+@group(2) @binding(1) var<storage, read> positions: array<u32>;
+@group(2) @binding(2) var<storage, read> faces: array<u32>;
+// A normal a corner, folded onto an octahedron.
+@group(2) @binding(3) var<storage, read> normals: array<u32>;
+@group(2) @binding(4) var<storage, read> facing: array<u32>;
+
+struct Surface {
+  @invariant @builtin(position) clip: vec4<f32>,
+  @location(0) normal: vec3<f32>,
+  // From the eye.
+  @location(1) q: vec3<f32>,
+  // The face's side faces the light.
+  @location(2) @interpolate(flat) faces_light: u32,
+}
+
+fn unfold(word: u32) -> vec3<f32> {
+  let e = unpack2x16snorm(word);
+  var n = vec3<f32>(e, 1.0 - abs(e.x) - abs(e.y));
+  let t = saturate(-n.z);
+  n.x += select(t, -t, n.x >= 0.0);
+  n.y += select(t, -t, n.y >= 0.0);
+  return normalize(n);
+}
+
+fn position(vertex: u32) -> vec3<f32> {
+  return bitcast<vec3<f32>>(vec3<u32>(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
+}
+
+// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+fn is_finite(p: vec3<f32>) -> bool {
+  let exponents = bitcast<vec3<u32>>(p) & vec3<u32>(0x7f800000u);
+  return all(exponents != vec3<u32>(0x7f800000u));
+}
+
+@vertex fn surface_vertex(@builtin(vertex_index) corner: u32) -> Surface {
+  let face = corner / 3u;
+  let a = position(faces[3u * face]);
+  let b = position(faces[3u * face + 1u]);
+  let c = position(faces[3u * face + 2u]);
+  if (!is_finite(a) || !is_finite(b) || !is_finite(c)) {
+    return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u);
+  }
+  let p = position(faces[corner]);
+  return Surface(to_clip(p), unfold(normals[corner]), p - frame.eye, (facing[face] >> lamp.bit) & 1u);
+}
+
+// Towards the eye; interpolated normals may lean away from it at the rim.
+fn shading_normal(in: Surface, front: bool, to_eye: vec3<f32>) -> vec3<f32> {
+  let n = normalize(select(-in.normal, in.normal, front));
+  return normalize(n + max(0.0, 0.02 - dot(n, to_eye)) * to_eye);
+}
+
+fn albedo(front: bool) -> vec3<f32> {
+  return select(clay.back, clay.front, front);
+}
+
+@fragment fn ambient_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+  let to_eye = normalize(-in.q);
+  let n = shading_normal(in, front, to_eye);
+  // More from above; and a little from the eye, so that what is in shadow keeps its shape.
+  let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.7, 1.0, saturate(dot(n, to_eye)));
+  return vec4<f32>(albedo(front) * frame.ambient * around, 1.0);
+}
+
+// Light and eye are on the same side of the face.
+fn is_lit(in: Surface, front: bool) -> bool {
+  return (in.faces_light != 0u) == front;
+}
+
+@fragment fn lit_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+  if (!is_lit(in, front)) {
+    discard;
+  }
+  let to_eye = normalize(-in.q);
+  let n = shading_normal(in, front, to_eye);
+  let light = arriving(in.q);
+  // Flat faces turn from the light one at a time, smooth normals do not: the light fades before the first face turns.
+  let cosine = saturate(dot(n, light.towards));
+  let diffuse = cosine * smoothstep(0.0, 0.3, cosine);
+  let halfway = normalize(to_eye + light.towards);
+  let sheen = 0.06 * pow(saturate(dot(n, halfway)), 24.0) * smoothstep(0.0, 0.3, cosine);
+  return vec4<f32>((albedo(front) * diffuse + sheen) * light.color, 0.0);
+}
+
+// What turns its back on the light.
+@fragment fn averted_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+  if (is_lit(in, front)) {
+    discard;
+  }
+  return vec4<f32>(0.0);
+}
+
+@fragment fn black_fragment() -> @location(0) vec4<f32> {
+  return vec4<f32>(vec3<f32>(0.0), 1.0);
+}
+
+// A factor for what is there.
+@fragment fn dim_fragment() -> @location(0) vec4<f32> {
+  return vec4<f32>(vec3<f32>(0.5), 1.0);
+}
+
+@fragment fn dark_fragment() -> @location(0) vec4<f32> {
+  return vec4<f32>(0.0);
+}
+
+@fragment fn mask_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+  if (!is_lit(in, front)) {
+    discard;
+  }
+  return vec4<f32>(1.0);
+}
