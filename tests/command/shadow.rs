@@ -61,7 +61,7 @@ impl Image {
     }
 
     fn count(&self, value: u8) -> usize {
-        self.bytes.iter().filter(|byte| **byte == value).count()
+        self.bytes.iter().map(|byte| usize::from(*byte == value)).sum()
     }
 }
 
