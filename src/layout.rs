@@ -201,8 +201,23 @@ shared_structs! {
         range: f32,
         /// Which faces cast: 0 none, 1 those averted from the light, 2 every one.
         casting: u32,
-        /// How is counted: 0 z-pass, 1 ZP+, 2 z-fail.
+        /// How is counted: 0 z-pass, 1 ZP+, 2 z-fail, 4 ZP+ as published.
         counting: u32,
+        /// With ZP+ as published the near end of the light's frustum: for a point light its distance over the far end's,
+        /// for a light at infinity its height over the near plane.
+        frustum_near: f32,
+        /// Where the volume ends: a lower bound of the caster's distance from the light, over the range. 0: at infinity.
+        end: f32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// Row x of that frustum's matrix, from (position − origin, 1).
+        frustum_x: [f32; 4],
+        /// Row y.
+        frustum_y: [f32; 4],
+        /// Row w.
+        frustum_w: [f32; 4],
     }
 
     /// What a caster is and what the caller wants of its volumes.
@@ -219,7 +234,7 @@ shared_structs! {
         cap_capacity: u32,
         /// 1: closed and consistently oriented, and every face was not asked for.
         averted: u32,
-        /// 0 z-pass, 1 ZP+, 2 z-fail, 3 whichever serves.
+        /// 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
         counting: u32,
         /// 1: skip casters whose shadow the camera cannot see.
         skip_unseen: u32,
@@ -229,8 +244,8 @@ shared_structs! {
         position_stride: u32,
         /// Workgroups of the caps stage.
         cap_groups: u32,
-        /// 0.
-        reserved: u32,
+        /// 1: volumes end where their light's range does.
+        end_at_range: u32,
     }
 
     /// The light, or the word of lights, that a draw or dispatch is for.
@@ -255,6 +270,12 @@ shared_structs! {
         front: DrawArguments,
         /// Caps that count up on their back.
         back: DrawArguments,
+        /// Sides that ZP+ as published leaves to z-fail.
+        switched: DrawArguments,
+        /// Their light and dark caps, or with z-pass the dark caps of a volume that ends: those of the first list.
+        far_front: DrawArguments,
+        /// Of the second.
+        far_back: DrawArguments,
     }
 
     /// What an encode of shadow volumes counts, a light at a time.
@@ -267,6 +288,8 @@ shared_structs! {
         capped: u32,
         /// Lights whose list of cap faces overflowed; drawn over all faces.
         overflowed_caps: u32,
+        /// Lights whose volume ends at their range.
+        ended: u32,
     }
 }
 

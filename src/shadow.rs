@@ -20,6 +20,8 @@ pub const COUNT_ZP_PLUS: u32 = 1;
 pub const COUNT_Z_FAIL: u32 = 2;
 /// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
 pub const COUNT_AUTO: u32 = 3;
+/// [`ShadowLight::counting`]: ZP+ as published.
+pub const COUNT_ZP_PAPER: u32 = 4;
 
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +35,11 @@ pub enum Counting {
     /// z-pass, begun with near caps: casting faces projected from the light onto the near plane (after Hornus et al.
     /// 2005), with sides and caps clipped by the same functions. See NUMERICS.md, "Shadow volumes".
     ZpPlus,
+    /// ZP+ as Hornus et al. published it in 2005, to compare with: near caps by a matrix of the light's own, side vertices
+    /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
+    /// near plane cuts both ends of a side (its case D). Not right from every camera; for perspective ones only. Never
+    /// chosen by [`Self::Auto`]. Needs what z-fail needs.
+    ZpPlusPaper,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does.
     ZFail,
@@ -45,6 +52,7 @@ impl Counting {
             Self::ZpPlus => COUNT_ZP_PLUS,
             Self::ZFail => COUNT_Z_FAIL,
             Self::Auto => COUNT_AUTO,
+            Self::ZpPlusPaper => COUNT_ZP_PAPER,
         }
     }
 }
@@ -155,9 +163,17 @@ impl ShadowCamera {
         let from_origin = (DVec3::new(x, y, z) - w * self.origin.as_dvec3()).extend(w);
         let matrix: DMat4 = self.view_projection.as_dmat4();
         let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
+        let clip = matrix * from_origin;
+        // Section 3.1 without its rotation: positive w between light and near plane.
+        let side = if height < 0.0 { -1.0 } else { 1.0 };
+        let plane = DVec4::from_array(view.near_plane.map(f64::from));
+        let frustum = |row: usize| (side * (height * matrix.row(row) - clip[row] * plane)).as_vec4().to_array();
         ShadowLight {
             light,
-            clip: (matrix * from_origin).as_vec4().to_array(),
+            clip: clip.as_vec4().to_array(),
+            frustum_x: frustum(0),
+            frustum_y: frustum(1),
+            frustum_w: frustum(3),
             height: height as f32,
             range: if range.is_finite() { range } else { 0.0 },
             ..bytemuck::Zeroable::zeroed()
@@ -175,8 +191,8 @@ fn power_of_two_below(size: f64) -> f64 {
 pub struct RangedLight {
     /// The light, in the space of the positions.
     pub light: Light,
-    /// Casters farther away throw no shadow. In the unit of the positions, positive; infinite for no limit. Of no
-    /// meaning for lights at infinity.
+    /// Casters farther away throw no shadow; see [`crate::gpu::ShadowOptions::end_at_range`], too. In the unit of the
+    /// positions, positive; infinite for no limit. Of no meaning for lights at infinity.
     pub range: f32,
 }
 

@@ -55,6 +55,12 @@ pub const BOUNDS: Stage =
 /// Which faces cast, and how is counted.
 pub const CHOOSE: Stage =
     Stage { name: "choose", files: files!["common", "shadow", "pyramid", "choose"], entry_points: &["choose"] };
+/// Where ZP+ as published goes over to z-fail.
+pub const PAPER_CASES: Stage = Stage {
+    name: "paper_cases",
+    files: files!["common", "shadow", "paper", "paper_cases"],
+    entry_points: &["paper_cases"],
+};
 /// Lists of the faces that caps are drawn from.
 pub const CAPS: Stage =
     Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
@@ -66,7 +72,7 @@ pub const SHADOW_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 12] = [
+pub const STAGES: [Stage; 13] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -77,6 +83,7 @@ pub const STAGES: [Stage; 12] = [
     ARGUMENTS,
     BOUNDS,
     CHOOSE,
+    PAPER_CASES,
     CAPS,
     SHADOW_ARGUMENTS,
 ];
@@ -84,14 +91,14 @@ pub const STAGES: [Stage; 12] = [
 /// Vertex shaders of the sides of shadow volumes; [`crate::gpu::include_wgsl`] on group 1 comes after.
 pub const SIDES: Stage = Stage {
     name: "sides",
-    files: files!["common", "shadow", "polygon", "sides"],
-    entry_points: &["side", "side_clipped"],
+    files: files!["common", "shadow", "polygon", "paper", "sides"],
+    entry_points: &["side", "side_clipped", "paper_side"],
 };
 /// Vertex shaders of the caps of shadow volumes.
 pub const CAP_FACES: Stage = Stage {
     name: "cap_faces",
-    files: files!["common", "shadow", "polygon", "casting", "cap_faces"],
-    entry_points: &["light_cap", "dark_cap", "near_cap"],
+    files: files!["common", "shadow", "polygon", "paper", "casting", "cap_faces"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap"],
 };
 
 /// WGSL that is part of no stage by itself: what callers include or replace.

@@ -153,9 +153,8 @@ impl<'a> Cast<'a> {
 fn is_inner((a, _): Label, (b, _): Label) -> bool {
     match (a.min(b), a.max(b)) {
         // Only of one vertex; or of an edge that turns at its far vertex where that is the same for both ends.
-        (Kind::Near, Kind::Far) | (Kind::Far, Kind::Meets) => true,
-        // Only of one edge.
-        (Kind::Meets, Kind::Turns) => true,
+        // The last only of one edge.
+        (Kind::Near, Kind::Far) | (Kind::Far, Kind::Meets) | (Kind::Meets, Kind::Turns) => true,
         (low, high) => low == Kind::Star || high == Kind::Star,
     }
 }

@@ -1,5 +1,5 @@
-// Cap faces: light caps and dark caps as faces at their place and at infinity, near caps as faces clipped to what lies
-// between the light and the near plane and projected onto that.
+// Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
+// lies between the light and the near plane and projected onto that.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -55,7 +55,7 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(direction_to_clip(view, away(light, cap_position(face.corners[vertex]))));
+  return CapVertex(far_end(view, light, cap_position(face.corners[vertex])));
 }
 
 // From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.
@@ -94,6 +94,16 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   picked = offer_edge(picked, light, b, c, face.corners.y < face.corners.z);
   picked = offer_edge(picked, light, c, a, face.corners.z < face.corners.x);
   return CapVertex(picked.clip);
+}
+
+// The near cap as published: the face by the matrix of the light's frustum, clipped by the hardware.
+@vertex fn paper_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let face = cap_face(light, instance);
+  if (!face.valid) {
+    return CapVertex(NOTHING);
+  }
+  return CapVertex(frustum_to_clip(view, light, cap_position(face.corners[vertex])));
 }
 
 // For passes with colour attachments, which stay as they are.

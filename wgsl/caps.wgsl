@@ -1,5 +1,6 @@
-// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail every
-// face that casts. Each light has two lists: of faces whose cap counts up on its front, and on its back.
+// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail, the
+// published ZP+, and where volumes end at the range, every face that casts. Each light has two lists: of faces whose cap counts up on its front, and on
+// its back.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
@@ -29,7 +30,7 @@ fn list_for(index: u32, face: u32, facing: bool, a: vec3<f32>, b: vec3<f32>, c: 
   if (!casts(light, facing)) {
     return;
   }
-  if (light.counting == COUNT_Z_PASS || (light.counting == COUNT_ZP_PLUS && misses_pyramid(light, a, b, c))) {
+  if ((light.counting == COUNT_Z_PASS && light.end == 0.0) || (light.counting == COUNT_ZP_PLUS && misses_pyramid(light, a, b, c))) {
     return;
   }
   let list = 2u * index + cap_class(light, facing);

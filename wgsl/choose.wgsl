@@ -85,21 +85,67 @@ fn misses_pyramid(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   return any(out) || beyond;
 }
 
+// How far the light is from the box, or less.
+fn distance_below(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
+  let place = light.light.xyz / light.light.w;
+  let slack = SLACK * max(max(abs(low), abs(high)), abs(place));
+  let d = max(max(low - place, place - high) - slack, vec3<f32>(0.0));
+  return length_of(d) * (1.0 - SLACK);
+}
+
+// By the largest side first, since squares may overflow.
+fn length_of(d: vec3<f32>) -> f32 {
+  let size = max(max(d.x, d.y), d.z);
+  if (size <= 0.0) {
+    return 0.0;
+  }
+  let e = d / size;
+  return size * sqrt(dot_3(e, e));
+}
+
+// The near end of the light's frustum in the published ZP+, such that the caster has nothing before it: the caster's
+// distance from the light over that of the near rectangle's farthest point; or the caster's height.
+fn frustum_near(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
+  if (light.light.w > 0.0) {
+    let place = light.light.xyz / light.light.w;
+    let farthest = length_of(max(abs(view.near_min - place), abs(view.near_max - place)));
+    // Below 1 for casters beyond the near rectangle, of which nothing is in the frustum. Above 0 for lights in the box,
+    // which the paper leaves out: from 0 on, nothing would be clipped at the near plane.
+    return clamp(distance_below(light, low, high) / farthest, 0.001, 0.99);
+  }
+  var highest = 0.0;
+  for (var number = 0u; number < 8u; number++) {
+    let position = box_corner(low, high, number);
+    let height = dot_3(view.near_plane.xyz, position - view.origin) + view.near_plane.w;
+    highest = max(highest, light_side(light) * height + SLACK * height_size(view, abs(position) + abs(view.origin)));
+  }
+  return select(1.0, highest, highest > 0.0);
+}
+
 fn choose_light(index: u32) {
   var light = shadow_lights[index];
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
+  light.end = 0.0;
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !boxes_meet(low, high));
     light.counting = shape.counting;
+    if (shape.counting == COUNT_ZP_PAPER) {
+      light.frustum_near = frustum_near(light, low, high);
+    }
     if (shape.counting == COUNT_AUTO) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
     }
   }
-  if (light.casting != CAST_NOTHING && light.counting != COUNT_Z_PASS) {
+  // Near caps are seen from a light whose volumes go on, so with ZP+ they do.
+  let may_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
+  if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
+    light.end = min(distance_below(light, low, high) / light.range, 1.0);
+  }
+  if (light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0)) {
     cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
   }
   shadow_lights[index] = light;

@@ -101,6 +101,11 @@ struct ShadowDraws {
   // Caps that count up on their front, and on their back.
   front: DrawArguments,
   back: DrawArguments,
+  // Sides that the published ZP+ leaves to z-fail.
+  switched: DrawArguments,
+  // Their light and dark caps; or with z-pass the dark caps of volumes that end.
+  far_front: DrawArguments,
+  far_back: DrawArguments,
 }
 
 struct ShadowStatistics {
@@ -112,4 +117,6 @@ struct ShadowStatistics {
   capped: atomic<u32>,
   // Lights whose list of cap faces overflowed.
   overflowed_caps: atomic<u32>,
+  // Lights whose volume ends at their range.
+  ended: atomic<u32>,
 }

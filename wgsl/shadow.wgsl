@@ -31,6 +31,18 @@ struct ShadowLight {
   // Which faces cast, and how is counted.
   casting: u32,
   counting: u32,
+  // Where the published ZP+ puts the near end of the light's frustum: its distance over the far end's for a point light,
+  // its height over the near plane for a light at infinity.
+  frustum_near: f32,
+  // Where the volume ends: the caster's distance over the range, so that every far vertex, (position - light) / end from
+  // the light, is out of range. 0: at infinity.
+  end: f32,
+  reserved_0: u32,
+  reserved_1: u32,
+  // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
+  frustum_x: vec4<f32>,
+  frustum_y: vec4<f32>,
+  frustum_w: vec4<f32>,
 }
 
 // What the caster is and what the caller wants.
@@ -52,7 +64,8 @@ struct ShadowShape {
   position_stride: u32,
   // Workgroups of the caps stage.
   cap_groups: u32,
-  reserved: u32,
+  // 1: volumes end where their light's range does.
+  end_at_range: u32,
 }
 
 // The light or the word of lights at hand.
@@ -73,6 +86,8 @@ const COUNT_ZP_PLUS: u32 = 1u;
 const COUNT_Z_FAIL: u32 = 2u;
 // z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
 const COUNT_AUTO: u32 = 3u;
+// ZP+ as published.
+const COUNT_ZP_PAPER: u32 = 4u;
 
 // A position in clip space. A caller's depth pass that computes it so gets the same bits.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
@@ -90,6 +105,11 @@ fn away(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
 fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
   return view.view_projection[0] * direction.x + view.view_projection[1] * direction.y +
     view.view_projection[2] * direction.z;
+}
+
+// A position's far vertex: at infinity, or where the volume ends.
+fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
+  return direction_to_clip(view, away(light, position)) + light.end * light.clip;
 }
 
 // A vertex of a volume.

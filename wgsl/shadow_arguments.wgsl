@@ -31,20 +31,43 @@ fn write_arguments(index: u32) {
   } else if (light.casting == CAST_EVERY) {
     atomicAdd(&shadow_statistics.every_face, 1u);
   }
+  if (light.casting != CAST_NOTHING && light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
   if (max(front, back) > shape.cap_capacity) {
     atomicAdd(&shadow_statistics.overflowed_caps, 1u);
   }
-  let is_clipped = light.counting == COUNT_ZP_PLUS && front + back > 0u;
-  if (is_clipped) {
+  let has_caps = front + back > 0u;
+  let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
+  if (is_clipped || (light.counting == COUNT_ZP_PAPER && has_caps)) {
     atomicAdd(&shadow_statistics.capped, 1u);
   }
-  let cap_vertices = select(3u, 5u, light.counting == COUNT_ZP_PLUS);
-  shadow_draws[index] = ShadowDraws(
-    arguments(4u, select(sides, 0u, is_clipped)),
-    arguments(5u, select(0u, sides, is_clipped)),
-    arguments(cap_vertices, cap_instances(front)),
-    arguments(cap_vertices, cap_instances(back)),
-  );
+  front = cap_instances(front);
+  back = cap_instances(back);
+  var draws = ShadowDraws();
+  if (shape.counting == COUNT_ZP_PAPER) {
+    if (light.counting == COUNT_ZP_PAPER) {
+      draws.clipped = arguments(4u, 3u * sides);
+      draws.front = arguments(3u, front);
+      draws.back = arguments(3u, back);
+    } else {
+      draws.switched = arguments(4u, sides);
+      draws.far_front = arguments(3u, front);
+      draws.far_back = arguments(3u, back);
+    }
+  } else {
+    let cap_vertices = select(3u, 5u, light.counting == COUNT_ZP_PLUS);
+    draws.plain = arguments(4u, select(sides, 0u, is_clipped));
+    draws.clipped = arguments(5u, select(0u, sides, is_clipped));
+    if (light.counting == COUNT_Z_PASS) {
+      draws.far_front = arguments(3u, front);
+      draws.far_back = arguments(3u, back);
+    } else {
+      draws.front = arguments(cap_vertices, front);
+      draws.back = arguments(cap_vertices, back);
+    }
+  }
+  shadow_draws[index] = draws;
 }
 
 @compute @workgroup_size(64)

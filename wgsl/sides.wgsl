@@ -1,5 +1,6 @@
 // Sides: the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves clipping
-// to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits.
+// to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits;
+// `paper_side` is what was published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -43,7 +44,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   if (vertex < 2u) {
     return SideVertex(to_clip(view, position));
   }
-  return SideVertex(direction_to_clip(view, away(light, position)));
+  return SideVertex(far_end(view, light, position));
 }
 
 // Depth that rounding may have put before the near plane.
@@ -88,6 +89,40 @@ fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
   picked = offer(picked, p.far, p_far);
   picked = offer(picked, star(view, light, p), p_near != p_far);
   return SideVertex(picked.clip);
+}
+
+// Three quads an edge: the side with clipped vertices moved to their counterparts in the near cap, and two that fill what
+// this leaves open where the near plane cuts one finite edge of the side. In the paper's words: vertices float or are
+// nailed, and the corrective quads are those of its cases C1 and C2.
+@vertex fn paper_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
+  let light = shadow_lights[draw.light];
+  let edge = side_edge(light, instance / 3u);
+  let first = rimline_position(edge.first);
+  let second = rimline_position(edge.second);
+  if (!edge.valid || !is_finite(first) || !is_finite(second)) {
+    return SideVertex(NOTHING);
+  }
+  let cuts_edge = is_cut(view, to_clip(view, first)) != is_cut(view, to_clip(view, second));
+  let first_far = direction_to_clip(view, away(light, first));
+  let second_far = direction_to_clip(view, away(light, second));
+  let cuts_far = is_cut(view, first_far) != is_cut(view, second_far);
+  let quad = instance % 3u;
+  if ((quad == 1u && (!cuts_edge || cuts_far)) || (quad == 2u && (cuts_edge || !cuts_far))) {
+    return SideVertex(NOTHING);
+  }
+  let position = select(first, second, (vertex & 1u) != 0u);
+  let is_first_row = vertex < 2u;
+  // Rows: near and far floating; near nailed, near floating; far floating, far nailed.
+  let is_near = quad == 1u || (quad == 0u && is_first_row);
+  let floats = quad == 0u || (quad == 1u) != is_first_row;
+  var clip = direction_to_clip(view, away(light, position));
+  if (is_near) {
+    clip = to_clip(view, position);
+  }
+  if (floats && is_cut(view, clip)) {
+    clip = counterpart(view, light, position);
+  }
+  return SideVertex(clip);
 }
 
 // For passes with colour attachments, which stay as they are.

@@ -2,9 +2,8 @@
 
 use glam::Vec4;
 
-use super::shadow::{
-    away, corner, direction_to_clip, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
-};
+use super::paper::frustum_to_clip;
+use super::shadow::{corner, far_end, light_side, on_near_plane, parallel_to_near_plane, star, to_clip};
 use super::sides::End;
 use crate::layout::{ShadowLight, ShadowView};
 
@@ -13,9 +12,9 @@ pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
 }
 
-/// A face at infinity, away from the light, in clip space.
+/// A face at the volume's far end, in clip space.
 pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
-    face.map(|(_, position)| direction_to_clip(view, away(light, position)))
+    face.map(|(_, position)| far_end(view, light, position))
 }
 
 /// What of a face lies between the light and the near plane, seen from the light on the near plane, in clip space: up to
@@ -38,4 +37,9 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
         }
     }
     polygon
+}
+
+/// The near cap of ZP+ as published: the face by the matrix of the light's frustum, for the hardware to clip.
+pub fn paper_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
+    face.map(|(_, position)| frustum_to_clip(view, light, position))
 }

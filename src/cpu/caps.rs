@@ -29,7 +29,7 @@ pub fn caps(
             for ((bit, light), lists) in (0..).zip(lights).zip(lists) {
                 let facing = mask >> bit & 1 != 0;
                 let is_needed = match light.counting {
-                    COUNT_Z_PASS => false,
+                    COUNT_Z_PASS => light.end != 0.0,
                     COUNT_ZP_PLUS => !misses_pyramid(view, light, &corners),
                     _ => true,
                 };

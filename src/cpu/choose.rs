@@ -4,9 +4,11 @@ use glam::Vec3;
 
 use super::bounds::unordered;
 use super::pyramid::{SLACK, clip_size, height_size, is_out, misses_pyramid};
-use super::shadow::{corner, dot_3, near_plane};
+use super::shadow::{corner, dot_3, light_side, near_plane};
 use crate::layout::{ShadowLight, ShadowShape, ShadowView};
-use crate::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use crate::shadow::{
+    CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+};
 
 /// A box by its lowest and its highest corner.
 #[derive(Clone, Copy)]
@@ -30,7 +32,7 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: 
     for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
         for light in word {
             choose_light(shape, view, bounds, light);
-            if light.casting != CAST_NOTHING && light.counting != COUNT_Z_PASS {
+            if light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0) {
                 *dispatch = [shape.cap_groups, 1, 1];
             }
         }
@@ -39,7 +41,7 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: 
 }
 
 fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light: &mut ShadowLight) {
-    (light.casting, light.counting) = (CAST_NOTHING, COUNT_Z_PASS);
+    (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
     let [low_x, low_y, low_z, high_x, high_y, high_z] = bounds;
     if low_x > high_x {
         return;
@@ -52,11 +54,56 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light:
         return;
     }
     light.casting = if shape.averted != 0 && !boxes_meet(view, caster) { CAST_AVERTED } else { CAST_EVERY };
+    if shape.counting == COUNT_ZP_PAPER {
+        light.frustum_near = frustum_near(view, light, caster);
+    }
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
         asked => asked,
     };
+    let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);
+    if may_end && shape.end_at_range != 0 && light.range > 0.0 && light.light[3] > 0.0 {
+        light.end = (distance_below(light, caster) / light.range).min(1.0);
+    }
+}
+
+/// How far the light is from the box, or less.
+fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
+    let [x, y, z, w] = light.light;
+    let place = Vec3::new(x, y, z) / w;
+    let slack = SLACK * low.abs().max(high.abs()).max(place.abs());
+    let d = ((low - place).max(place - high) - slack).max(Vec3::ZERO);
+    length_of(d) * (1.0 - SLACK)
+}
+
+/// By the largest side first, since squares may overflow.
+fn length_of(d: Vec3) -> f32 {
+    let size = d.x.max(d.y).max(d.z);
+    if size <= 0.0 {
+        return 0.0;
+    }
+    let e = d / size;
+    size * dot_3(e, e).sqrt()
+}
+
+/// The near end of the light's frustum in the published ZP+.
+fn frustum_near(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> f32 {
+    let [x, y, z, w] = light.light;
+    if w > 0.0 {
+        let place = Vec3::new(x, y, z) / w;
+        let farthest = (Vec3::from(view.near_min) - place).abs().max((Vec3::from(view.near_max) - place).abs());
+        return (distance_below(light, caster) / length_of(farthest)).clamp(0.001, 0.99);
+    }
+    let (normal, constant) = near_plane(view);
+    let origin = Vec3::from(view.origin);
+    let highest = caster.corners().into_iter().fold(0.0_f32, |highest, corner| {
+        let position = Vec3::from(corner);
+        let height = dot_3(normal, position - origin) + constant;
+        let slack = SLACK * height_size(view, position.abs() + origin.abs());
+        highest.max(light_side(light) * height + slack)
+    });
+    if highest > 0.0 { highest } else { 1.0 }
 }
 
 /// Whether the box lies wholly beyond the light's range.

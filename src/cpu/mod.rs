@@ -21,6 +21,8 @@ mod extraction;
 mod facing;
 mod filter;
 mod fixed_sign;
+mod paper;
+mod paper_cases;
 mod parallel;
 mod per_edge;
 mod pyramid;
@@ -30,7 +32,7 @@ mod sides;
 
 pub use arguments::arguments;
 pub use bounds::bounds;
-pub use cap_faces::{dark_cap, light_cap, near_cap};
+pub use cap_faces::{dark_cap, light_cap, near_cap, paper_cap};
 pub use caps::caps;
 pub use casting::{cap_class, casts};
 pub use choose::choose;
@@ -41,11 +43,12 @@ pub use exact_arguments::exact_arguments;
 pub use exact_facing::exact_facing;
 pub use extraction::{CpuExtraction, extract};
 pub use facing::{FacingCounts, facing, facing_into, is_finite};
+pub use paper_cases::paper_cases;
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;
 pub use shadow::{
-    Corner, away, corner, direction_to_clip, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
+    Corner, away, corner, direction_to_clip, far_end, light_side, on_near_plane, parallel_to_near_plane, star, to_clip,
 };
 pub use shadow_arguments::shadow_arguments;
-pub use sides::{End, side, side_clipped};
+pub use sides::{End, paper_side, side, side_clipped};

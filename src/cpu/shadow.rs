@@ -68,6 +68,11 @@ pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
     x * direction.x + y * direction.y + z * direction.z
 }
 
+/// A position's far vertex: at infinity, or where the volume ends.
+pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
+    direction_to_clip(view, away(light, position)) + light.end * Vec4::from_array(light.clip)
+}
+
 /// What a vertex of a volume is made of.
 pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
     let d = away(light, position);

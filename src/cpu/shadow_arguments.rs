@@ -1,7 +1,9 @@
 //! Shadow arguments: for each light the indirect draws of its volume.
 
+use bytemuck::Zeroable as _;
+
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
-use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
+use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
 
 /// The draws of each light, from its count of silhouette edges and its two counts of cap faces; and the statistics.
 pub fn shadow_arguments(
@@ -10,7 +12,7 @@ pub fn shadow_arguments(
     cap_counts: &[[u32; 2]],
     lights: &[ShadowLight],
 ) -> (Vec<ShadowDraws>, ShadowStatistics) {
-    let mut statistics = ShadowStatistics { skipped: 0, every_face: 0, capped: 0, overflowed_caps: 0 };
+    let mut statistics = ShadowStatistics { skipped: 0, every_face: 0, capped: 0, overflowed_caps: 0, ended: 0 };
     let draws = lights.iter().zip(silhouette_counts).zip(cap_counts).map(|((light, &silhouettes), &counts)| {
         let is_skipped = light.casting == CAST_NOTHING;
         let is_doubled = light.casting == CAST_EVERY;
@@ -19,20 +21,37 @@ pub fn shadow_arguments(
         let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
         let [front, back] = if is_skipped { [0, 0] } else { counts };
         let has_overflowed = front.max(back) > shape.cap_capacity;
-        let is_clipped = light.counting == COUNT_ZP_PLUS && front + back > 0;
+        let has_caps = front + back > 0;
+        let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
         statistics.skipped += u32::from(is_skipped);
         statistics.every_face += u32::from(is_doubled);
-        statistics.capped += u32::from(is_clipped);
+        statistics.ended += u32::from(!is_skipped && light.end > 0.0);
+        statistics.capped += u32::from(is_clipped || (light.counting == COUNT_ZP_PAPER && has_caps));
         statistics.overflowed_caps += u32::from(has_overflowed);
-        let cap = |count: u32| {
-            let vertices = if light.counting == COUNT_ZP_PLUS { 5 } else { 3 };
+        let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        ShadowDraws {
-            plain: arguments(4, if is_clipped { 0 } else { sides }),
-            clipped: arguments(5, if is_clipped { sides } else { 0 }),
-            front: cap(front),
-            back: cap(back),
+        let none = ShadowDraws::zeroed();
+        match (shape.counting, light.counting) {
+            (COUNT_ZP_PAPER, COUNT_ZP_PAPER) => {
+                ShadowDraws { clipped: arguments(4, 3 * sides), front: cap(3, front), back: cap(3, back), ..none }
+            }
+            (COUNT_ZP_PAPER, _) => {
+                ShadowDraws { switched: arguments(4, sides), far_front: cap(3, front), far_back: cap(3, back), ..none }
+            }
+            (_, COUNT_Z_PASS) => {
+                ShadowDraws { plain: arguments(4, sides), far_front: cap(3, front), far_back: cap(3, back), ..none }
+            }
+            (_, counting) => {
+                let vertices = if counting == COUNT_ZP_PLUS { 5 } else { 3 };
+                ShadowDraws {
+                    plain: arguments(4, if is_clipped { 0 } else { sides }),
+                    clipped: arguments(5, if is_clipped { sides } else { 0 }),
+                    front: cap(vertices, front),
+                    back: cap(vertices, back),
+                    ..none
+                }
+            }
         }
     });
     let draws = draws.collect();

@@ -2,7 +2,8 @@
 
 use glam::Vec4;
 
-use super::shadow::{away, corner, direction_to_clip, on_near_plane, parallel_to_near_plane, star, to_clip};
+use super::paper::{counterpart, is_cut};
+use super::shadow::{away, corner, direction_to_clip, far_end, on_near_plane, parallel_to_near_plane, star, to_clip};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// An end of an edge: its vertex's index and position.
@@ -10,7 +11,7 @@ pub type End = (u32, [f32; 3]);
 
 /// First, second, first far and second far vertex, in clip space.
 pub fn side(view: &ShadowView, light: &ShadowLight, [first, second]: [End; 2]) -> [Vec4; 4] {
-    let far = |position| direction_to_clip(view, away(light, position));
+    let far = |position| far_end(view, light, position);
     [to_clip(view, first.1), to_clip(view, second.1), far(first.1), far(second.1)]
 }
 
@@ -39,4 +40,26 @@ pub fn side_clipped(view: &ShadowView, light: &ShadowLight, [first, second]: [En
         (p_near != p_far).then(|| star(view, light, &p)),
     ];
     offered.into_iter().flatten().collect()
+}
+
+/// The three quads of a side in ZP+ as published, each as [`side`]'s: the side, and the corrective quads of the paper's
+/// cases C1 and C2; `None` where a case is not at hand.
+pub fn paper_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Option<[Vec4; 4]>; 3] {
+    let near = ends.map(|(_, position)| to_clip(view, position));
+    let far = ends.map(|(_, position)| direction_to_clip(view, away(light, position)));
+    let float = |nailed: [Vec4; 2]| {
+        let moved = |end: usize| {
+            let clip = nailed[end];
+            if is_cut(view, clip) { counterpart(view, light, ends[end].1) } else { clip }
+        };
+        [moved(0), moved(1)]
+    };
+    let is_cut_in = |[a, b]: [Vec4; 2]| is_cut(view, a) != is_cut(view, b);
+    let (cuts_edge, cuts_far) = (is_cut_in(near), is_cut_in(far));
+    let quad = |[a, b]: [Vec4; 2], [c, d]: [Vec4; 2]| [a, b, c, d];
+    [
+        Some(quad(float(near), float(far))),
+        (cuts_edge && !cuts_far).then(|| quad(near, float(near))),
+        (!cuts_edge && cuts_far).then(|| quad(float(far), far)),
+    ]
 }

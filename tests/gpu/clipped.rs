@@ -49,7 +49,7 @@ fn strip(polygon: &[rimline::glam::Vec4]) -> [[u32; 4]; 5] {
     let nothing = [0.0, 0.0, 0.0, 1.0];
     [0, 1, 4, 2, 3].map(|place| {
         let vertex = polygon.get(place).or(polygon.last());
-        vertex.map_or(nothing, |vertex| vertex.to_array()).map(f32::to_bits)
+        vertex.map_or(nothing, rimline::glam::Vec4::to_array).map(f32::to_bits)
     })
 }
 
@@ -159,8 +159,9 @@ impl Drawn<'_> {
         let frame = [(0, shape), (1, view), (2, draw), (3, lights)];
         stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], (5 * instances).div_ceil(64) as u32)?;
         let mut expected = Vec::new();
-        for instance in 0..instances {
-            let index = if overflows { instance } else { listed[instance] as usize };
+        let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+        for &index in if overflows { &all } else { listed } {
+            let index = index as usize;
             let face = mesh.faces()[index];
             let faces_light = self.facing[index] >> bit & 1 != 0;
             let [a, b, c] = face;

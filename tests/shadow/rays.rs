@@ -147,6 +147,14 @@ impl Tracer {
     }
 }
 
+/// Where each pixel's ray first meets a surface, row by row.
+pub(crate) fn points(frame: &Frame) -> Vec<Option<DVec3>> {
+    let tracer = Tracer::new(frame);
+    let rays = Rays::new(&frame.eye.camera(), frame.size);
+    let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| (x, y)));
+    pixels.map(|(x, y)| tracer.first(rays.ray(x, y)).map(|(point, _)| point)).collect()
+}
+
 /// What each pixel sees, row by row, for each light.
 pub(crate) fn trace(frame: &Frame) -> Vec<Vec<Truth>> {
     let tracer = Tracer::new(frame);

@@ -48,6 +48,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
     pub(crate) options: ShadowOptions,
+    /// Of every light.
+    pub(crate) range: f32,
 }
 
 impl<'a> Renderer<'a> {
@@ -57,6 +59,7 @@ impl<'a> Renderer<'a> {
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             depth_pass: DepthPass::Alike,
             options: ShadowOptions::default(),
+            range: f32::INFINITY,
         }
     }
 
@@ -82,7 +85,8 @@ impl<'a> Renderer<'a> {
             view_formats: &[],
         });
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let lights: Vec<RangedLight> = frame.lights.iter().map(|&light| light.into()).collect();
+        let lights: Vec<RangedLight> =
+            frame.lights.iter().map(|&light| RangedLight { light, range: self.range }).collect();
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {

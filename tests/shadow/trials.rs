@@ -14,7 +14,7 @@ use crate::render::{Counted, DepthPass, Renderer};
 use crate::scene::Frame;
 
 /// A test's name and body.
-type Test = (&'static str, fn() -> Result<(), String>);
+pub(crate) type Test = (&'static str, fn() -> Result<(), String>);
 
 pub(crate) const TESTS: &[Test] = &[
     ("z_pass_is_wrong_in_shadow", z_pass),
@@ -27,7 +27,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("nothing_skipped_is_missed", skipped),
 ];
 
-fn seed(class: &Class, number: u64) -> u64 {
+pub(crate) fn seed(class: &Class, number: u64) -> u64 {
     class.name.bytes().fold(number, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)))
 }
 
@@ -37,26 +37,31 @@ fn every(counted: &Counted, light: usize) -> Vec<bool> {
 }
 
 /// One frame by several methods; the rays are traced once.
-struct Traced {
-    frame: Frame,
-    truths: Vec<Vec<Truth>>,
-    seed: u64,
+pub(crate) struct Traced {
+    pub(crate) frame: Frame,
+    pub(crate) truths: Vec<Vec<Truth>>,
+    pub(crate) seed: u64,
 }
 
 impl Traced {
-    fn new(class: &Class, number: u64) -> Self {
+    pub(crate) fn new(class: &Class, number: u64) -> Self {
         let seed = seed(class, number);
         let frame = (class.frame)(&mut Random::new(seed));
         let truths = rays::trace(&frame);
         Self { frame, truths, seed }
     }
 
-    fn compared(&self) -> Compared<'_> {
+    pub(crate) fn compared(&self) -> Compared<'_> {
         Compared { frame: &self.frame, truths: &self.truths, light: 0 }
     }
 
     /// Fails where the GPU is wrong; returns the pixels compared.
-    fn check(&self, renderer: &Renderer<'_>, counting: Counting, counts: bool) -> Result<(Wrong, Counted), String> {
+    pub(crate) fn check(
+        &self,
+        renderer: &Renderer<'_>,
+        counting: Counting,
+        counts: bool,
+    ) -> Result<(Wrong, Counted), String> {
         let counted = renderer.count(&self.frame, counting)?;
         let mut wrong = self.compared().lit(&counted.stencils[0]);
         if counts {

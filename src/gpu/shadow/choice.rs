@@ -1,16 +1,18 @@
 //! The compute passes before the draws: bounds, choose, caps, shadow_arguments.
 
 use super::volumes::Buffers;
+use crate::Counting;
 use crate::gpu::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::positions::BoundPositions;
 use crate::gpu::split::binding;
 use crate::gpu::timer::StageTimer;
 use crate::gpu::{Results, frame::UniformTable};
 use crate::layout::ShadowDraw;
-use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
+use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, Stage};
 
 const BOUNDS_SLOTS: [Slot; 4] = [Uniform, Read, Read, Write];
 const CHOOSE_SLOTS: [Slot; 5] = [Uniform, Uniform, Read, Write, Write];
+const PAPER_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
 const CAPS_SLOTS: [Slot; 9] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
 
@@ -19,12 +21,23 @@ const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
 pub(super) struct Choice {
     bounds: Pipeline,
     choose: Pipeline,
+    /// Only for ZP+ as published.
+    paper_cases: Option<Pipeline>,
     caps: Pipeline,
     arguments: Pipeline,
     choose_group: wgpu::BindGroup,
     arguments_group: wgpu::BindGroup,
-    /// Of bounds, then of each word's caps; made for the positions at hand.
-    position_groups: Option<(wgpu::BindGroup, Vec<wgpu::BindGroup>)>,
+    /// Made for the positions at hand.
+    position_groups: Option<PositionGroups>,
+}
+
+/// Bind groups of the stages that read positions.
+#[derive(Debug)]
+struct PositionGroups {
+    bounds: wgpu::BindGroup,
+    /// One a word of lights, as those of the caps are; none but for ZP+ as published.
+    paper_cases: Vec<wgpu::BindGroup>,
+    caps: Vec<wgpu::BindGroup>,
 }
 
 /// How many workgroups the stages take.
@@ -39,7 +52,7 @@ fn pipeline(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> Pipeline {
 }
 
 impl Choice {
-    pub(super) fn new(device: &wgpu::Device, buffers: &Buffers, results: &Results<'_>) -> Self {
+    pub(super) fn new(device: &wgpu::Device, buffers: &Buffers, results: &Results<'_>, counting: Counting) -> Self {
         let choose = pipeline(device, &CHOOSE, &CHOOSE_SLOTS);
         let arguments = pipeline(device, &SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
         let whole = wgpu::Buffer::as_entire_binding;
@@ -66,6 +79,8 @@ impl Choice {
         );
         Self {
             bounds: pipeline(device, &BOUNDS, &BOUNDS_SLOTS),
+            paper_cases: (counting == Counting::ZpPlusPaper)
+                .then(|| pipeline(device, &PAPER_CASES, &PAPER_CASES_SLOTS)),
             caps: pipeline(device, &CAPS, &CAPS_SLOTS),
             choose,
             arguments,
@@ -106,19 +121,38 @@ impl Choice {
                 ],
             )
         });
-        self.position_groups = Some((bounds, caps.collect()));
+        let paper_cases = self.paper_cases.iter().flat_map(|stage| {
+            results.lists.iter().map(|list| {
+                stage.bind(
+                    device,
+                    &[
+                        whole(&buffers.shape),
+                        whole(&buffers.view),
+                        binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
+                        positions.clone(),
+                        whole(results.edge_vertices),
+                        whole(list),
+                        whole(results.counts),
+                        whole(&buffers.lights),
+                    ],
+                )
+            })
+        });
+        self.position_groups =
+            Some(PositionGroups { bounds, paper_cases: paper_cases.collect(), caps: caps.collect() });
     }
 
-    /// Records the stages for `words` words of lights.
+    /// Records the stages for `lights` lights.
     pub(super) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         buffers: &Buffers,
         groups: Groups,
-        words: usize,
+        lights: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let Some((bounds, caps)) = &self.position_groups else { return };
+        let words = crate::light::words(lights);
+        let Some(PositionGroups { bounds, paper_cases, caps }) = &self.position_groups else { return };
         let mut pass = begin(encoder, &self.bounds, timer.as_deref_mut());
         pass.set_bind_group(0, bounds, &[0]);
         pass.dispatch_workgroups(groups.bounds, 1, 1);
@@ -127,10 +161,17 @@ impl Choice {
         pass.set_bind_group(0, &self.choose_group, &[0, 0]);
         pass.dispatch_workgroups(groups.lights, 1, 1);
         drop(pass);
+        let first_light = |word: usize| (32 * word * UniformTable::stride::<ShadowDraw>()) as u32;
+        if let Some(stage) = &self.paper_cases {
+            let mut pass = begin(encoder, stage, timer.as_deref_mut());
+            for (word, group) in paper_cases.iter().enumerate().take(words) {
+                pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
+                pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
+            }
+        }
         let mut pass = begin(encoder, &self.caps, timer.as_deref_mut());
         for (word, group) in caps.iter().enumerate().take(words) {
-            let first_light = (32 * word * UniformTable::stride::<ShadowDraw>()) as u32;
-            pass.set_bind_group(0, group, &[0, 0, first_light]);
+            pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
             pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * word as u64);
         }
         drop(pass);

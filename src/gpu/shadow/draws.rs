@@ -25,6 +25,10 @@ const PLAIN: u64 = 0;
 const CLIPPED: u64 = 1;
 /// The first of the two lists of cap faces.
 const CAPS: u64 = 2;
+/// Sides that ZP+ as published leaves to z-fail.
+const SWITCHED: u64 = 4;
+/// The first of the two lists of their cap faces, or of the dark caps of z-pass.
+const FAR_CAPS: u64 = 5;
 
 impl DrawGroups {
     /// Draws the volume of `light`.
@@ -34,6 +38,7 @@ impl DrawGroups {
         pipelines: &ShadowPipelines,
         buffers: &Buffers,
         light: usize,
+        may_end: bool,
     ) {
         let (Some(results), Some(caps)) = (self.results.get(light / 32), self.caps.get(light / 32)) else { return };
         let draws = &buffers.draws;
@@ -49,17 +54,35 @@ impl DrawGroups {
             pass.set_pipeline(clipped);
             pass.draw_indirect(draws, offset(light, CLIPPED));
         }
+        if let Some((sides, near_caps)) = &pipelines.paper {
+            pass.set_bind_group(1, caps, &[]);
+            for (class, pipeline) in (0..).zip(near_caps) {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draws, offset(light, CAPS + class));
+            }
+            pass.set_bind_group(1, results, &[]);
+            pass.set_pipeline(sides);
+            pass.draw_indirect(draws, offset(light, CLIPPED));
+        }
+        if let Some(ends) = pipelines.ends.as_ref().filter(|_| may_end) {
+            pass.set_bind_group(1, caps, &[]);
+            for (class, pipeline) in (0..).zip(ends) {
+                pass.set_pipeline(pipeline);
+                pass.draw_indirect(draws, offset(light, FAR_CAPS + class));
+            }
+        }
+        let (side_kind, cap_kind) = if pipelines.paper.is_some() { (SWITCHED, FAR_CAPS) } else { (PLAIN, CAPS) };
         if let Some(classes) = &pipelines.caps {
             pass.set_bind_group(1, caps, &[]);
             for (class, pipelines) in (0..).zip(classes) {
                 for pipeline in pipelines {
                     pass.set_pipeline(pipeline);
-                    pass.draw_indirect(draws, offset(light, CAPS + class));
+                    pass.draw_indirect(draws, offset(light, cap_kind + class));
                 }
             }
         }
         pass.set_bind_group(1, results, &[]);
         pass.set_pipeline(&pipelines.side);
-        pass.draw_indirect(draws, offset(light, PLAIN));
+        pass.draw_indirect(draws, offset(light, side_kind));
     }
 }

@@ -64,10 +64,14 @@ pub struct ShadowPipelines {
     pub(super) frame: wgpu::BindGroupLayout,
     pub(super) results: wgpu::BindGroupLayout,
     pub(super) cap_data: wgpu::BindGroupLayout,
-    /// Of z-pass and ZP+ or of z-fail.
+    /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
     pub(super) side: wgpu::RenderPipeline,
     /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
     pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    /// With z-pass: dark caps of volumes that end, of the two lists.
+    pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
+    /// With ZP+ as published: sides, then near caps likewise.
+    pub(super) paper: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// With z-fail: light and dark caps of the faces that count up on their front, then of the others.
     pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
@@ -78,7 +82,8 @@ impl ShadowPipelines {
     /// # Errors
     /// [`ShadowFormatError`] when attachments or device do not serve.
     pub fn new(device: &wgpu::Device, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
-        let is_fail = counting == Counting::ZFail;
+        let is_paper = counting == Counting::ZpPlusPaper;
+        let is_fail = counting == Counting::ZFail || is_paper;
         check(device, format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -96,19 +101,17 @@ impl ShadowPipelines {
         let sides = Maker::new(device, format, &SIDES, &include_wgsl(1), [&frame, &results]);
         let caps = Maker::new(device, format, &CAP_FACES, "", [&frame, &cap_data]);
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
-        let near = |class| caps.pipeline("near_cap", class, Count::Always, class == 1);
-        let far = |class| {
-            // A dark cap is seen from its other side.
-            let turned = class == 1;
-            [
-                caps.pipeline("light_cap", class, Count::Hidden, turned),
-                caps.pipeline("dark_cap", class, Count::Hidden, !turned),
-            ]
-        };
+        let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
+        // A dark cap is seen from its other side.
+        let dark = |class, count| caps.pipeline("dark_cap", class, count, class != 1);
+        let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
+        let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         Ok(Self {
             counting,
             side: sides.pipeline("side", 0, if is_fail { Count::Hidden } else { Count::Visible }, false),
-            clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), [near(0), near(1)])),
+            clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
+            paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
+            ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
             frame,
             results,
@@ -218,7 +221,7 @@ impl<'a> Maker<'a> {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState {
-                topology: if matches!(entry_point, "light_cap" | "dark_cap") {
+                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "paper_cap") {
                     wgpu::PrimitiveTopology::TriangleList
                 } else {
                     wgpu::PrimitiveTopology::TriangleStrip

@@ -22,19 +22,24 @@ use crate::{Counting, Mesh};
 pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
-    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail every face, else 1,024
-    /// and sixteen times the square root of the faces. A list that overflows loses nothing: its draw goes over all faces.
+    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
+    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces. A list that
+    /// overflows loses nothing: its draw goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for lights whose shadow of it the camera cannot see.
     pub skip_unseen: bool,
+    /// Volumes end beyond their light's range, at a sphere around the light (Bergeron 1986), instead of at infinity, but
+    /// where ZP+ counts them or the light may be within the caster's box. Receivers out of range hold any count then: they
+    /// must not be lit by that light. Less to fill; z-pass then draws dark caps, too.
+    pub end_at_range: bool,
     /// As of [`crate::gpu::ExtractorOptions`].
     pub memory_limit: Option<u64>,
 }
 
 impl Default for ShadowOptions {
-    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, no memory limit.
+    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, infinite volumes, no memory limit.
     fn default() -> Self {
-        Self { every_face: false, cap_capacity: None, skip_unseen: true, memory_limit: None }
+        Self { every_face: false, cap_capacity: None, skip_unseen: true, end_at_range: false, memory_limit: None }
     }
 }
 
@@ -110,9 +115,9 @@ impl ShadowVolumes {
         let counts = mesh.edges().counts();
         let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
         let face_count = extraction.faces;
-        let is_fail = pipelines.counting() == Counting::ZFail;
+        let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
-            || if is_fail { face_count } else { 1024 + 16 * face_count.isqrt() },
+            || if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() },
             |capacity| capacity.max(1) as usize,
         );
         let cap_capacity = cap_capacity.clamp(1, face_count.max(1));
@@ -130,14 +135,14 @@ impl ShadowVolumes {
             position_offset: 0,
             position_stride: 0,
             cap_groups: most(face_count.div_ceil(WORKGROUP as usize)),
-            reserved: 0,
+            end_at_range: u32::from(options.end_at_range),
         };
         if extractor.faces().size() > split.binding {
             let (bytes, limit) = (extractor.faces().size(), split.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
         let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(device, &buffers, &results);
+        let choice = Choice::new(device, &buffers, &results, pipelines.counting());
         Ok(Self { buffers, choice, groups: None, shape, max_lights: extraction.max_lights, bound_to: None })
     }
 
@@ -182,7 +187,7 @@ impl ShadowVolumes {
             bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
             lights: (lights.len() as u32).div_ceil(64),
         };
-        self.choice.record(encoder, buffers, groups, words, timer);
+        self.choice.record(encoder, buffers, groups, lights.len(), timer);
         Ok(())
     }
 
@@ -191,7 +196,7 @@ impl ShadowVolumes {
     /// pipeline are left changed. A light that was not encoded draws nothing.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines, light: usize) {
         if let Some(groups) = &self.groups {
-            groups.draw(pass, pipelines, &self.buffers, light);
+            groups.draw(pass, pipelines, &self.buffers, light, self.shape.end_at_range != 0);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use rimline::score::Score;
 
-use super::super::method::Contestant;
+use super::super::method::{CPU_EXACT, Contestant, GPU_EXACT};
 use super::super::results::{Entry, Results, Row};
 use super::super::subject::ORDINARY;
 use super::super::text::{figures, grouped, tick};
@@ -126,10 +126,9 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
 
 /// Every scene's errors, the methods beside each other.
 pub(super) fn errors(results: &Results) -> Figure {
-    let contestants: Vec<_> = results
-        .contestants()
-        .filter(|contestant| !contestant.id.ends_with("-one") && contestant.id != "cpu-plain-all")
-        .collect();
+    let mut contestants = distinct(results);
+    // Of a table too wide for the page the first columns show.
+    contestants.sort_by_key(|contestant| ![GPU_EXACT, CPU_EXACT].contains(&contestant.id));
     let mut head = vec!["Scene, lights".to_owned()];
     head.extend(contestants.iter().map(|contestant| contestant.name.replace(", all threads", "")));
     let mut rows = Vec::new();

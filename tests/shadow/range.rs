@@ -1,0 +1,118 @@
+//! Lights that reach only so far: casters out of range, and volumes that end there.
+
+use rimline::gpu::ShadowOptions;
+use rimline::{Counting, Light, glam::DVec3};
+
+use crate::classes::{CLASSES, Class};
+use crate::common::device::Gpu;
+use crate::common::random::Random;
+use crate::common::{is_long, must_fail};
+use crate::rays::{self, Truth};
+use crate::render::Renderer;
+use crate::scene::{Body, Frame};
+use crate::trials::{Test, Traced};
+
+pub(crate) const TESTS: &[Test] = &[("volumes_end_at_the_range", ended), ("casters_out_of_range_are_skipped", skipped)];
+
+fn place(light: Light) -> DVec3 {
+    DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w)
+}
+
+/// A frame, of which rays see nothing out of the light's range; and what they see there.
+fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
+    let mut traced = Traced::new(class, number);
+    let light = place(traced.frame.lights[0]);
+    let casters = traced.frame.bodies.iter().filter(|body| body.casts);
+    let corners = casters.flat_map(|body| &body.shape.positions);
+    let distances: Vec<f64> = corners.map(|&p| DVec3::from(p.map(f64::from)).distance(light)).collect();
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let farthest = distances.iter().copied().fold(0.0, f64::max);
+    // From some of the casters to a good way behind them.
+    let range = (nearest + (farthest - nearest) * f64::from(Random::new(traced.seed).between(0.3, 3.0))) as f32;
+    let mut beyond = traced.truths.clone();
+    for ((truth, beyond), point) in traced.truths.iter_mut().zip(&mut beyond).zip(rays::points(&traced.frame)) {
+        let is_in = point.is_some_and(|point| point.distance(light) <= f64::from(range));
+        let outside = if is_in { beyond } else { truth };
+        outside[0] = Truth::Background;
+    }
+    (traced, beyond, range)
+}
+
+/// Within the range all is as ever, by every method; out of it shadows are gone.
+fn ended() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZpPlusPaper];
+    let (mut volumes, mut shadowed, mut gone) = ([0; 4], 0, [0; 4]);
+    for class in CLASSES.iter().filter(|class| class.name != "directional lights") {
+        for number in 50..if is_long() { 70 } else { 51 } {
+            let (traced, beyond, range) = in_range(class, number);
+            let renderer = Renderer { options, range, ..Renderer::new(&gpu) };
+            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            for (method, counting) in methods.into_iter().enumerate() {
+                // Their volumes never end, and the published one is not right everywhere.
+                let is_endless = matches!(counting, Counting::ZpPlus | Counting::ZpPlusPaper);
+                if is_endless && class.name != "camera outside the shadow" {
+                    continue;
+                }
+                let (_, counted) = traced
+                    .check(&renderer, counting, !class.touches)
+                    .map_err(|error| format!("{}, range {range}: {error}", class.name))?;
+                volumes[method] += counted.statistics.iter().map(|statistics| statistics.ended).sum::<u32>();
+                let stencil = counted.stencils[0].iter();
+                gone[method] +=
+                    stencil.zip(&beyond).filter(|(count, truth)| **count == 0 && truth[0].is_shadowed()).count();
+            }
+        }
+    }
+    println!("{shadowed} pixels in shadow; by auto, ZP+, z-fail, ZP+ as published:");
+    println!("{volumes:?} volumes ended, {gone:?} pixels out of range not in shadow any more");
+    let is_right = volumes[0] > 0 && volumes[1] == 0 && volumes[2] > 0 && volumes[3] == 0;
+    if is_right && shadowed > 0 && gone[0] > 0 && gone[2] > 0 {
+        return control(&gpu);
+    }
+    Err("volumes ended where they should not, or did not where they should".to_owned())
+}
+
+/// A range that is said to be smaller than it is leaves shadows out that the rays see.
+fn control(gpu: &Gpu) -> Result<(), String> {
+    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let class = CLASSES.iter().find(|class| class.name == "camera outside the shadow").ok_or("no such class")?;
+    let traced = Traced::new(class, 50);
+    let distance = place(traced.frame.lights[0]).length() as f32;
+    for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
+        let renderer = Renderer { options, range: distance, ..Renderer::new(gpu) };
+        must_fail("a range too small", &traced.check(&renderer, counting, false))?;
+        let renderer = Renderer { range: 30.0, ..renderer };
+        let (_, counted) = traced.check(&renderer, counting, true)?;
+        if counted.statistics.iter().all(|statistics| statistics.ended == 0) {
+            return Err(format!("{counting:?}: no volume ended"));
+        }
+    }
+    Ok(())
+}
+
+/// Chosen or not, by the caster's nearest corner, edge or side.
+fn skipped() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let class = CLASSES.first().ok_or("no classes")?;
+    // A cube from -0.5 to 0.5, and lights off its sides, edges and corners.
+    for (light, distance) in [([3.5, 0.1, -0.2], 3.0_f32), ([-0.1, 4.5, -3.5], 5.0), ([1.5, -2.5, 2.5], 3.0)] {
+        for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
+            let mut frame: Frame = (class.frame)(&mut Random::new(1));
+            frame.bodies = vec![Body::caster(rimline::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
+            // Another w is the same place.
+            for w in [1.0, 0.3] {
+                let [x, y, z] = light;
+                frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
+                let options = ShadowOptions { skip_unseen: false, ..ShadowOptions::default() };
+                let counted = Renderer { range, options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
+                let got = (counted.chosen[0][0].casting != 0, counted.statistics[0].skipped == 0);
+                if got != (casts, casts) {
+                    return Err(format!("light {light:?}, w {w}, range {range}: {got:?}, expected {casts}"));
+                }
+            }
+        }
+    }
+    Ok(())
+}

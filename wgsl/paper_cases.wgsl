@@ -1,0 +1,53 @@
+// Paper cases: the published ZP+ leaves a caster and a light to z-fail where the near plane cuts both finite edges of one
+// of their sides, its case D. A workgroup takes a light of the word.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+@group(0) @binding(1) var<uniform> view: ShadowView;
+// The first light of this word.
+@group(0) @binding(2) var<uniform> draw: ShadowDraw;
+@group(0) @binding(3) var<storage, read> positions: array<u32>;
+@group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> list: array<u32>;
+@group(0) @binding(6) var<storage, read> silhouette_counts: array<u32>;
+@group(0) @binding(7) var<storage, read_write> shadow_lights: array<ShadowLight>;
+
+var<workgroup> found: atomic<u32>;
+
+fn edge_position(vertex: u32) -> vec3<f32> {
+  let word = shape.position_offset + vertex * shape.position_stride;
+  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
+}
+
+fn is_case_d(light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
+  let cuts_edge = is_cut(view, to_clip(view, a)) != is_cut(view, to_clip(view, b));
+  let a_far = direction_to_clip(view, away(light, a));
+  let b_far = direction_to_clip(view, away(light, b));
+  return cuts_edge && is_cut(view, a_far) != is_cut(view, b_far);
+}
+
+@compute @workgroup_size(64)
+fn paper_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+  let number = draw.first_light + group.x;
+  let light = shadow_lights[number];
+  let count = silhouette_counts[number];
+  // A list that overflowed does not say which edges are silhouettes: any edge then counts, and z-fail is right, too.
+  let overflowed = count > shape.capacity;
+  var edges = select(count, shape.edges, overflowed);
+  if (light.casting == CAST_NOTHING || light.counting != COUNT_ZP_PAPER) {
+    edges = 0u;
+  }
+  for (var entry = thread; entry < edges; entry += 64u) {
+    var edge = entry;
+    if (!overflowed) {
+      edge = list[group.x * shape.capacity + entry] & 0x7fffffffu;
+    }
+    let ends = edge_vertices[edge];
+    if (is_case_d(light, edge_position(ends.x), edge_position(ends.y))) {
+      atomicStore(&found, 1u);
+    }
+  }
+  workgroupBarrier();
+  if (thread == 0u && atomicLoad(&found) != 0u) {
+    shadow_lights[number].counting = COUNT_Z_FAIL;
+  }
+}
