@@ -17,6 +17,7 @@ mod filter;
 mod paper_cases;
 mod parallel;
 mod per_edge;
+mod stencil_bound;
 
 pub use arguments::arguments;
 pub use compact::{CompactedList, WINDING, compact};
@@ -30,3 +31,4 @@ pub use paper_cases::paper_cases;
 pub use parallel::Threads;
 pub(crate) use per_edge::edge_corners;
 pub use per_edge::per_edge;
+pub use stencil_bound::stencil_bound;
