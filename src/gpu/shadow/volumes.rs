@@ -19,6 +19,7 @@ use crate::{Counting, Mesh};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
