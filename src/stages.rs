@@ -61,6 +61,12 @@ pub const PAPER_CASES: Stage = Stage {
     files: files!["common", "shadow", "paper", "paper_cases"],
     entry_points: &["paper_cases"],
 };
+/// What no stencil count exceeds.
+pub const STENCIL_BOUND: Stage = Stage {
+    name: "stencil_bound",
+    files: files!["common", "shadow", "stencil_bound"],
+    entry_points: &["stencil_bound"],
+};
 /// Lists of the faces that caps are drawn from.
 pub const CAPS: Stage =
     Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
@@ -72,7 +78,7 @@ pub const SHADOW_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 13] = [
+pub const STAGES: [Stage; 14] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -84,6 +90,7 @@ pub const STAGES: [Stage; 13] = [
     BOUNDS,
     CHOOSE,
     PAPER_CASES,
+    STENCIL_BOUND,
     CAPS,
     SHADOW_ARGUMENTS,
 ];

@@ -29,6 +29,7 @@ mod pyramid;
 mod shadow;
 mod shadow_arguments;
 mod sides;
+mod stencil_bound;
 
 pub use arguments::arguments;
 pub use bounds::bounds;
@@ -52,3 +53,4 @@ pub use shadow::{
 };
 pub use shadow_arguments::shadow_arguments;
 pub use sides::{End, paper_side, side, side_clipped};
+pub use stencil_bound::stencil_bound;
