@@ -342,6 +342,10 @@ shared_structs! {
         overflowed_caps: u32,
         /// Lights whose volume ends at their range.
         ended: u32,
+        /// No stencil count of the caster exceeds this, for any light; 0 unless asked for.
+        count_bound: u32,
+        /// Lights for which that bound is above 255; 0 unless asked for.
+        may_wrap: u32,
     }
 }
 

@@ -202,9 +202,9 @@ impl From<Light> for RangedLight {
     }
 }
 
-/// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin`
-/// (his Dec_Begin), none from `end` on (Light_End, the light's range), and between them what is left of the way to `end`
-/// to the power of `exponent` (Decrease; 1 is linear). An infinite `end`: all of it everywhere.
+/// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin` (his
+/// `Dec_Begin`), none from `end` on (`Light_End`, the light's range), and between them what is left of the way to `end`
+/// to the power of `exponent` (`Decrease`; 1 is linear). An infinite `end`: all of it everywhere.
 #[must_use]
 pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
     if end == f32::INFINITY || (distance <= begin && distance < end) {

@@ -61,6 +61,12 @@ pub const PAPER_CASES: Stage = Stage {
     files: files!["common", "shadow", "paper", "paper_cases"],
     entry_points: &["paper_cases"],
 };
+/// What no stencil count exceeds.
+pub const STENCIL_BOUND: Stage = Stage {
+    name: "stencil_bound",
+    files: files!["common", "shadow", "stencil_bound"],
+    entry_points: &["stencil_bound"],
+};
 /// Lists of the faces that caps are drawn from.
 pub const CAPS: Stage =
     Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
@@ -104,7 +110,7 @@ pub const DEPTH_ARGUMENTS: Stage =
     Stage { name: "depth_arguments", files: files!["common", "depth_arguments"], entry_points: &["depth_arguments"] };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 17] = [
+pub const STAGES: [Stage; 18] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -116,6 +122,7 @@ pub const STAGES: [Stage; 17] = [
     BOUNDS,
     CHOOSE,
     PAPER_CASES,
+    STENCIL_BOUND,
     CAPS,
     SHADOW_ARGUMENTS,
     SHADOW_BOXES,

@@ -173,4 +173,7 @@ struct ShadowStatistics {
   overflowed_caps: atomic<u32>,
   // Lights whose volume ends at their range.
   ended: atomic<u32>,
+  // No count exceeds this, for any light; and lights for which that is more than 8 bits hold. 0 unless asked for.
+  count_bound: atomic<u32>,
+  may_wrap: atomic<u32>,
 }

@@ -11,7 +11,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{
-    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes,
+    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes, wgpu,
 };
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut extractor = Extractor::new(device, &mesh, options)?;
     let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
 
-    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };

@@ -14,6 +14,7 @@ use rimline::gpu::{
 use rimline::model::InstancePose;
 use rimline::{
     Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, RangedLight, ShadowCamera, shapes,
+    wgpu,
 };
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -62,7 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
 
     // Every frame.
-    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let view =
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;

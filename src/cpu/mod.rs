@@ -33,6 +33,7 @@ mod shadow_arguments;
 mod shadow_boxes;
 mod shadow_depth;
 mod sides;
+mod stencil_bound;
 
 pub use arguments::arguments;
 pub use bounds::bounds;
@@ -61,3 +62,4 @@ pub(crate) use shadow_boxes::clustered;
 pub use shadow_boxes::shadow_boxes;
 pub use shadow_depth::shadow_depth;
 pub use sides::{End, paper_side, side, side_clipped};
+pub use stencil_bound::stencil_bound;

@@ -12,7 +12,7 @@ pub fn shadow_arguments(
     cap_counts: &[[u32; 2]],
     lights: &[ShadowLight],
 ) -> (Vec<ShadowDraws>, ShadowStatistics) {
-    let mut statistics = ShadowStatistics { skipped: 0, every_face: 0, capped: 0, overflowed_caps: 0, ended: 0 };
+    let mut statistics = ShadowStatistics::zeroed();
     let draws = lights.iter().zip(silhouette_counts).zip(cap_counts).map(|((light, &silhouettes), &counts)| {
         let is_skipped = light.casting == CAST_NOTHING;
         let is_doubled = light.casting == CAST_EVERY;

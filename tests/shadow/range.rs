@@ -106,7 +106,7 @@ fn skipped() -> Result<(), String> {
                 let [x, y, z] = light;
                 frame.lights = vec![Light::homogeneous([x * w, y * w, z * w, w])];
                 let options = ShadowOptions { skip_unseen: false, ..ShadowOptions::default() };
-                let counted = Renderer { range, options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
+                let counted = Renderer { options, range, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
                 let got = (counted.chosen[0][0].casting != 0, counted.statistics[0].skipped == 0);
                 if got != (casts, casts) {
                     return Err(format!("light {light:?}, w {w}, range {range}: {got:?}, expected {casts}"));

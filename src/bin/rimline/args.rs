@@ -303,6 +303,9 @@ pub(crate) enum CountingArg {
     /// z-pass begun with near caps, clipped by Rimline itself
     #[value(name = "zp+")]
     ZpPlus,
+    /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison
+    #[value(name = "zp+paper")]
+    ZpPlusPaper,
     /// Count what is hidden; with light and dark caps
     ZFail,
     /// Count what is seen. Wrong where a shadow volume reaches the near plane; for comparison
@@ -319,6 +322,7 @@ impl CountingArg {
         match self {
             Self::Auto => Counting::Auto,
             Self::ZpPlus => Counting::ZpPlus,
+            Self::ZpPlusPaper => Counting::ZpPlusPaper,
             Self::ZFail => Counting::ZFail,
             Self::ZPass => Counting::ZPass,
         }

@@ -13,8 +13,9 @@ use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::body::Body;
 use crate::shadow::caster::Caster;
+use crate::shadow::pictures::Pictures;
 use crate::shadow::set::{Props, Set, open_gpu};
-use crate::shadow::studio::{Pictures, Studio};
+use crate::shadow::studio::Studio;
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;

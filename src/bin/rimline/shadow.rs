@@ -3,8 +3,11 @@
 pub(crate) mod body;
 pub(crate) mod caster;
 mod frame;
+mod glass;
 mod lamps;
+mod masks;
 mod painter;
+pub(crate) mod pictures;
 mod report;
 pub(crate) mod set;
 pub(crate) mod studio;
@@ -22,9 +25,11 @@ use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::times::Times;
 use caster::Caster;
+use masks::Masks;
+use pictures::Pictures;
 use report::Report;
 use set::{Props, Set, mask_file};
-use studio::{Masks, Pictures, Studio};
+use studio::Studio;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;

@@ -1,6 +1,6 @@
 //! The compute passes before the draws: bounds, choose, caps, shadow_arguments.
 
-use super::volumes::Buffers;
+use super::volumes::{Buffers, ShadowOptions};
 use crate::Counting;
 use crate::gpu::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::positions::BoundPositions;
@@ -8,11 +8,12 @@ use crate::gpu::split::binding;
 use crate::gpu::timer::StageTimer;
 use crate::gpu::{Results, frame::UniformTable};
 use crate::layout::ShadowDraw;
-use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, Stage};
+use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage};
 
 const BOUNDS_SLOTS: [Slot; 4] = [Uniform, Read, Read, Write];
 const CHOOSE_SLOTS: [Slot; 5] = [Uniform, Uniform, Read, Write, Write];
 const PAPER_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
+const STENCIL_BOUND_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Read, Read, Write];
 const CAPS_SLOTS: [Slot; 9] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
 
@@ -23,6 +24,8 @@ pub(super) struct Choice {
     choose: Pipeline,
     /// Only for ZP+ as published.
     paper_cases: Option<Pipeline>,
+    /// Only where the caller asks for it.
+    stencil_bound: Option<Pipeline>,
     caps: Pipeline,
     arguments: Pipeline,
     choose_group: wgpu::BindGroup,
@@ -37,6 +40,8 @@ struct PositionGroups {
     bounds: wgpu::BindGroup,
     /// One a word of lights, as those of the caps are; none but for ZP+ as published.
     paper_cases: Vec<wgpu::BindGroup>,
+    /// Likewise; none unless asked for.
+    stencil_bound: Vec<wgpu::BindGroup>,
     caps: Vec<wgpu::BindGroup>,
 }
 
@@ -52,7 +57,13 @@ fn pipeline(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> Pipeline {
 }
 
 impl Choice {
-    pub(super) fn new(device: &wgpu::Device, buffers: &Buffers, results: &Results<'_>, counting: Counting) -> Self {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        buffers: &Buffers,
+        results: &Results<'_>,
+        counting: Counting,
+        options: ShadowOptions,
+    ) -> Self {
         let choose = pipeline(device, &CHOOSE, &CHOOSE_SLOTS);
         let arguments = pipeline(device, &SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
         let whole = wgpu::Buffer::as_entire_binding;
@@ -81,6 +92,7 @@ impl Choice {
             bounds: pipeline(device, &BOUNDS, &BOUNDS_SLOTS),
             paper_cases: (counting == Counting::ZpPlusPaper)
                 .then(|| pipeline(device, &PAPER_CASES, &PAPER_CASES_SLOTS)),
+            stencil_bound: options.bound_counts.then(|| pipeline(device, &STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
             caps: pipeline(device, &CAPS, &CAPS_SLOTS),
             choose,
             arguments,
@@ -138,8 +150,28 @@ impl Choice {
                 )
             })
         });
+        let stencil_bound = self.stencil_bound.iter().flat_map(|stage| {
+            results.lists.iter().map(|list| {
+                stage.bind(
+                    device,
+                    &[
+                        whole(&buffers.shape),
+                        binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
+                        whole(&buffers.bounds),
+                        positions.clone(),
+                        whole(results.edge_vertices),
+                        whole(results.edge_faces),
+                        whole(list),
+                        whole(results.counts),
+                        whole(&buffers.lights),
+                        whole(&buffers.statistics),
+                    ],
+                )
+            })
+        });
+        let stencil_bound = stencil_bound.collect();
         self.position_groups =
-            Some(PositionGroups { bounds, paper_cases: paper_cases.collect(), caps: caps.collect() });
+            Some(PositionGroups { bounds, paper_cases: paper_cases.collect(), stencil_bound, caps: caps.collect() });
     }
 
     /// Records the stages for `lights` lights.
@@ -152,7 +184,7 @@ impl Choice {
         mut timer: Option<&mut StageTimer>,
     ) {
         let words = crate::light::words(lights);
-        let Some(PositionGroups { bounds, paper_cases, caps }) = &self.position_groups else { return };
+        let Some(PositionGroups { bounds, paper_cases, stencil_bound, caps }) = &self.position_groups else { return };
         let mut pass = begin(encoder, &self.bounds, timer.as_deref_mut());
         pass.set_bind_group(0, bounds, &[0]);
         pass.dispatch_workgroups(groups.bounds, 1, 1);
@@ -166,6 +198,13 @@ impl Choice {
             let mut pass = begin(encoder, stage, timer.as_deref_mut());
             for (word, group) in paper_cases.iter().enumerate().take(words) {
                 pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
+                pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
+            }
+        }
+        if let Some(stage) = &self.stencil_bound {
+            let mut pass = begin(encoder, stage, timer.as_deref_mut());
+            for (word, group) in stencil_bound.iter().enumerate().take(words) {
+                pass.set_bind_group(0, group, &[0, first_light(word)]);
                 pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
             }
         }

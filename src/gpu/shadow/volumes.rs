@@ -19,6 +19,7 @@ use crate::{Counting, Mesh};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
@@ -32,14 +33,26 @@ pub struct ShadowOptions {
     /// where ZP+ counts them or the light may be within the caster's box. Receivers out of range hold any count then: they
     /// must not be lit by that light. Less to fill; z-pass then draws dark caps, too.
     pub end_at_range: bool,
+    /// Find what no stencil count of the caster exceeds, for [`ShadowStatistics::count_bound`] and
+    /// [`ShadowStatistics::may_wrap`]: a pass over the silhouettes. Counts wrap exactly at 256, so a point in a multiple of
+    /// 256 volumes at once appears lit. The casters' bounds add up.
+    pub bound_counts: bool,
     /// As of [`crate::gpu::ExtractorOptions`].
     pub memory_limit: Option<u64>,
 }
 
 impl Default for ShadowOptions {
-    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, infinite volumes, no memory limit.
+    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, infinite volumes, no bound on counts, no memory
+    /// limit.
     fn default() -> Self {
-        Self { every_face: false, cap_capacity: None, skip_unseen: true, end_at_range: false, memory_limit: None }
+        Self {
+            every_face: false,
+            cap_capacity: None,
+            skip_unseen: true,
+            end_at_range: false,
+            bound_counts: false,
+            memory_limit: None,
+        }
     }
 }
 
@@ -142,7 +155,7 @@ impl ShadowVolumes {
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
         let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(device, &buffers, &results, pipelines.counting());
+        let choice = Choice::new(device, &buffers, &results, pipelines.counting(), options);
         Ok(Self { buffers, choice, groups: None, shape, max_lights: extraction.max_lights, bound_to: None })
     }
 

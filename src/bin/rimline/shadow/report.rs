@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use rimline::gpu::{ReadError, read_back_vec};
 use rimline::layout::{ShadowLight, ShadowStatistics, Statistics};
+use rimline::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
 use serde_json::{Value, json};
 
 use super::caster::Caster;
@@ -37,7 +38,13 @@ fn casting(light: &ShadowLight) -> &'static str {
 }
 
 fn counting(light: &ShadowLight) -> &'static str {
-    ["z-pass", "zp+", "z-fail"].get(light.counting as usize).copied().unwrap_or("unknown")
+    match light.counting {
+        COUNT_Z_PASS => "z-pass",
+        COUNT_ZP_PLUS => "zp+",
+        COUNT_Z_FAIL => "z-fail",
+        COUNT_ZP_PAPER => "zp+paper",
+        _ => "unknown",
+    }
 }
 
 impl Report {

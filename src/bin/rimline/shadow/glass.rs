@@ -1,0 +1,67 @@
+//! The volumes themselves, translucent.
+
+use rimline::gpu::{Results, include_wgsl, results_bind_group_layout};
+use rimline::wgpu;
+use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilFaceState};
+
+use super::painter::depth_state;
+use super::pictures::LINEAR;
+use super::studio::{Studio, Subject};
+use crate::device::Gpu;
+use crate::gpu_error::GpuError;
+use crate::render::kit::Pass;
+
+/// Draws the volumes themselves.
+pub(super) struct Glass {
+    layout: wgpu::BindGroupLayout,
+    sides: wgpu::RenderPipeline,
+    edges: wgpu::RenderPipeline,
+}
+
+impl Glass {
+    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>) -> Self {
+        let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+        let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
+        let pipeline = |name, topology| {
+            studio.kit.pipeline(&Pass {
+                name,
+                vertex: name,
+                source: &source,
+                groups: &[&studio.layouts.lamp, &layout],
+                topology,
+                format: LINEAR.format,
+                blend: Some(BlendState::ALPHA_BLENDING),
+                samples: LINEAR.samples,
+                write: ColorWrites::ALL,
+                depth: Some(depth_state(false, CompareFunction::Greater, StencilFaceState::IGNORE)),
+                constants: &[],
+            })
+        };
+        Self {
+            sides: pipeline("volumes", PrimitiveTopology::TriangleStrip),
+            edges: pipeline("edges", PrimitiveTopology::LineStrip),
+            layout,
+        }
+    }
+
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        studio: &Studio<'_>,
+        subject: &Subject<'_>,
+    ) -> Result<(), GpuError> {
+        for (caster, body) in subject.casters.iter().zip(subject.bodies) {
+            let extractor = &caster.extractor;
+            for light in 0..subject.samples {
+                let group = extractor.results_bind_group(&self.layout, light / 32, body.positions.buffer())?;
+                studio.select(pass, light);
+                pass.set_bind_group(2, &group, &[]);
+                for pipeline in [&self.sides, &self.edges] {
+                    pass.set_pipeline(pipeline);
+                    pass.draw_indirect(extractor.results().draw_arguments, Results::draw_offset(light));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,191 @@
+//! Counts that 8 bits do not hold, and the bound that tells of them.
+
+use rimline::cpu::{self, Threads};
+use rimline::gpu::ShadowOptions;
+use rimline::shapes::{self, Shape};
+use rimline::{Counting, Light, Mesh, Method, Predicate};
+
+use crate::classes::CLASSES;
+use crate::common::device::Gpu;
+use crate::common::random::Random;
+use crate::common::{is_long, must_fail};
+use crate::compare::Compared;
+use crate::rays::{self, Truth};
+use crate::render::{Counted, Renderer};
+use crate::scene::{Body, Frame};
+use crate::trials::{Test, seed};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("counts_that_are_multiples_of_256_are_warned_of", multiples),
+    ("stencil_bound_is_that_of_its_twin_and_holds", bound),
+    ("ordinary_models_do_not_warn", ordinary),
+];
+
+fn renderer(gpu: &Gpu) -> Renderer<'_> {
+    let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+    Renderer { options, ..Renderer::new(gpu) }
+}
+
+/// `count` sheets above each other, in one mesh, with the eye and a receiver below them all and the light above.
+fn stack(count: u32) -> Frame {
+    let mut shape = Shape::default();
+    for sheet in 0..count {
+        let one = shapes::plane_grid(2, 2);
+        let first = shape.positions.len() as u32;
+        let height = 0.5 + sheet as f32 / count as f32;
+        shape.positions.extend(one.positions.iter().map(|[x, _, z]| [*x, height, *z]));
+        shape.faces.extend(one.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+    }
+    let mut frame = (CLASSES[0].frame)(&mut Random::new(1));
+    frame.bodies = vec![Body::caster(shape), Body::room([0.0; 3], 3.0)];
+    frame.lights = vec![Light::point([0.1, 2.5, 0.2])];
+    frame.eye.place = rimline::glam::DVec3::new(2.0, -1.0, 2.2);
+    frame.eye.forward = rimline::glam::DVec3::new(-2.0, -1.5, -2.2);
+    frame.eye.near = 0.1;
+    frame
+}
+
+/// Counts wrap without a trace, so 256 sheets cast no shadow. Of 300 there is one, but on the fringe where 256 of them are
+/// in the way. The bound warns of both.
+fn multiples() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    for (sheets, aliases, warns) in [(100, false, false), (256, true, true), (300, false, true)] {
+        let frame = stack(sheets);
+        let truths = rays::trace(&frame);
+        let deepest = truths.iter().map(|truths| match truths[0] {
+            Truth::Surface(between) => between.count(&[true]),
+            _ => 0,
+        });
+        if deepest.max() != Some(sheets as u16) {
+            return Err(format!("no point is below all of {sheets} sheets"));
+        }
+        let compared = Compared { frame: &frame, truths: &truths, light: 0 };
+        for counting in [Counting::Auto, Counting::ZFail] {
+            let counted = renderer(&gpu).count(&frame, counting)?;
+            let stencil = &counted.stencils[0];
+            let wrap = compared.counts(stencil, &[true]);
+            if !wrap.pixels.is_empty() || wrap.compared == 0 {
+                return Err(format!("{sheets} sheets, {counting:?}: counts are not exact modulo 256"));
+            }
+            let lit = compared.lit(stencil);
+            let statistics = counted.statistics[0];
+            let bound = statistics.count_bound;
+            println!(
+                "{sheets} sheets, {counting:?}: {} of {} pixels wrong, bound {bound}",
+                lit.pixels.len(),
+                lit.compared
+            );
+            let is_multiple = |&(x, y): &(u32, u32)| match truths[(y * frame.size + x) as usize][0] {
+                Truth::Surface(between) => between.count(&[true]) == 256,
+                _ => false,
+            };
+            if !lit.pixels.iter().all(is_multiple) || (lit.pixels.len() > 100) != aliases {
+                return Err(format!("{sheets} sheets, {counting:?}: {} wrong pixels", lit.pixels.len()));
+            }
+            if bound < sheets || (statistics.may_wrap == 1) != warns {
+                return Err(format!("{sheets} sheets, {counting:?}: {statistics:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The largest bound of a frame's light by the twin, caster by caster.
+fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
+    let casters = frame.bodies.iter().filter(|body| body.casts);
+    casters
+        .zip(&counted.chosen)
+        .map(|(Body { shape, .. }, lights)| {
+            let text = |error: &dyn std::fmt::Display| error.to_string();
+            let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
+            let (method, predicate) = (Method::FaceMask, Predicate::Exact);
+            let found = cpu::extract(&shape.positions, &mesh, &frame.lights, method, predicate, Threads::all())
+                .map_err(|error| text(&error))?;
+            let edges = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
+            let edges = edges.map(|(edge, _)| {
+                let ends = edge.vertices.map(|vertex| shape.positions[vertex as usize]);
+                (ends, edge.kind == rimline::mesh::EdgeKind::Boundary)
+            });
+            let used = shape.faces.iter().flatten().map(|&vertex| shape.positions[vertex as usize]);
+            let corners = used.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], p| {
+                [
+                    std::array::from_fn(|axis| p[axis].min(low[axis])),
+                    std::array::from_fn(|axis| p[axis].max(high[axis])),
+                ]
+            });
+            Ok(cpu::stencil_bound(&lights[0], corners, shape.faces.len() as u32, edges))
+        })
+        .collect()
+}
+
+/// Equal to the twin's, and never below a count that a ray finds.
+fn holds(bounds: &[u32], truths: &[Vec<Truth>], counted: &Counted) -> Result<(), String> {
+    for truth in truths {
+        let Truth::Surface(between) = truth[0] else { continue };
+        for (caster, (&bound, lights)) in bounds.iter().zip(&counted.chosen).enumerate() {
+            let [averted, facing] = between.0[caster];
+            let count = match lights[0].casting {
+                0 => 0,
+                1 => averted,
+                _ => averted + facing,
+            };
+            if u32::from(count) > bound {
+                return Err(format!("caster {caster}: a count of {count}, the bound is {bound}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn bound() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let mut tight = 0;
+    for class in CLASSES {
+        for number in 80..if is_long() { 100 } else { 81 } {
+            let seed = seed(class, number);
+            let frame = (class.frame)(&mut Random::new(seed));
+            let counted = renderer(&gpu).count(&frame, Counting::ZFail)?;
+            let got: Vec<u32> = counted.statistics.iter().map(|statistics| statistics.count_bound).collect();
+            let expected = twin(&frame, &counted)?;
+            if got != expected {
+                return Err(format!("{}, seed {seed}: {got:?}, the twin has {expected:?}", class.name));
+            }
+            let truths = rays::trace(&frame);
+            holds(&got, &truths, &counted).map_err(|error| format!("{}, seed {seed}: {error}", class.name))?;
+            let lower: Vec<u32> = got.iter().map(|_| 0).collect();
+            if truths.iter().any(|truth| truth[0].is_shadowed()) {
+                must_fail("a bound of nothing", &holds(&lower, &truths, &counted))?;
+                tight += 1;
+            }
+        }
+    }
+    if tight > 0 { Ok(()) } else { Err("no frame had a shadow".to_owned()) }
+}
+
+/// Shapes of some thousands of faces, from lights around them.
+fn ordinary() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let models = [
+        ("torus", shapes::torus(48, 24, 1.0, 0.35)),
+        ("blob", shapes::blob(48, 0.4, 3)),
+        ("plane", shapes::plane_grid(64, 64)),
+        ("moebius", shapes::moebius(96, 8)),
+        ("sheets", shapes::three_sheets(24)),
+    ];
+    let mut random = Random::new(11);
+    for (name, shape) in models {
+        let mut frame = (CLASSES[0].frame)(&mut Random::new(1));
+        frame.bodies = vec![Body::caster(shape), Body::room([0.0; 3], 8.0)];
+        frame.lights = (0..8).map(|_| Light::point(random.direction().map(|c| c * 5.0))).collect();
+        frame.lights.push(Light::directional(random.direction()));
+        frame.size = 16;
+        let options = ShadowOptions { skip_unseen: false, bound_counts: true, ..ShadowOptions::default() };
+        let counted = Renderer { options, ..Renderer::new(&gpu) }.count(&frame, Counting::Auto)?;
+        let statistics = counted.statistics[0];
+        println!("{name}: bound {}", statistics.count_bound);
+        if statistics.may_wrap != 0 || statistics.count_bound == 0 {
+            return Err(format!("{name}: {statistics:?}"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,142 @@
+// Stencil bound: for each light what no count of this caster's volumes exceeds, so that a caller learns where 8 bits might
+// not do. Half planes of a pencil whose axis goes through the light and misses the caster begin and end outside of every
+// volume; what they meet in between goes up and down by the weights of the sides that they cross, so half the sum of those
+// is the most that it comes to. The pencil is cut into bins. A workgroup takes a light of the word.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+// The first light of this word.
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+@group(0) @binding(2) var<storage, read> box: array<u32, 6>;
+@group(0) @binding(3) var<storage, read> positions: array<u32>;
+@group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> list: array<u32>;
+@group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
+@group(0) @binding(8) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(0) @binding(9) var<storage, read_write> shadow_statistics: ShadowStatistics;
+
+const BINS: u32 = 256u;
+
+// Weights that begin in a bin, and those that ended in the one before.
+var<workgroup> begun: array<atomic<u32>, 256>;
+var<workgroup> ended: array<atomic<u32>, 257>;
+
+fn unordered(bits: vec3<u32>) -> vec3<f32> {
+  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
+}
+
+fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
+  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+}
+
+fn edge_position(vertex: u32) -> vec3<f32> {
+  let word = shape.position_offset + vertex * shape.position_stride;
+  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
+}
+
+fn is_finite(position: vec3<f32>) -> bool {
+  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
+  return all(exponent != vec3<u32>(0x7f800000u));
+}
+
+// Which half plane of the pencil a position is in.
+struct Pencil {
+  // From the light to the nearest point of the box, and at right angles to that and the axis.
+  forward: vec3<f32>,
+  aside: vec3<f32>,
+  // The light's place, if it has one.
+  place: vec3<f32>,
+  is_point: bool,
+}
+
+// All but the light's place are multiples of what they ought to be.
+fn pencil(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> Pencil {
+  let is_point = light.light.w > 0.0;
+  var place = vec3<f32>(0.0);
+  var forward = -light.light.xyz;
+  if (is_point) {
+    place = light.light.xyz / light.light.w;
+    forward = clamp(place, low, high) - place;
+  }
+  let size = max(max(abs(forward.x), abs(forward.y)), abs(forward.z));
+  // A light at the box has no pencil.
+  let slack = 4e-6 * max(max(abs(low), abs(high)), abs(place));
+  if (is_point && size <= 4.0 * max(max(slack.x, slack.y), slack.z)) {
+    return Pencil(vec3<f32>(0.0), vec3<f32>(0.0), place, is_point);
+  }
+  forward = forward / size;
+  // With the axis of the coordinates that is farthest from it.
+  let a = abs(forward);
+  var aside = vec3<f32>(0.0, forward.z, -forward.y);
+  if (a.y <= a.x && a.y <= a.z) {
+    aside = vec3<f32>(-forward.z, 0.0, forward.x);
+  } else if (a.z <= a.x) {
+    aside = vec3<f32>(forward.y, -forward.x, 0.0);
+  }
+  return Pencil(forward, aside, place, is_point);
+}
+
+fn half_plane(by: Pencil, position: vec3<f32>) -> f32 {
+  let d = position - by.place;
+  return dot_3(by.aside, d) / select(1.0, dot_3(by.forward, d), by.is_point);
+}
+
+@compute @workgroup_size(64)
+fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+  let number = draw.first_light + group.x;
+  let light = shadow_lights[number];
+  let low = unordered(vec3<u32>(box[0], box[1], box[2]));
+  let high = unordered(vec3<u32>(box[3], box[4], box[5]));
+  let by = pencil(light, low, high);
+  let has_pencil = any(by.forward != vec3<f32>(0.0));
+  var first = half_plane(by, low);
+  var last = first;
+  for (var corner = 1u; corner < 8u; corner++) {
+    let at = half_plane(by, box_corner(low, high, corner));
+    first = min(first, at);
+    last = max(last, at);
+  }
+  let count = silhouette_counts[number];
+  // A list that overflowed does not say which edges are silhouettes: every edge then counts.
+  let overflowed = count > shape.capacity;
+  var edges = select(count, shape.edges, overflowed);
+  if (light.casting == CAST_NOTHING || !has_pencil) {
+    edges = 0u;
+  }
+  for (var entry = thread; entry < edges; entry += 64u) {
+    var edge = entry;
+    if (!overflowed) {
+      edge = list[group.x * shape.capacity + entry] & 0x7fffffffu;
+    }
+    let ends = edge_vertices[edge];
+    let a = edge_position(ends.x);
+    let b = edge_position(ends.y);
+    if (is_finite(a) && is_finite(b)) {
+      let is_doubled = light.casting == CAST_EVERY && edge_faces[edge].y != NO_FACE;
+      let weight = select(1u, 2u, is_doubled);
+      let scale = f32(BINS) / max(last - first, 1e-30);
+      let p = (half_plane(by, a) - first) * scale;
+      let q = (half_plane(by, b) - first) * scale;
+      let most = f32(BINS - 1u);
+      atomicAdd(&begun[u32(clamp(min(p, q), 0.0, most))], weight);
+      atomicAdd(&ended[u32(clamp(max(p, q), 0.0, most)) + 1u], weight);
+    }
+  }
+  workgroupBarrier();
+  if (thread == 0u && light.casting != CAST_NOTHING) {
+    var bound = shape.faces;
+    if (has_pencil) {
+      var crossed = 0u;
+      var most = 0u;
+      for (var bin = 0u; bin < BINS; bin++) {
+        crossed += atomicLoad(&begun[bin]) - atomicLoad(&ended[bin]);
+        most = max(most, crossed);
+      }
+      bound = min(bound, (most + 1u) / 2u);
+    }
+    atomicMax(&shadow_statistics.count_bound, bound);
+    if (bound > 255u) {
+      atomicAdd(&shadow_statistics.may_wrap, 1u);
+    }
+  }
+}
