@@ -133,6 +133,58 @@ shared_structs! {
         first_instance: u32,
     }
 
+    /// Thirty-two faces and the box around those that count: finite, and naming three vertices.
+    struct FaceCluster {
+        /// Bits of the lowest x, y and z, and of the largest absolute coordinate.
+        low: [u32; 4],
+        /// Bits of the highest x, y and z, and 1 where any face counts; 0 where the box is empty, and all zeros.
+        high: [u32; 4],
+        /// The same of the thirty-two clusters from this one on, in the first of each thirty-two.
+        group_low: [u32; 4],
+        /// The same.
+        group_high: [u32; 4],
+        /// Three vertices a face. Faces past the mesh's last name vertex 0 three times.
+        corners: [u32; 96],
+    }
+
+    /// The points of one dispatch of the shadow depth query.
+    struct PointChunk {
+        /// Points in this dispatch.
+        count: u32,
+        /// First word of its first point in the bound points.
+        offset: u32,
+        /// Words from a point to the next.
+        stride: u32,
+        /// Lights of all words.
+        lights: u32,
+        /// The first light of the word at hand.
+        first_light: u32,
+    }
+
+    /// The clusters of faces that one dispatch goes over.
+    struct FaceRange {
+        /// The first in the bound clusters; a multiple of 32.
+        first: u32,
+        /// The end, exclusive.
+        end: u32,
+        /// 1 where these are the mesh's first: depths begin here.
+        is_first: u32,
+    }
+
+    /// Faces that a point and a light leave in doubt.
+    struct Doubt {
+        /// How many.
+        count: u32,
+        /// The first of them.
+        face_0: u32,
+        /// The second.
+        face_1: u32,
+        /// The third.
+        face_2: u32,
+        /// An entry of another list: a pair of point and light that had more, and is counted anew.
+        recount: u32,
+    }
+
     /// The vertices of one instance that one dispatch deforms.
     struct DeformChunk {
         /// Vertices in this dispatch.

@@ -91,6 +91,16 @@ pub enum LightError {
         /// The light as given.
         xyzw: [f32; 4],
     },
+    /// A negative weight, which shadows refuse.
+    #[error(
+        "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
+    )]
+    NegativeWeight {
+        /// Position in the list.
+        index: usize,
+        /// Its weight.
+        w: f32,
+    },
 }
 
 /// Checks a list of lights: 1 to `limit` of them, all finite, none all zeros.
@@ -114,6 +124,18 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
         }
     }
     Ok(())
+}
+
+/// Checks a list of lights for shadows: as [`check_lights`], and none with a negative weight.
+///
+/// # Errors
+/// The first [`LightError`] found.
+pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
+    check_lights(lights, limit)?;
+    match lights.iter().enumerate().find(|(_, light)| light.w < 0.0) {
+        Some((index, &Light { w, .. })) => Err(LightError::NegativeWeight { index, w }),
+        None => Ok(()),
+    }
 }
 
 /// Words of 32 light bits that `lights` lights take, ⌈N/32⌉.

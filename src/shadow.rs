@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
-use crate::light::{LightError, check_lights};
+use crate::light::{LightError, check_shadow_lights};
 
 /// [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
@@ -218,15 +218,9 @@ pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowLightError {
-    /// Refused by the extraction, too.
+    /// Refused by the extraction, too, or for its negative weight.
     #[error(transparent)]
     Light(#[from] LightError),
-    /// Sides are reversed for such a light.
-    #[error("light {index} has a negative w; give it as (-x, -y, -z, -w), which is the same point")]
-    NegativeWeight {
-        /// Position in the list.
-        index: usize,
-    },
     /// A range must be positive, or infinite.
     #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
     Range {
@@ -238,13 +232,10 @@ pub enum ShadowLightError {
 }
 
 /// Checks lights for shadows: those that the extraction takes, with w ≥ 0 and a positive range.
-pub(crate) fn check_shadow_lights(lights: &[RangedLight], limit: usize) -> Result<(), ShadowLightError> {
+pub(crate) fn check_ranged_lights(lights: &[RangedLight], limit: usize) -> Result<(), ShadowLightError> {
     let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
-    check_lights(&plain, limit)?;
-    for (index, &RangedLight { light, range }) in lights.iter().enumerate() {
-        if light.w < 0.0 {
-            return Err(ShadowLightError::NegativeWeight { index });
-        }
+    check_shadow_lights(&plain, limit)?;
+    for (index, &RangedLight { range, .. }) in lights.iter().enumerate() {
         if range.is_nan() || range <= 0.0 {
             return Err(ShadowLightError::Range { index, range });
         }
@@ -354,7 +345,7 @@ mod tests {
     #[test]
     fn ranges_and_weights_are_checked() {
         let point = Light::point([1.0, 2.0, 3.0]);
-        let check = |light, range| check_shadow_lights(&[point.into(), RangedLight { light, range }], 2);
+        let check = |light, range| check_ranged_lights(&[point.into(), RangedLight { light, range }], 2);
         assert_eq!(check(point, 1.0), Ok(()));
         assert_eq!(check(point, f32::INFINITY), Ok(()));
         for range in [0.0, -1.0, f32::NEG_INFINITY] {
@@ -362,11 +353,14 @@ mod tests {
         }
         assert!(matches!(check(point, f32::NAN), Err(ShadowLightError::Range { index: 1, range }) if range.is_nan()));
         let negative = Light::homogeneous([1.0, 2.0, 3.0, -1.0]);
-        assert_eq!(check(negative, 1.0), Err(ShadowLightError::NegativeWeight { index: 1 }));
+        assert_eq!(
+            check(negative, 1.0),
+            Err(ShadowLightError::Light(LightError::NegativeWeight { index: 1, w: -1.0 }))
+        );
         assert_eq!(check(Light::homogeneous([1.0, 2.0, 3.0, -0.0]), 1.0), Ok(()));
         let zero = Light::homogeneous([0.0; 4]);
         assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
-        let many = check_shadow_lights(&[point.into(); 3], 2);
+        let many = check_ranged_lights(&[point.into(); 3], 2);
         assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
     }
 

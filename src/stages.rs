@@ -77,8 +77,40 @@ pub const SHADOW_ARGUMENTS: Stage = Stage {
     entry_points: &["shadow_arguments"],
 };
 
+/// Boxes around clusters of faces, for the shadow depth query.
+pub const SHADOW_BOXES: Stage = Stage {
+    name: "shadow_boxes",
+    files: files!["common", "positions", "shadow_boxes"],
+    entry_points: &["shadow_boxes"],
+};
+/// Faces strictly between points and lights.
+pub const SHADOW_DEPTH: Stage = Stage {
+    name: "shadow_depth",
+    files: files!["common", "positions", "determinant", "filter", "shadow_segments", "shadow_pairs", "shadow_depth"],
+    entry_points: &["shadow_depth"],
+};
+/// The faces that the shadow depth stage left undecided.
+pub const EXACT_SHADOW_DEPTH: Stage = Stage {
+    name: "exact_shadow_depth",
+    files: files![
+        "common",
+        "positions",
+        "determinant",
+        "filter",
+        "exact_sign",
+        "fixed_sign",
+        "shadow_segments",
+        "shadow_pairs",
+        "exact_shadow_depth"
+    ],
+    entry_points: &["exact_shadow_depth", "exact_shadow_depth_recount"],
+};
+/// The indirect dispatch of what is counted anew.
+pub const DEPTH_ARGUMENTS: Stage =
+    Stage { name: "depth_arguments", files: files!["common", "depth_arguments"], entry_points: &["depth_arguments"] };
+
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 14] = [
+pub const STAGES: [Stage; 18] = [
     DEFORM,
     FACING,
     EXACT_ARGUMENTS,
@@ -93,6 +125,10 @@ pub const STAGES: [Stage; 14] = [
     STENCIL_BOUND,
     CAPS,
     SHADOW_ARGUMENTS,
+    SHADOW_BOXES,
+    SHADOW_DEPTH,
+    DEPTH_ARGUMENTS,
+    EXACT_SHADOW_DEPTH,
 ];
 
 /// Vertex shaders of the sides of shadow volumes; [`crate::gpu::include_wgsl`] on group 1 comes after.

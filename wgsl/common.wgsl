@@ -75,6 +75,60 @@ struct DrawArguments {
   first_instance: u32,
 }
 
+// Faces of a cluster, and clusters of a group.
+const CLUSTER: u32 = 32u;
+
+// Faces and the box around those that count: finite, and naming three vertices.
+struct FaceCluster {
+  // Bits of the lowest x, y and z, and of the largest absolute coordinate.
+  low: vec4<u32>,
+  // Bits of the highest x, y and z, and 1 where any face counts; 0 where the box is empty, and all zeros.
+  high: vec4<u32>,
+  // The same of the group that begins with this cluster, in each group's first.
+  group_low: vec4<u32>,
+  group_high: vec4<u32>,
+  // Three vertices a face. Faces past the mesh's last name vertex 0 three times.
+  corners: array<u32, 96>,
+}
+
+// The points of one dispatch of the shadow depth query.
+struct PointChunk {
+  count: u32,
+  // First word of the first point in the bound points, and words from a point to the next.
+  offset: u32,
+  stride: u32,
+  // Lights of all words, and the first light of the word at hand.
+  lights: u32,
+  first_light: u32,
+}
+
+// The clusters that one dispatch goes over, from a group's first.
+struct FaceRange {
+  first: u32,
+  end: u32,
+  // 1 where these are the mesh's first: depths begin here.
+  is_first: u32,
+}
+
+// Faces that a point and a light leave in doubt.
+struct Doubt {
+  // How many, and the first three of them.
+  count: u32,
+  face_0: u32,
+  face_1: u32,
+  face_2: u32,
+  // An entry of another list: a pair of point and light that had more, and is counted anew.
+  recount: u32,
+}
+
+// One for each pair of point and light of a dispatch.
+struct Doubts {
+  // Pairs to count anew, while they are listed and when they are.
+  listed: atomic<u32>,
+  recounts: u32,
+  pairs: array<Doubt>,
+}
+
 // The vertices of one instance that one dispatch deforms.
 struct DeformChunk {
   // Vertices in this dispatch; the arrays are bound from its first vertex on.

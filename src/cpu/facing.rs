@@ -205,7 +205,7 @@ fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
 }
 
 /// A vertex's position, NaN where there is none.
-fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
+pub(super) fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
     positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
 }
 

@@ -35,7 +35,17 @@ impl Threads {
     /// Cuts `items` into runs of at least a few thousand and calls `work(first index, run)` on each, at the same time.
     /// Returns what the calls returned, in order.
     pub(super) fn share<T: Send, R: Send>(self, items: &mut [T], work: impl Fn(usize, &mut [T]) -> R + Sync) -> Vec<R> {
-        let run = items.len().div_ceil(self.count()).max(LEAST);
+        self.share_runs_of(LEAST, items, work)
+    }
+
+    /// The same in runs of at least `least` items, at least one.
+    pub(super) fn share_runs_of<T: Send, R: Send>(
+        self,
+        least: usize,
+        items: &mut [T],
+        work: impl Fn(usize, &mut [T]) -> R + Sync,
+    ) -> Vec<R> {
+        let run = items.len().div_ceil(self.count()).max(least).max(1);
         share_runs(items.chunks_mut(run).enumerate(), |(index, items)| work(index * run, items))
     }
 }

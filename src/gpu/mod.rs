@@ -15,6 +15,8 @@ mod positions;
 mod readback;
 mod results;
 mod shadow;
+mod shadow_plan;
+mod shadow_query;
 mod split;
 mod timer;
 
@@ -26,4 +28,5 @@ pub use positions::{PositionBuffer, PositionError};
 pub use readback::{ReadError, read_back, read_back_vec};
 pub use results::Results;
 pub use shadow::{ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes};
+pub use shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use timer::StageTimer;

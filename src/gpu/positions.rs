@@ -1,7 +1,7 @@
 //! Where positions lie.
 
 use super::memory::MemoryError;
-use super::split::{Split, Windows};
+use super::split::{Split, Windows, binding};
 
 /// Vertex positions in a storage buffer: three consecutive `f32` a vertex, at any offset and stride.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,8 @@ pub(super) struct BoundPositions {
 }
 
 impl PositionBuffer<'_> {
-    pub(super) fn bind(&self, vertices: u32, split: &Split) -> Result<BoundPositions, PositionError> {
+    /// The end of the last of `vertices` in the buffer, in bytes.
+    pub(super) fn end(&self, vertices: u32) -> Result<u64, PositionError> {
         let Self { buffer, offset, stride } = *self;
         if offset % 4 != 0 || stride % 4 != 0 || stride < 12 {
             return Err(PositionError::Alignment { offset, stride });
@@ -72,8 +73,14 @@ impl PositionBuffer<'_> {
             let needed = u64::try_from(span).unwrap_or(u64::MAX);
             return Err(PositionError::TooShort { vertices, offset, stride, needed, bytes: buffer.size() });
         }
+        Ok(span as u64)
+    }
+
+    pub(super) fn bind(&self, vertices: u32, split: &Split) -> Result<BoundPositions, PositionError> {
+        let Self { offset, stride, .. } = *self;
+        let end = self.end(vertices)?;
         let base = split.align_down(offset);
-        let bytes = span as u64 - base;
+        let bytes = end - base;
         if bytes / 4 > u64::from(u32::MAX) {
             return Err(MemoryError::Gathered { what: "positions", bytes, limit: 4 * u64::from(u32::MAX) }.into());
         }
@@ -84,5 +91,13 @@ impl PositionBuffer<'_> {
             offset_words: ((offset - base) / 4) as u32,
             stride_words: (stride / 4) as u32,
         })
+    }
+}
+
+impl BoundPositions {
+    /// The four windows of the buffer, as `positions.wgsl` binds them.
+    pub(super) fn bindings<'a>(&self, buffer: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 4] {
+        let base = self.base;
+        self.windows.ranges.clone().map(|window| binding(buffer, base + window.start..base + window.end))
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Split {
     pub(super) binding: u64,
     pub(super) buffer: u64,
     alignment: u64,
-    workgroups: u64,
+    pub(super) workgroups: u64,
 }
 
 impl Split {

@@ -13,6 +13,7 @@ mod files;
 mod info;
 mod models;
 mod npz_input;
+mod query;
 mod run;
 mod schema;
 mod shadow;
@@ -45,6 +46,7 @@ fn main() {
         contract::TESTS,
         draw::TESTS,
         shadow::TESTS,
+        query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
         bench::TESTS,

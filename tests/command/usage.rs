@@ -17,12 +17,21 @@ pub(crate) const TESTS: &[Test] = &[
 fn help() -> Outcome {
     let run = rimline(["--help"]);
     run.expect(0, &[])?;
-    for part in
-        ["draw", "shadow", "film", "extract", "info", "devices", "verify", "bench", "Exit codes: 0 done, 1 bad input"]
-    {
+    for part in [
+        "draw",
+        "shadow",
+        "film",
+        "extract",
+        "query",
+        "info",
+        "devices",
+        "verify",
+        "bench",
+        "Exit codes: 0 done, 1 bad input",
+    ] {
         ensure!(run.stdout.contains(part), "the help lacks `{part}`: {}", run.stdout);
     }
-    for command in ["draw", "shadow", "film", "extract", "info", "devices", "verify", "bench"] {
+    for command in ["draw", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"] {
         let run = rimline([command, "--help"]);
         run.expect(0, &[])?;
         ensure!(run.stdout.contains("Usage: rimline"), "{}", run.stdout);

@@ -11,6 +11,8 @@ pub(crate) mod oracle;
 pub(crate) mod predicates;
 pub(crate) mod random;
 pub(crate) mod scenes;
+pub(crate) mod shadow_cases;
+pub(crate) mod shadow_oracle;
 
 use std::path::PathBuf;
 

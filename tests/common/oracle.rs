@@ -9,7 +9,7 @@ use rimline::mesh::EdgeKind;
 use rimline::{Light, Mesh};
 
 /// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
-fn decode(value: f32) -> (i32, i32) {
+pub(crate) fn decode(value: f32) -> (i32, i32) {
     let bits = value.to_bits();
     let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
     let (mantissa, exponent) = match (exponent, fraction) {

@@ -14,6 +14,7 @@ mod lights;
 mod limits;
 mod positions;
 mod refusals;
+mod shadow_query;
 mod shadow_stages;
 mod stages;
 mod stress;
@@ -39,6 +40,7 @@ fn main() {
         refusals::TESTS,
         shadow_stages::TESTS,
         clipped::TESTS,
+        shadow_query::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());

@@ -3,7 +3,7 @@
 pub(crate) mod arrays;
 mod on_cpu;
 pub(crate) mod on_gpu;
-mod report;
+pub(crate) mod report;
 
 use rimline::cpu::FacingCounts;
 use rimline::layout::Masks;

@@ -66,6 +66,8 @@ pub(crate) enum InputError {
     Displacement(#[from] rimline::DisplaceError),
     #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
     DisplacementResources,
+    #[error("the depths of {points} points for {lights} lights do not fit into memory; query fewer points at a time")]
+    Depths { points: usize, lights: usize },
     #[error("no vertex has a finite position, so there is nothing to look at")]
     NoFinitePosition,
     #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]

@@ -2,8 +2,8 @@
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, ReadError, ShadowError,
-    ShadowFormatError,
+    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
+    ShadowError, ShadowFormatError, ShadowQueryError,
 };
 
 use crate::device::{Gpu, describe};
@@ -22,6 +22,10 @@ pub(crate) enum GpuError {
     Include(#[from] IncludeError),
     #[error(transparent)]
     Memory(#[from] MemoryError),
+    #[error(transparent)]
+    Query(#[from] QueryError),
+    #[error(transparent)]
+    ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
     Read(#[from] ReadError),
     #[error(transparent)]
@@ -56,6 +60,11 @@ impl GpuError {
             | Self::Deform(DeformError::Memory(memory))
             | Self::Extractor(ExtractorError::Memory(memory))
             | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
+            | Self::ShadowQuery(ShadowQueryError::Memory(memory))
+            | Self::Query(
+                QueryError::Positions(PositionError::Memory(memory))
+                | QueryError::Points(PositionError::Memory(memory)),
+            )
             | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)))
             | Self::Shadow(
                 ShadowError::Memory(memory)
@@ -70,7 +79,10 @@ impl GpuError {
 
     fn lights(&self) -> Option<&LightError> {
         match self {
-            Self::Extractor(ExtractorError::Light(lights)) | Self::Encode(EncodeError::Light(lights)) => Some(lights),
+            Self::Extractor(ExtractorError::Light(lights))
+            | Self::Encode(EncodeError::Light(lights))
+            | Self::ShadowQuery(ShadowQueryError::Light(lights))
+            | Self::Query(QueryError::Light(lights)) => Some(lights),
             _ => None,
         }
     }

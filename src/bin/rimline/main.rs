@@ -1,4 +1,4 @@
-//! The command `rimline`: extract silhouettes, draw outlines, look into models and devices, measure.
+//! The command `rimline`: extract silhouettes, draw outlines, count shadow depths, look into models and devices, measure.
 #![allow(clippy::doc_markdown, reason = "clap prints doc comments as they are")]
 
 mod args;
@@ -20,6 +20,7 @@ mod output;
 mod page;
 mod positions;
 mod progress;
+mod query;
 mod render;
 mod shadow;
 mod spec;
@@ -56,6 +57,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Draw(args) => draw::run(args),
         Command::Shadow(args) => shadow::run(args),
         Command::Film(args) => film::run(args),
+        Command::Query(args) => query::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Bench(args) => bench::run(args),
     }

@@ -14,7 +14,7 @@ use crate::gpu::split::{WORKGROUP, binding};
 use crate::gpu::timer::StageTimer;
 use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 use crate::light;
-use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_shadow_lights};
+use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_ranged_lights};
 use crate::{Counting, Mesh};
 
 /// How a caster casts.
@@ -173,7 +173,7 @@ impl ShadowVolumes {
         lights: &[RangedLight],
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowError> {
-        check_shadow_lights(lights, self.max_lights)?;
+        check_ranged_lights(lights, self.max_lights)?;
         let view = camera.view()?;
         let (device, split, extraction) = extractor.parts();
         let bound = positions.bind(extraction.vertices, split)?;

@@ -119,7 +119,7 @@ impl Report {
 }
 
 /// A number a light; many lights are summed up.
-fn per_light(counts: &[usize]) -> String {
+pub(crate) fn per_light(counts: &[usize]) -> String {
     const SHOWN: usize = 8;
     let shown: Vec<String> = counts.iter().take(SHOWN).map(usize::to_string).collect();
     if counts.len() > SHOWN {

@@ -24,6 +24,8 @@ impl ElementType {
     pub(crate) const U8: Self = Self::native('u', 1);
     /// `u32`, in this machine's byte order.
     pub(crate) const U32: Self = Self::native('u', 4);
+    /// `i32`, in this machine's byte order.
+    pub(crate) const I32: Self = Self::native('i', 4);
     /// `f32`, in this machine's byte order.
     pub(crate) const F32: Self = Self::native('f', 4);
 

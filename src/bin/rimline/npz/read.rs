@@ -19,7 +19,7 @@ pub(crate) struct Arrays {
 pub(crate) enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
     Archive(#[source] ZipError),
-    #[error("it has no array `{array}`, which is needed; it has {}", listed(.found))]
+    #[error("it has no array `{array}`, which is needed here; it has {}", listed(.found))]
     Missing { array: &'static str, found: Vec<String> },
     #[error("array `{array}`: its ZIP entry cannot be read: {source}")]
     Entry { array: &'static str, source: ZipError },
@@ -72,7 +72,7 @@ pub(crate) fn read_with_lights(reader: impl Read + Seek) -> Result<(Arrays, Vec<
         shape: "(N, 4)",
         limit: u64::from(u32::MAX),
         wanted: "float32 is needed",
-        accepts: |element| element.kind == 'f' && element.size == 4,
+        accepts: is_float,
     };
     Ok((arrays, lights.rows(&mut archive, float)?))
 }
@@ -83,7 +83,7 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, Npz
         shape: "(V, 3)",
         limit: u64::from(u32::MAX) - 1,
         wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
-        accepts: |element| element.kind == 'f' && element.size == 4,
+        accepts: is_float,
     };
     let faces = Entry {
         array: "faces",
@@ -101,6 +101,23 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, Npz
         }
     }
     Ok(Arrays { positions, faces })
+}
+
+/// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order.
+pub(crate) fn read_points(reader: impl Read + Seek) -> Result<Vec<[f32; 3]>, NpzError> {
+    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
+    let points = Entry {
+        array: "points",
+        shape: "(P, 3)",
+        limit: u64::from(u32::MAX),
+        wanted: "float32 is needed (NumPy: `points.astype('f4')`)",
+        accepts: is_float,
+    };
+    points.rows(&mut archive, float)
+}
+
+fn is_float(element: ElementType) -> bool {
+    element.kind == 'f' && element.size == 4
 }
 
 /// What one of the arrays must be.

@@ -1,0 +1,77 @@
+//! The counts and times that `query` prints.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use rimline::Mesh;
+use serde_json::json;
+
+use crate::extract::report::per_light;
+use crate::times::Times;
+
+/// What came out, in numbers.
+pub(super) struct Report {
+    vertices: u32,
+    faces: usize,
+    points: usize,
+    non_finite_points: usize,
+    /// One a light.
+    points_in_shadow: Vec<usize>,
+    deepest: Vec<usize>,
+    adapter: String,
+    times: Times,
+}
+
+impl Report {
+    pub(super) fn new(mesh: &Mesh, lights: usize, depths: &[i32], adapter: String, times: Times) -> Self {
+        let (mut points_in_shadow, mut deepest) = (vec![0; lights], vec![0; lights]);
+        let mut non_finite_points = 0;
+        for point in depths.chunks(lights) {
+            non_finite_points += usize::from(point[0] < 0);
+            for ((in_shadow, deepest), &depth) in points_in_shadow.iter_mut().zip(&mut deepest).zip(point) {
+                *in_shadow += usize::from(depth > 0);
+                *deepest = usize::try_from(depth).map_or(*deepest, |depth| depth.max(*deepest));
+            }
+        }
+        let points = depths.len() / lights;
+        let (vertices, faces) = (mesh.vertex_count(), mesh.faces().len());
+        Self { vertices, faces, points, non_finite_points, points_in_shadow, deepest, adapter, times }
+    }
+
+    /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
+    pub(super) fn json(&self) -> String {
+        let report = json!({
+            "adapter": self.adapter,
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "points": self.points,
+            "non_finite_points": self.non_finite_points,
+            "lights": self.deepest.len(),
+            "points_in_shadow": self.points_in_shadow,
+            "deepest": self.deepest,
+            "milliseconds": self.times.json(),
+        });
+        format!("{report:#}\n")
+    }
+
+    pub(super) fn text(&self, out: &Path) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, value: &str| {
+            let _ = writeln!(text, "{name:<18} {value}");
+        };
+        line("adapter", &self.adapter);
+        line("vertices", &self.vertices.to_string());
+        line("faces", &self.faces.to_string());
+        line("points", &self.points.to_string());
+        if self.non_finite_points > 0 {
+            line("", &format!("{} not finite: their depth is -1", self.non_finite_points));
+        }
+        line("points in shadow", &per_light(&self.points_in_shadow));
+        let deepest: Vec<String> = self.deepest.iter().take(8).map(usize::to_string).collect();
+        let more = if self.deepest.len() > 8 { ", …" } else { "" };
+        line("deepest", &format!("{}{more}", deepest.join(", ")));
+        line("milliseconds", &self.times.text());
+        line("written", &out.display().to_string());
+        text
+    }
+}

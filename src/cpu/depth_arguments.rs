@@ -1,0 +1,8 @@
+//! Shadow arguments: the indirect dispatch that counts pairs of point and light anew.
+
+/// Workgroups along x, y and z for `recounts` pairs over `groups` groups of faces, with at most `most_workgroups` along
+/// x; as many along y are enough for what one dispatch lists.
+pub fn depth_arguments(recounts: u32, groups: u32, most_workgroups: u32) -> [u32; 3] {
+    let all = recounts * groups;
+    [all.min(most_workgroups), all.div_ceil(most_workgroups), 1]
+}

@@ -1,0 +1,109 @@
+// Exact shadow depth: the faces that shadow_depth.wgsl left in doubt, settled in integers, in fixed point where the
+// numbers fit. The line and an edge that it meets are told apart as if the light were moved by (e, e^2, e^3);
+// NUMERICS.md, "Shadow depth".
+
+// The light, and then the axes along which it is moved.
+fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
+  switch (tie) {
+    case 0u: { return light; }
+    case 1u: { return vec4<u32>(ONE, 0u, 0u, 0u); }
+    case 2u: { return vec4<u32>(0u, ONE, 0u, 0u); }
+    default: { return vec4<u32>(0u, 0u, ONE, 0u); }
+  }
+}
+
+// Both ends strictly on opposite sides of the plane, and the line past all edges on the light's side.
+fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
+  var light_side = 0;
+  // The point's side, the light's, and those of three edges; in one loop, so that the integers are compiled once.
+  for (var test = 0u; test < 5u; test++) {
+    var a = face.a;
+    var b = face.b;
+    var c = select(face.c, p, test >= 2u);
+    if (test == 3u) {
+      a = face.b;
+      b = face.c;
+    } else if (test == 4u) {
+      a = face.c;
+      b = face.a;
+    }
+    let fixed = fixed_face(a, b, c);
+    let towards = select(light, vec4<u32>(p, ONE), test == 0u);
+    let ties = select(1u, 4u, test >= 2u);
+    var sign = 0;
+    for (var tie = 0u; tie < ties && sign == 0; tie++) {
+      let at = light_at(towards, tie);
+      sign = fixed_sign(fixed, at);
+      if (sign == 2) {
+        sign = exact_sign(a, b, c, at);
+      }
+    }
+    if (sign == 0) {
+      return false;
+    }
+    if (test == 0u) {
+      light_side = -sign;
+    } else if (sign != light_side) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// One of a pair's faces, as they were noted.
+fn noted_face(noted: Doubt, at: u32) -> u32 {
+  return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
+}
+
+// The faces noted of each pair of point and light.
+@compute @workgroup_size(64)
+fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
+  let pair = id.x;
+  if (pair >= chunk.count * word.count) {
+    return;
+  }
+  let noted = doubts.pairs[pair];
+  if (noted.count > MOST_DOUBTS) {
+    return;
+  }
+  let query = query_of(pair);
+  for (var at = 0u; at < noted.count; at++) {
+    if (exactly_between(face_of(noted_face(noted, at)), query.p_bits, word.light_bits[query.light])) {
+      atomicAdd(&depths[query.at], 1);
+    }
+  }
+}
+
+// The pairs that had more: a workgroup for each of them and group of faces, so that no invocation has many to settle.
+@compute @workgroup_size(64)
+fn exact_shadow_depth_recount(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
+  let item = group.y * groups.x + group.x;
+  if (item / range_groups >= doubts.recounts) {
+    return;
+  }
+  let query = query_of(doubts.pairs[item / range_groups].recount);
+  let segment = segment_of(query);
+  let first = range.first + CLUSTER * (item % range_groups);
+  if (misses(segment, clusters[first].group_low, clusters[first].group_high)) {
+    return;
+  }
+  let end = min(first + CLUSTER, range.end) * CLUSTER;
+  for (var at = first * CLUSTER + local; at < end; at += 64u) {
+    if (misses(segment, clusters[at / CLUSTER].low, clusters[at / CLUSTER].high)) {
+      continue;
+    }
+    let face = face_of(at);
+    var decision = decide(segment, face);
+    if (decision == IN_DOUBT && exactly_between(face, segment.p_bits, word.light_bits[segment.light])) {
+      decision = BETWEEN;
+    }
+    if (decision == BETWEEN) {
+      atomicAdd(&depths[query.at], 1);
+    }
+  }
+}

@@ -1,0 +1,85 @@
+// Shadow boxes: boxes around clusters of 32 faces and groups of 32 clusters, a workgroup a group. Floats are compared as
+// integers of the same order, so that no device can flush or round.
+
+@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(1) var<uniform> range: FaceRange;
+@group(0) @binding(6) var<storage, read_write> clusters: array<FaceCluster>;
+
+const SIGN: u32 = 0x80000000u;
+
+// Lowest and highest keys, and the bits of the largest absolute coordinate; `any_face` 0 where there is nothing.
+struct Keys {
+  low: vec3<u32>,
+  largest: u32,
+  high: vec3<u32>,
+  any_face: u32,
+}
+
+var<workgroup> group_keys: array<Keys, CLUSTER>;
+
+fn key(bits: vec3<u32>) -> vec3<u32> {
+  return select(bits | vec3<u32>(SIGN), ~bits, bits >= vec3<u32>(SIGN));
+}
+
+fn unkey(keys: vec3<u32>) -> vec3<u32> {
+  return select(~keys, keys & ~vec3<u32>(SIGN), keys >= vec3<u32>(SIGN));
+}
+
+fn empty() -> Keys {
+  return Keys(vec3<u32>(0xffffffffu), 0u, vec3<u32>(0u), 0u);
+}
+
+fn join(a: Keys, b: Keys) -> Keys {
+  return Keys(min(a.low, b.low), max(a.largest, b.largest), max(a.high, b.high), a.any_face | b.any_face);
+}
+
+fn around(bits: vec3<u32>) -> Keys {
+  let magnitudes = bits & ~vec3<u32>(SIGN);
+  return Keys(key(bits), max(max(magnitudes.x, magnitudes.y), magnitudes.z), key(bits), 1u);
+}
+
+fn around_face(cluster: u32, face: u32) -> Keys {
+  let corners = vec3<u32>(
+    clusters[cluster].corners[3u * face],
+    clusters[cluster].corners[3u * face + 1u],
+    clusters[cluster].corners[3u * face + 2u],
+  );
+  let a = position_bits(corners.x, word.position_offset, word.position_stride);
+  let b = position_bits(corners.y, word.position_offset, word.position_stride);
+  let c = position_bits(corners.z, word.position_offset, word.position_stride);
+  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
+  if (is_degenerate || !is_finite(a) || !is_finite(b) || !is_finite(c)) {
+    return empty();
+  }
+  return join(around(a), join(around(b), around(c)));
+}
+
+fn low_of(keys: Keys) -> vec4<u32> {
+  return select(vec4<u32>(0u), vec4<u32>(unkey(keys.low), keys.largest), keys.any_face != 0u);
+}
+
+fn high_of(keys: Keys) -> vec4<u32> {
+  return select(vec4<u32>(0u), vec4<u32>(unkey(keys.high), 1u), keys.any_face != 0u);
+}
+
+@compute @workgroup_size(CLUSTER)
+fn shadow_boxes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+  let cluster = group.x * CLUSTER + local;
+  var keys = empty();
+  if (cluster < range.end) {
+    for (var face = 0u; face < CLUSTER; face++) {
+      keys = join(keys, around_face(cluster, face));
+    }
+    clusters[cluster].low = low_of(keys);
+    clusters[cluster].high = high_of(keys);
+  }
+  group_keys[local] = keys;
+  workgroupBarrier();
+  if (local == 0u) {
+    for (var other = 1u; other < CLUSTER; other++) {
+      keys = join(keys, group_keys[other]);
+    }
+    clusters[cluster].group_low = low_of(keys);
+    clusters[cluster].group_high = high_of(keys);
+  }
+}

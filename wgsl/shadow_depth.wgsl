@@ -1,0 +1,100 @@
+// Shadow depth: how many faces lie strictly between each point and each light, one invocation a pair of these. Faces in
+// doubt are noted for exact_shadow_depth.wgsl; a pair with more than can be noted is listed, to be counted anew there.
+
+var<private> doubt: Doubt;
+
+fn note(face: u32) {
+  switch (doubt.count) {
+    case 0u: { doubt.face_0 = face; }
+    case 1u: { doubt.face_1 = face; }
+    case 2u: { doubt.face_2 = face; }
+    default: {}
+  }
+  doubt.count++;
+}
+
+// Faces of a cluster that lie between.
+fn count_cluster(segment: Segment, cluster: u32) -> u32 {
+  let low = clusters[cluster].low;
+  let high = clusters[cluster].high;
+  if (misses(segment, low, high)) {
+    return 0u;
+  }
+  // One bound for all edges: the box holds them all.
+  let to_low = bitcast<vec3<f32>>(low.xyz) - segment.p;
+  let to_high = bitcast<vec3<f32>>(high.xyz) - segment.p;
+  let edge = sum_of_sizes(bitcast<vec3<f32>>(high.xyz) - bitcast<vec3<f32>>(low.xyz));
+  let reach = sum_of_sizes(max(abs(to_low), abs(to_high)));
+  let underflow = underflow_bound(bitcast<f32>(max(low.w, segment.largest)));
+  let bound = (RELATIVE * segment.size) * (edge * reach) + underflow * (1.0 + 3.0 * segment.size);
+  let is_certain = segment.is_certain && low.w < LARGE;
+  var count = 0u;
+  for (var at = 0u; at < CLUSTER; at++) {
+    let face = face_of(CLUSTER * cluster + at);
+    let d = edge_determinants(
+      segment,
+      bitcast<vec3<f32>>(face.a),
+      bitcast<vec3<f32>>(face.b),
+      bitcast<vec3<f32>>(face.c),
+    );
+    if (is_certain && min(min(d.x, d.y), d.z) < -bound && max(max(d.x, d.y), d.z) > bound) {
+      continue;
+    }
+    let decision = decide(segment, face);
+    if (decision == BETWEEN) {
+      count++;
+    } else if (decision == IN_DOUBT) {
+      note(CLUSTER * cluster + at);
+    }
+  }
+  return count;
+}
+
+// Faces of the range that lie between.
+fn count_range(segment: Segment) -> u32 {
+  var count = 0u;
+  for (var group = range.first; group < range.end; group += CLUSTER) {
+    if (misses(segment, clusters[group].group_low, clusters[group].group_high)) {
+      continue;
+    }
+    for (var cluster = group; cluster < min(group + CLUSTER, range.end); cluster++) {
+      count += count_cluster(segment, cluster);
+    }
+    if (doubt.count > MOST_DOUBTS) {
+      break;
+    }
+  }
+  return count;
+}
+
+fn list(pair: u32) {
+  let place = atomicAdd(&doubts.listed, 1u);
+  doubts.pairs[place].recount = pair;
+}
+
+@compute @workgroup_size(64)
+fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
+  let pair = id.x;
+  if (pair >= chunk.count * word.count) {
+    return;
+  }
+  let query = query_of(pair);
+  var counted = 0;
+  if (is_finite(query.p_bits)) {
+    counted = i32(count_range(segment_of(query)));
+    if (doubt.count > MOST_DOUBTS) {
+      counted = 0;
+      list(pair);
+    }
+    if (range.is_first == 0u) {
+      counted += atomicLoad(&depths[query.at]);
+    }
+  } else {
+    counted = -1;
+  }
+  atomicStore(&depths[query.at], counted);
+  doubts.pairs[pair].count = doubt.count;
+  doubts.pairs[pair].face_0 = doubt.face_0;
+  doubts.pairs[pair].face_1 = doubt.face_1;
+  doubts.pairs[pair].face_2 = doubt.face_2;
+}

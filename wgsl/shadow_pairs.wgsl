@@ -1,0 +1,128 @@
+// Faces between a point and a light, for both stages of the shadow depth query, as far as f32 bounds decide. NUMERICS.md,
+// "Shadow depth".
+
+// As many doubts as are noted of a pair of point and light.
+const MOST_DOUBTS: u32 = 3u;
+
+// The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|; 0 where it is not certain.
+fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
+  let bound = (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
+  return select(0, 1, d > bound) - select(0, 1, d < -bound);
+}
+
+fn sum_of_sizes(v: vec3<f32>) -> f32 {
+  return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+fn largest_of(v: vec3<f32>) -> f32 {
+  return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
+
+struct Face {
+  corners: vec3<u32>,
+  a: vec3<u32>,
+  b: vec3<u32>,
+  c: vec3<u32>,
+}
+
+fn face_of(index: u32) -> Face {
+  let cluster = index / CLUSTER;
+  let first = 3u * (index % CLUSTER);
+  var face: Face;
+  face.corners = vec3<u32>(
+    clusters[cluster].corners[first],
+    clusters[cluster].corners[first + 1u],
+    clusters[cluster].corners[first + 2u],
+  );
+  face.a = position_bits(face.corners.x, word.position_offset, word.position_stride);
+  face.b = position_bits(face.corners.y, word.position_offset, word.position_stride);
+  face.c = position_bits(face.corners.z, word.position_offset, word.position_stride);
+  return face;
+}
+
+const NOT_BETWEEN: u32 = 0u;
+const BETWEEN: u32 = 1u;
+const IN_DOUBT: u32 = 2u;
+
+// Sides of the line against the three edges, as f32 gives them.
+fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+  let at_a = cross_product(segment.p - a, segment.d);
+  let at_b = cross_product(segment.p - b, segment.d);
+  let at_c = cross_product(segment.p - c, segment.d);
+  let u = b - a;
+  let v = c - b;
+  let t = a - c;
+  return vec3<f32>(
+    u.x * at_a.x + u.y * at_a.y + u.z * at_a.z,
+    v.x * at_b.x + v.y * at_b.y + v.z * at_b.z,
+    t.x * at_c.x + t.y * at_c.y + t.z * at_c.z,
+  );
+}
+
+// By each determinant's own bound.
+fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
+  let a = bitcast<vec3<f32>>(face.a);
+  let b = bitcast<vec3<f32>>(face.b);
+  let c = bitcast<vec3<f32>>(face.c);
+  let underflow = underflow_bound(bitcast<f32>(largest));
+  let d = edge_determinants(segment, a, b, c);
+  let ab = certain_sign(d.x, sum_of_sizes(b - a) * sum_of_sizes(segment.p - a), segment.size, underflow);
+  let bc = certain_sign(d.y, sum_of_sizes(c - b) * sum_of_sizes(segment.p - b), segment.size, underflow);
+  let ca = certain_sign(d.z, sum_of_sizes(a - c) * sum_of_sizes(segment.p - c), segment.size, underflow);
+  let highest = max(max(ab, bc), ca);
+  let lowest = min(min(ab, bc), ca);
+  if (highest > 0 && lowest < 0) {
+    return NOT_BETWEEN;
+  }
+  let u = b - a;
+  let v = c - a;
+  let n = cross_product(u, v);
+  let uv = sum_of_sizes(u) * sum_of_sizes(v);
+  let t = segment.p - a;
+  let point_side = certain_sign(n.x * t.x + n.y * t.y + n.z * t.z, uv, largest_of(t), underflow);
+  let light = word.lights[segment.light];
+  let s = light.xyz - light.w * a;
+  let inexact_w = word.inexact_w[segment.light / 4u][segment.light % 4u];
+  let s_size = largest_of(abs(s) + inexact_w * abs(a));
+  let light_side = certain_sign(n.x * s.x + n.y * s.y + n.z * s.z, uv, s_size, underflow);
+  if (point_side * light_side > 0) {
+    return NOT_BETWEEN;
+  }
+  if (point_side * light_side < 0 && highest == lowest && highest == light_side) {
+    return BETWEEN;
+  }
+  return IN_DOUBT;
+}
+
+// The bits of 1.0.
+const ONE: u32 = 0x3f800000u;
+
+// A point or light in the face's plane without any arithmetic: at a corner, or with a face that is flat along an axis.
+fn is_coplanar(segment: Segment, face: Face) -> bool {
+  if (all(segment.p_bits == face.a) || all(segment.p_bits == face.b) || all(segment.p_bits == face.c)) {
+    return true;
+  }
+  let flat = (face.a == face.b) & (face.a == face.c);
+  let light = word.light_bits[segment.light];
+  let is_level = (light.xyz & vec3<u32>(0x7fffffffu)) == vec3<u32>(0u);
+  let light_at = select(vec3<bool>(false), is_level, (light.w & 0x7fffffffu) == 0u) |
+    select(vec3<bool>(false), light.xyz == face.a, light.w == ONE);
+  return any(flat & ((segment.p_bits == face.a) | light_at));
+}
+
+fn decide(segment: Segment, face: Face) -> u32 {
+  let largest = largest_magnitude(face.a, face.b, face.c);
+  let is_degenerate =
+    face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x;
+  if (is_degenerate || largest >= INFINITE) {
+    return NOT_BETWEEN;
+  }
+  var decision = IN_DOUBT;
+  if (segment.is_certain && largest < LARGE) {
+    decision = decide_by_bounds(segment, face, max(largest, segment.largest));
+  }
+  if (decision == IN_DOUBT && is_coplanar(segment, face)) {
+    return NOT_BETWEEN;
+  }
+  return decision;
+}

@@ -1,0 +1,94 @@
+// Segments from points to lights, and boxes that they miss, for both stages of the shadow depth query. NUMERICS.md,
+// "Shadow depth".
+
+@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(1) var<uniform> chunk: PointChunk;
+@group(0) @binding(6) var<uniform> range: FaceRange;
+@group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
+@group(0) @binding(8) var<storage, read> points: array<u32>;
+// Point after point, a number a light.
+@group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
+@group(0) @binding(10) var<storage, read_write> doubts: Doubts;
+
+// Leave out groups and clusters whose boxes the segment misses.
+override SKIP: bool = true;
+
+// From a point to a light: all of the ray where the light is a direction.
+struct Segment {
+  p_bits: vec3<u32>,
+  // Which of the word's lights.
+  light: u32,
+  p: vec3<f32>,
+  // Bits of the largest absolute coordinate of p.
+  largest: u32,
+  // Towards the light, l - w p, of the scaled light.
+  d: vec3<f32>,
+  // The largest of `sizes`.
+  size: f32,
+  // |d|, and |w p| where its rounding counts.
+  sizes: vec3<f32>,
+  // f32 may decide.
+  is_certain: bool,
+}
+
+struct Query {
+  // Place of the depth.
+  at: u32,
+  p_bits: vec3<u32>,
+  light: u32,
+}
+
+fn query_of(index: u32) -> Query {
+  let point = index / word.count;
+  let light = index % word.count;
+  let from_word = chunk.offset + point * chunk.stride;
+  let bits = vec3<u32>(points[from_word], points[from_word + 1u], points[from_word + 2u]);
+  return Query(point * chunk.lights + chunk.first_light + light, bits, light);
+}
+
+fn segment_of(query: Query) -> Segment {
+  let p = bitcast<vec3<f32>>(query.p_bits);
+  let light = word.lights[query.light];
+  let inexact_w = word.inexact_w[query.light / 4u][query.light % 4u];
+  let d = light.xyz - light.w * p;
+  let sizes = abs(d) + inexact_w * abs(p);
+  let largest = largest_magnitude(query.p_bits, query.p_bits, query.p_bits);
+  let is_certain = largest < LARGE && ((word.doubtful >> query.light) & 1u) == 0u;
+  return Segment(query.p_bits, query.light, p, largest, d, max(max(sizes.x, sizes.y), sizes.z), sizes, is_certain);
+}
+
+// What roundings may add in a box test, and what underflow may.
+const MARGIN: f32 = 0x1p-18;
+const TINY: f32 = 0x1p-100;
+
+// Certainly no face in this box lies between.
+fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
+  if (high_bits.w == 0u) {
+    return true;
+  }
+  if (!SKIP || !segment.is_certain || low_bits.w >= LARGE) {
+    return false;
+  }
+  let low = bitcast<vec3<f32>>(low_bits.xyz);
+  let high = bitcast<vec3<f32>>(high_bits.xyz);
+  // Before both ends, or beyond both.
+  let light = word.lights[segment.light];
+  let to_low = low - segment.p;
+  let to_high = high - segment.p;
+  let light_low = light.w * low;
+  let light_high = light.w * high;
+  let low_margin = MARGIN * (abs(light_low) + abs(light.xyz)) + TINY;
+  let high_margin = MARGIN * (abs(light_high) + abs(light.xyz)) + TINY;
+  let is_before = (to_high < vec3<f32>(0.0)) & (light_high - light.xyz < -high_margin);
+  let is_beyond = (to_low > vec3<f32>(0.0)) & (light_low - light.xyz > low_margin);
+  if (any(is_before | is_beyond)) {
+    return true;
+  }
+  // Beside the line, seen along an axis.
+  let middle = 0.5 * (to_low + to_high);
+  let half_size = 0.5 * (to_high - to_low);
+  let extent = half_size + MARGIN * (half_size + abs(middle)) + TINY;
+  let size = segment.sizes + TINY;
+  let distance = abs(middle.yzx * segment.d.zxy - middle.zxy * segment.d.yzx);
+  return any(distance > extent.yzx * size.zxy + extent.zxy * size.yzx + UNDERFLOW);
+}
