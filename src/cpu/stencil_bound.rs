@@ -4,9 +4,7 @@ use glam::Vec3;
 
 use super::is_finite;
 use crate::layout::ShadowLight;
-/// The codes of [`ShadowLight::casting`].
-const CAST_NOTHING: u32 = 0;
-const CAST_EVERY: u32 = 2;
+use crate::shadow::{CAST_EVERY, CAST_NOTHING};
 
 /// Bins that the pencil of half planes is cut into.
 const BINS: usize = 256;

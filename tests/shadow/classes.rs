@@ -163,7 +163,7 @@ fn directional(random: &mut Random) -> Frame {
 
 /// In the tube of a torus.
 fn in_tube(random: &mut Random) -> DVec3 {
-    let angle = between(random, 0.0, 6.28);
+    let angle = between(random, 0.0, std::f32::consts::TAU);
     DVec3::new(angle.cos(), 0.0, angle.sin()) + place(random, 0.0, 0.2)
 }
 
