@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     extractor.encode(&mut encoder, positions, &lights, None)?;
     let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
-    volumes.encode(&mut encoder, &pipelines, &extractor, positions, &view, &ranged, None)?;
+    volumes.encode(&mut encoder, &extractor, positions, &view, &ranged, None)?;
     stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
     canvas.save(encoder, "soft.png")
 }

@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;
     extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
     let ranged = lights.map(RangedLight::from);
-    volumes.encode(&mut encoder, &pipelines, &extractor, deformer.positions(), &view, &ranged, None)?;
+    volumes.encode(&mut encoder, &extractor, deformer.positions(), &view, &ranged, None)?;
     stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
     canvas.save(encoder, "three_spheres.png")
 }

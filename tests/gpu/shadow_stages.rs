@@ -384,7 +384,7 @@ fn whole() -> Result<(), String> {
             let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
             gpu.submit(|encoder| {
                 extractor.encode(encoder, bound, &plain, None).map_err(text)?;
-                volumes.encode(encoder, &pipelines, &extractor, bound, &scene.camera, &scene.lights, None).map_err(text)
+                volumes.encode(encoder, &extractor, bound, &scene.camera, &scene.lights, None).map_err(text)
             })?;
             let view = scene.camera.view().map_err(text)?;
             let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);

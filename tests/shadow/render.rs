@@ -100,7 +100,7 @@ impl<'a> Renderer<'a> {
             let mut volumes =
                 ShadowVolumes::new(&pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
             volumes
-                .encode(&mut encoder, &pipelines, &extractor, positions, &camera, &lights, None)
+                .encode(&mut encoder, &extractor, positions, &camera, &lights, None)
                 .map_err(|error| text(&error))?;
             casters.push(volumes);
         }

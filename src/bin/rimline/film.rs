@@ -64,7 +64,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             }
         }
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
-        set.encode(&gpu, &mut encoder, &studio, &pictures.pipelines, &mut casters, None).map_err(fail)?;
+        set.encode(&gpu, &mut encoder, &studio, &mut casters, None).map_err(fail)?;
         gpu.queue.submit([encoder.finish()]);
         let picture = shadow::picture(&gpu, &studio, &pictures, &set, &casters).map_err(fail)?;
         gpu.check()?;

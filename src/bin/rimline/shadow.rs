@@ -70,7 +70,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         .map_err(fail)?;
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("shadow") });
-    set.encode(&gpu, &mut encoder, &studio, pipelines, &mut casters, timer.as_mut()).map_err(fail)?;
+    set.encode(&gpu, &mut encoder, &studio, &mut casters, timer.as_mut()).map_err(fail)?;
     if let Some(timer) = &timer {
         timer.resolve(&mut encoder);
     }

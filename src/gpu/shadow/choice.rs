@@ -1,4 +1,4 @@
-//! The compute passes before the draws: bounds, choose, caps, shadow_arguments.
+//! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`.
 
 use super::volumes::{Buffers, ShadowOptions};
 use crate::Counting;

@@ -24,7 +24,7 @@ pub struct ShadowFormat {
 }
 
 impl Default for ShadowFormat {
-    /// Depth32FloatStencil8 is an optional feature, so 24 bits; reversed, one sample, no colour, infinite far plane.
+    /// `Depth32FloatStencil8` is an optional feature, so 24 bits; reversed, one sample, no colour, infinite far plane.
     fn default() -> Self {
         Self {
             depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,
@@ -57,13 +57,22 @@ pub enum ShadowFormatError {
     DepthClip,
 }
 
+/// Layouts of the bind groups that draws take.
+#[derive(Clone, Debug)]
+pub(super) struct Layouts {
+    /// Camera and lights.
+    pub(super) frame: wgpu::BindGroupLayout,
+    /// The extraction's results.
+    pub(super) results: wgpu::BindGroupLayout,
+    /// Faces and their lists.
+    pub(super) cap_data: wgpu::BindGroupLayout,
+}
+
 /// The pipelines that one counting method draws with; casters share them.
 #[derive(Debug)]
 pub struct ShadowPipelines {
     pub(super) counting: Counting,
-    pub(super) frame: wgpu::BindGroupLayout,
-    pub(super) results: wgpu::BindGroupLayout,
-    pub(super) cap_data: wgpu::BindGroupLayout,
+    pub(super) layouts: Layouts,
     /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
     pub(super) side: wgpu::RenderPipeline,
     /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
@@ -113,9 +122,7 @@ impl ShadowPipelines {
             paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
-            frame,
-            results,
-            cap_data,
+            layouts: Layouts { frame, results, cap_data },
         })
     }
 

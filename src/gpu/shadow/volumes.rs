@@ -4,7 +4,7 @@ use wgpu::BufferUsages;
 
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
-use super::pipelines::ShadowPipelines;
+use super::pipelines::{Layouts, ShadowPipelines};
 use crate::gpu::extractor::Extractor;
 use crate::gpu::frame::{UniformTable, upload};
 use crate::gpu::include::IncludeError;
@@ -103,6 +103,7 @@ pub(super) struct Buffers {
 pub struct ShadowVolumes {
     buffers: Buffers,
     choice: Choice,
+    layouts: Layouts,
     groups: Option<DrawGroups>,
     shape: ShadowShape,
     max_lights: usize,
@@ -156,7 +157,15 @@ impl ShadowVolumes {
         }
         let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
         let choice = Choice::new(device, &buffers, &results, pipelines.counting(), options);
-        Ok(Self { buffers, choice, groups: None, shape, max_lights: extraction.max_lights, bound_to: None })
+        Ok(Self {
+            buffers,
+            choice,
+            layouts: pipelines.layouts.clone(),
+            groups: None,
+            shape,
+            max_lights: extraction.max_lights,
+            bound_to: None,
+        })
     }
 
     /// Records, after the extraction's encode for the same positions and lights, what chooses and lists for `camera`.
@@ -166,7 +175,6 @@ impl ShadowVolumes {
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        pipelines: &ShadowPipelines,
         extractor: &Extractor,
         positions: PositionBuffer<'_>,
         camera: &ShadowCamera,
@@ -177,7 +185,7 @@ impl ShadowVolumes {
         let view = camera.view()?;
         let (device, split, extraction) = extractor.parts();
         let bound = positions.bind(extraction.vertices, split)?;
-        self.bind(pipelines, extractor, positions)?;
+        self.bind(extractor, positions)?;
         let shape = ShadowShape {
             lights: lights.len() as u32,
             position_offset: bound.offset_words,
@@ -229,12 +237,7 @@ impl ShadowVolumes {
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind(
-        &mut self,
-        pipelines: &ShadowPipelines,
-        extractor: &Extractor,
-        positions: PositionBuffer<'_>,
-    ) -> Result<(), ShadowError> {
+    fn bind(&mut self, extractor: &Extractor, positions: PositionBuffer<'_>) -> Result<(), ShadowError> {
         let target = (positions.buffer.clone(), positions.offset, positions.stride);
         if self.bound_to.as_ref() == Some(&target) {
             return Ok(());
@@ -242,7 +245,7 @@ impl ShadowVolumes {
         let (device, split, extraction) = extractor.parts();
         let results = extractor.results();
         let groups = (0..results.facing.len())
-            .map(|word| extractor.results_bind_group(&pipelines.results, word, positions))
+            .map(|word| extractor.results_bind_group(&self.layouts.results, word, positions))
             .collect::<Result<Vec<_>, _>>()?;
         let bound = positions.bind(extraction.vertices, split)?;
         let buffers = &self.buffers;
@@ -260,7 +263,7 @@ impl ShadowVolumes {
             })
         };
         let frame = group(
-            &pipelines.frame,
+            &self.layouts.frame,
             &[
                 whole(&buffers.shape),
                 whole(&buffers.view),
@@ -272,7 +275,7 @@ impl ShadowVolumes {
         let placed = binding(positions.buffer, bound.base + window.start..bound.base + window.end);
         let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
             group(
-                &pipelines.cap_data,
+                &self.layouts.cap_data,
                 &[placed.clone(), whole(&buffers.faces), whole(facing), whole(&buffers.cap_counts), whole(list)],
             )
         });

@@ -68,7 +68,6 @@ impl Caster {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        pipelines: &ShadowPipelines,
         body: &Body<'_>,
         camera: &ShadowCamera,
         lights: &[RangedLight],
@@ -77,7 +76,7 @@ impl Caster {
         let positions = body.positions.buffer();
         let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
         self.extractor.encode(encoder, positions, &plain, timer.as_deref_mut())?;
-        self.volumes.encode(encoder, pipelines, &self.extractor, positions, camera, lights, timer)?;
+        self.volumes.encode(encoder, &self.extractor, positions, camera, lights, timer)?;
         Ok(())
     }
 }

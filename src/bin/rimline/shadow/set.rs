@@ -144,7 +144,6 @@ impl<'a> Set<'a> {
         gpu: &Gpu,
         encoder: &mut rimline::wgpu::CommandEncoder,
         studio: &Studio<'_>,
-        pipelines: &rimline::gpu::ShadowPipelines,
         casters: &mut [Caster],
         mut timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
@@ -152,7 +151,7 @@ impl<'a> Set<'a> {
         let (camera, lights) = (shadow_camera(&self.camera), self.ranged());
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.place(gpu, &studio.kit, studio.geometry_layout(), body);
-            caster.encode(encoder, pipelines, body, &camera, &lights, timer.as_deref_mut())?;
+            caster.encode(encoder, body, &camera, &lights, timer.as_deref_mut())?;
         }
         Ok(())
     }
