@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use rimline::wgpu;
 
-use crate::args::{FilmArgs, MAX_FRAMES};
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
 use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::shadow;
+use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::body::Body;
 use crate::shadow::caster::Caster;
 use crate::shadow::pictures::Pictures;

@@ -1,5 +1,6 @@
 //! `rimline shadow`: models with their shadows.
 
+pub(crate) mod args;
 pub(crate) mod body;
 pub(crate) mod caster;
 mod frame;
@@ -15,7 +16,6 @@ pub(crate) mod studio;
 use rimline::gpu::StageTimer;
 use rimline::wgpu;
 
-use crate::args::ShadowArgs;
 use crate::device::Gpu;
 use crate::displacement;
 use crate::failure::Failure;
@@ -24,6 +24,7 @@ use crate::image::Picture;
 use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::times::Times;
+use args::ShadowArgs;
 use caster::Caster;
 use masks::Masks;
 use pictures::Pictures;

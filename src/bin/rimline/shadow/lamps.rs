@@ -4,9 +4,9 @@ use rimline::glam::{DVec3, Vec3};
 use rimline::shadow::{RangedLight, falloff};
 use rimline::{AreaLight, AreaShape, Light};
 
-use crate::args::ShadowSceneArgs;
 use crate::failure::Failure;
 use crate::render::camera::{AZIMUTH, Camera};
+use crate::shadow::args::ShadowSceneArgs;
 use crate::spec::{AreaKind, AreaSpec};
 
 use super::body::Body;

@@ -7,10 +7,10 @@ use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceS
 use super::glass::Glass;
 use super::painter::{ADD, MULTIPLY, Onto, Painter, Target, depth_state};
 use super::studio::{Attachments, Studio, Subject, draw_volumes};
-use crate::args::ModeArg;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::kit::Pass;
+use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
 pub(super) const LINEAR: Target = Target { format: TextureFormat::Rgba16Float, samples: 4 };

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::caster::Caster;
 use super::set::Set;
-use crate::args::{ShadowSceneArgs, value_name};
 use crate::device::{Gpu, describe};
+use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::times::Times;
 
 /// What one caster's stages found and chose.

@@ -12,7 +12,6 @@ use super::caster::Caster;
 use super::frame::{Frame, shadow_camera};
 use super::lamps::{Lamp, LampData, Stage};
 use super::studio::{Studio, Subject};
-use crate::args::{ModeArg, ShadowSceneArgs, value_name};
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
@@ -20,6 +19,7 @@ use crate::gpu_error::GpuError;
 use crate::input::Input;
 use crate::render::camera::Camera;
 use crate::render::{centre, check_size, extent};
+use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
 const ELEVATION: f64 = 24.0;

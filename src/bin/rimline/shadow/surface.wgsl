@@ -66,8 +66,9 @@ fn albedo(front: bool) -> vec3<f32> {
 @fragment fn ambient_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
   let to_eye = normalize(-in.q);
   let n = shading_normal(in, front, to_eye);
-  // More from above; and a little from the eye, so that what is in shadow keeps its shape.
-  let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.7, 1.0, saturate(dot(n, to_eye)));
+  // More from above; and a little from the eye and its right, so that what is in shadow keeps its shape.
+  let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.55, 1.05, saturate(dot(n, to_eye))) *
+    (1.0 + 0.18 * dot(n, frame.right));
   return vec4<f32>(albedo(front) * frame.ambient * around, 1.0);
 }
 
