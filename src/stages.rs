@@ -51,25 +51,28 @@ pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common", "arguments"], entry_points: &["arguments"] };
 /// The box of a caster.
 pub const BOUNDS: Stage =
-    Stage { name: "bounds", files: files!["common", "shadow", "bounds"], entry_points: &["bounds"] };
+    Stage { name: "bounds", files: files!["common", "shadow", "caster", "bounds"], entry_points: &["bounds"] };
 /// Which faces cast, and how is counted.
 pub const CHOOSE: Stage =
     Stage { name: "choose", files: files!["common", "shadow", "pyramid", "choose"], entry_points: &["choose"] };
 /// Where ZP+ as published goes over to z-fail.
 pub const PAPER_CASES: Stage = Stage {
     name: "paper_cases",
-    files: files!["common", "shadow", "paper", "paper_cases"],
+    files: files!["common", "shadow", "paper", "caster", "paper_cases"],
     entry_points: &["paper_cases"],
 };
 /// What no stencil count exceeds.
 pub const STENCIL_BOUND: Stage = Stage {
     name: "stencil_bound",
-    files: files!["common", "shadow", "stencil_bound"],
+    files: files!["common", "shadow", "caster", "stencil_bound"],
     entry_points: &["stencil_bound"],
 };
 /// Lists of the faces that caps are drawn from.
-pub const CAPS: Stage =
-    Stage { name: "caps", files: files!["common", "shadow", "pyramid", "casting", "caps"], entry_points: &["caps"] };
+pub const CAPS: Stage = Stage {
+    name: "caps",
+    files: files!["common", "shadow", "pyramid", "casting", "caster", "caps"],
+    entry_points: &["caps"],
+};
 /// Indirect draw arguments of shadow volumes.
 pub const SHADOW_ARGUMENTS: Stage = Stage {
     name: "shadow_arguments",
@@ -140,7 +143,7 @@ pub const SIDES: Stage = Stage {
 /// Vertex shaders of the caps of shadow volumes.
 pub const CAP_FACES: Stage = Stage {
     name: "cap_faces",
-    files: files!["common", "shadow", "polygon", "paper", "casting", "cap_faces"],
+    files: files!["common", "shadow", "polygon", "paper", "casting", "caster", "cap_faces"],
     entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap"],
 };
 

@@ -11,25 +11,15 @@ fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-fn position_bits(vertex: u32) -> vec3<u32> {
-  let word = shape.position_offset + vertex * shape.position_stride;
-  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
-}
-
-fn is_finite(bits: vec3<u32>) -> bool {
-  let exponent = bits & vec3<u32>(0x7f800000u);
-  return all(exponent != vec3<u32>(0x7f800000u));
-}
-
 @compute @workgroup_size(64)
 fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
   for (var face = id.x; face < shape.faces; face += 64u * groups.x) {
-    let a = position_bits(faces[3u * face]);
-    let b = position_bits(faces[3u * face + 1u]);
-    let c = position_bits(faces[3u * face + 2u]);
-    if (is_finite(a) && is_finite(b) && is_finite(c)) {
+    let a = caster_bits(faces[3u * face]);
+    let b = caster_bits(faces[3u * face + 1u]);
+    let c = caster_bits(faces[3u * face + 2u]);
+    if (is_finite(bitcast<vec3<f32>>(a)) && is_finite(bitcast<vec3<f32>>(b)) && is_finite(bitcast<vec3<f32>>(c))) {
       low = min(low, min(ordered(a), min(ordered(b), ordered(c))));
       high = max(high, max(ordered(a), max(ordered(b), ordered(c))));
     }

@@ -36,7 +36,7 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
     let facing = ((facing_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
     valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
-      is_finite(cap_position(corners.x)) && is_finite(cap_position(corners.y)) && is_finite(cap_position(corners.z));
+      is_finite(caster_position(corners.x)) && is_finite(caster_position(corners.y)) && is_finite(caster_position(corners.z));
   }
   return CapFace(valid, corners);
 }
@@ -46,7 +46,7 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(to_clip(view, cap_position(face.corners[vertex])));
+  return CapVertex(to_clip(view, caster_position(face.corners[vertex])));
 }
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
@@ -55,7 +55,7 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(far_end(view, light, cap_position(face.corners[vertex])));
+  return CapVertex(far_end(view, light, caster_position(face.corners[vertex])));
 }
 
 // From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.
@@ -86,9 +86,9 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  let a = corner(view, light, cap_position(face.corners.x));
-  let b = corner(view, light, cap_position(face.corners.y));
-  let c = corner(view, light, cap_position(face.corners.z));
+  let a = corner(view, light, caster_position(face.corners.x));
+  let b = corner(view, light, caster_position(face.corners.y));
+  let c = corner(view, light, caster_position(face.corners.z));
   var picked = pick(vertex);
   picked = offer_edge(picked, light, a, b, face.corners.x < face.corners.y);
   picked = offer_edge(picked, light, b, c, face.corners.y < face.corners.z);
@@ -103,7 +103,7 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(frustum_to_clip(view, light, cap_position(face.corners[vertex])));
+  return CapVertex(frustum_to_clip(view, light, caster_position(face.corners[vertex])));
 }
 
 // For passes with colour attachments, which stay as they are.

@@ -13,8 +13,6 @@
 @group(0) @binding(7) var<storage, read_write> cap_counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> cap_list: array<u32>;
 
-const SLACK: f32 = 4e-6;
-
 // Whether all three corners lie outside of one of the pyramid's planes.
 fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
   let p = pyramid_planes(view, light, a);
@@ -44,9 +42,9 @@ fn list_for(index: u32, face: u32, facing: bool, a: vec3<f32>, b: vec3<f32>, c: 
 fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   for (var face = id.x; face < shape.faces; face += 256u * groups.x) {
     let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-    let a = cap_position(corners.x);
-    let b = cap_position(corners.y);
-    let c = cap_position(corners.z);
+    let a = caster_position(corners.x);
+    let b = caster_position(corners.y);
+    let c = caster_position(corners.z);
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
     if (!is_degenerate && is_finite(a) && is_finite(b) && is_finite(c)) {
       let mask = facing_masks[face];

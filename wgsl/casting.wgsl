@@ -11,14 +11,3 @@ fn cap_class(light: ShadowLight, facing: bool) -> u32 {
   let turned = has_near_cap && light_side(light) > 0.0;
   return select(0u, 1u, facing == turned);
 }
-
-fn cap_position(vertex: u32) -> vec3<f32> {
-  let word = shape.position_offset + vertex * shape.position_stride;
-  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
-}
-
-// Decided on the bits: WGSL lets an implementation assume that floats are finite.
-fn is_finite(position: vec3<f32>) -> bool {
-  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
-  return all(exponent != vec3<u32>(0x7f800000u));
-}

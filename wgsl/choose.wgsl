@@ -8,9 +8,6 @@
 // Three numbers of workgroups a word of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
 
-// Relative slack of every test: far above the rounding of what is tested.
-const SLACK: f32 = 4e-6;
-
 fn unordered(bits: vec3<u32>) -> vec3<f32> {
   return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
 }
@@ -37,11 +34,6 @@ fn out_of_range(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
 fn boxes_meet(low: vec3<f32>, high: vec3<f32>) -> bool {
   let slack = SLACK * max(max(abs(low), abs(high)), max(abs(view.near_min), abs(view.near_max)));
   return all(low - slack <= view.near_max) && all(high + slack >= view.near_min);
-}
-
-// What is outside of a plane by its value there; `size` bounds what the value is the sum of.
-fn is_out(value: f32, size: f32) -> bool {
-  return value < -SLACK * size;
 }
 
 // Which of left, right, bottom, top and near the camera's planes have the whole volume of the box outside.

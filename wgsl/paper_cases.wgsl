@@ -13,11 +13,6 @@
 
 var<workgroup> found: atomic<u32>;
 
-fn edge_position(vertex: u32) -> vec3<f32> {
-  let word = shape.position_offset + vertex * shape.position_stride;
-  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
-}
-
 fn is_case_d(light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
   let cuts_edge = is_cut(view, to_clip(view, a)) != is_cut(view, to_clip(view, b));
   let a_far = direction_to_clip(view, away(light, a));
@@ -42,7 +37,7 @@ fn paper_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
       edge = list[group.x * shape.capacity + entry] & 0x7fffffffu;
     }
     let ends = edge_vertices[edge];
-    if (is_case_d(light, edge_position(ends.x), edge_position(ends.y))) {
+    if (is_case_d(light, caster_position(ends.x), caster_position(ends.y))) {
       atomicStore(&found, 1u);
     }
   }

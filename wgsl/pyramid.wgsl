@@ -1,5 +1,13 @@
 // The pyramid between a light and the near rectangle, as planes: what lies in it casts onto the near rectangle.
 
+// Relative slack of every test: far above the rounding of what is tested.
+const SLACK: f32 = 4e-6;
+
+// What is outside of a plane by its value there; `size` bounds what the value is the sum of.
+fn is_out(value: f32, size: f32) -> bool {
+  return value < -SLACK * size;
+}
+
 struct PyramidPlanes {
   // Left, right, bottom, top; negative outside. And what bounds the terms that each is the sum of.
   value: vec4<f32>,

@@ -150,6 +150,12 @@ fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   );
 }
 
+// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+fn is_finite(position: vec3<f32>) -> bool {
+  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
+  return all(exponent != vec3<u32>(0x7f800000u));
+}
+
 // Spelled out, so that it is the same everywhere.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;

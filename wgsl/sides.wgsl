@@ -18,11 +18,6 @@ struct SideEdge {
   second: u32,
 }
 
-fn is_finite(position: vec3<f32>) -> bool {
-  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
-  return all(exponent != vec3<u32>(0x7f800000u));
-}
-
 fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   // Weight 2: every edge twice, but for boundaries.
   let doubled = light.casting == CAST_EVERY;

@@ -29,16 +29,6 @@ fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
   return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
 
-fn edge_position(vertex: u32) -> vec3<f32> {
-  let word = shape.position_offset + vertex * shape.position_stride;
-  return bitcast<vec3<f32>>(vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]));
-}
-
-fn is_finite(position: vec3<f32>) -> bool {
-  let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
-  return all(exponent != vec3<u32>(0x7f800000u));
-}
-
 // Which half plane of the pencil a position is in.
 struct Pencil {
   // From the light to the nearest point of the box, and at right angles to that and the axis.
@@ -109,8 +99,8 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
       edge = list[group.x * shape.capacity + entry] & 0x7fffffffu;
     }
     let ends = edge_vertices[edge];
-    let a = edge_position(ends.x);
-    let b = edge_position(ends.y);
+    let a = caster_position(ends.x);
+    let b = caster_position(ends.y);
     if (is_finite(a) && is_finite(b)) {
       let is_doubled = light.casting == CAST_EVERY && edge_faces[edge].y != NO_FACE;
       let weight = select(1u, 2u, is_doubled);

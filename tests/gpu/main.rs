@@ -14,6 +14,7 @@ mod lights;
 mod limits;
 mod positions;
 mod refusals;
+mod shadow_chain;
 mod shadow_query;
 mod shadow_stages;
 mod stages;
@@ -39,6 +40,7 @@ fn main() {
         limits::TESTS,
         refusals::TESTS,
         shadow_stages::TESTS,
+        shadow_chain::TESTS,
         clipped::TESTS,
         shadow_query::TESTS,
     ]

@@ -1,16 +1,10 @@
-//! The stages that choose and list for shadow volumes, each against its CPU twin, and all of them in a row.
+//! The stages that choose and list for shadow volumes, each against its CPU twin.
 
 use rimline::cpu::{self, Threads};
-use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes,
-};
 use rimline::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
-use rimline::shadow::{
-    CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
-};
+use rimline::shadow::{CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
 use rimline::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
-use rimline::{Counting, Light, Mesh, Predicate};
+use rimline::{Light, Mesh, Predicate};
 
 use crate::common::cases::topologies;
 use crate::common::device::Gpu;
@@ -23,7 +17,6 @@ pub(crate) const TESTS: &[crate::Test] = &[
     ("bounds_equal_their_twin", bounds),
     ("choose_and_caps_equal_their_twins", choose_and_caps),
     ("shadow_arguments_equal_their_twin", shadow_arguments),
-    ("shadow_volumes_choose_as_the_twins_in_a_row", whole),
 ];
 
 fn text<E: std::fmt::Display>(error: E) -> String {
@@ -104,35 +97,14 @@ pub(crate) fn uniform<T: bytemuck::Pod>(gpu: &Gpu, contents: &T) -> wgpu::Buffer
     buffer
 }
 
-/// What is a distance, and so has a division and a square root in it, which WGSL lets round as they like: nothing is
-/// decided by its last bits.
-fn rounded_alike(found: Vec<ShadowLight>, twins: &[ShadowLight]) -> Vec<ShadowLight> {
-    let near = |found: f32, twin: f32| if (found - twin).abs() <= 1e-6 * twin.abs() { twin } else { found };
-    let pair = |(found, twin): (ShadowLight, &ShadowLight)| ShadowLight {
-        frustum_near: near(found.frustum_near, twin.frustum_near),
-        end: near(found.end, twin.end),
-        ..found
-    };
-    found.into_iter().zip(twins).map(pair).collect()
-}
-
-/// Every method, and its code.
-const METHODS: [(Counting, u32); 5] = [
-    (Counting::Auto, COUNT_AUTO),
-    (Counting::ZpPlus, COUNT_ZP_PLUS),
-    (Counting::ZpPlusPaper, COUNT_ZP_PAPER),
-    (Counting::ZFail, COUNT_Z_FAIL),
-    (Counting::ZPass, COUNT_Z_PASS),
-];
-
 /// Where positions lie in their buffer: words before the first, and from one to the next.
-const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
+pub(crate) const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
 
-fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, u32)) -> wgpu::Buffer {
+pub(crate) fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, u32)) -> wgpu::Buffer {
     gpu.storage(&interleaved(positions, 4 * u64::from(offset), 4 * u64::from(stride)))
 }
 
-fn shape(mesh: &Mesh, lights: usize, (position_offset, position_stride): (u32, u32)) -> ShadowShape {
+pub(crate) fn shape(mesh: &Mesh, lights: usize, (position_offset, position_stride): (u32, u32)) -> ShadowShape {
     let counts = mesh.edges().counts();
     ShadowShape {
         lights: lights as u32,
@@ -349,103 +321,4 @@ fn shadow_arguments() -> Result<(), String> {
         must_fail("a changed draw", &same("draws", &found, &twins))?;
     }
     Ok(())
-}
-
-/// What `ShadowVolumes` records, from extraction to draws, in each counting method, with lists that fit or overflow.
-fn whole() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 104;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    let format = ShadowFormat::default();
-    let (mut overflowed, mut doubled, mut switched, mut ended) = (0, 0, 0, 0);
-    for (counting, code) in METHODS {
-        let pipelines = ShadowPipelines::new(&gpu.device, &format, counting).map_err(text)?;
-        for number in 0..6 {
-            let scene = scene(&mut random, number, 40);
-            let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
-            let capacity = [None, Some(30)][number % 2];
-            let lists = ListOptions { capacity, ordered: false, vertices_per_edge: 4 };
-            let options = ExtractorOptions { max_lights: 50, lists: Some(lists), ..Default::default() };
-            let mut extractor = Extractor::new(&gpu.device, mesh, options).map_err(text)?;
-            let options = ShadowOptions {
-                every_face: number == 3,
-                cap_capacity: [None, Some(9)][number / 2 % 2],
-                skip_unseen: number != 4,
-                memory_limit: None,
-                end_at_range: number % 3 == 2,
-                bound_counts: number % 2 == 1,
-            };
-            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, options).map_err(text)?;
-            let place = PLACES[number % 3];
-            let buffer = placed(gpu, positions, place);
-            let bound =
-                PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
-            let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-            gpu.submit(|encoder| {
-                extractor.encode(encoder, bound, &plain, None).map_err(text)?;
-                volumes.encode(encoder, &extractor, bound, &scene.camera, &scene.lights, None).map_err(text)
-            })?;
-            let view = scene.camera.view().map_err(text)?;
-            let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
-            let shape = shape(mesh, 40, place);
-            let default = 1024 + 16 * mesh.faces().len().isqrt() as u32;
-            let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlusPaper);
-            let whole = if lists_all { shape.faces } else { default.min(shape.faces) };
-            let shape = ShadowShape {
-                averted: if options.every_face { 0 } else { shape.averted },
-                counting: code,
-                skip_unseen: u32::from(options.skip_unseen),
-                end_at_range: u32::from(options.end_at_range),
-                capacity: extractor.results().capacity,
-                cap_capacity: options.cap_capacity.unwrap_or(whole),
-                ..shape
-            };
-            let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
-            cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
-            let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), 40, Threads::ONE);
-            let planes = |light: usize| &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
-            let list = |light: usize| cpu::compact(planes(light), light as u32 % 32, usize::MAX);
-            let silhouettes: Vec<_> = (0..40).map(|light| list(light).count).collect();
-            for (number, light) in lights.iter_mut().enumerate() {
-                if light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PAPER {
-                    let listed: Vec<u32> = if silhouettes[number] > shape.capacity {
-                        (0..shape.edges).collect()
-                    } else {
-                        list(number).entries.iter().map(|entry| entry & !cpu::WINDING).collect()
-                    };
-                    let ends = |edge: u32| mesh.edges().vertices()[edge as usize].map(|v| positions[v as usize]);
-                    if cpu::paper_cases(&view, light, listed.into_iter().map(ends)) {
-                        light.counting = COUNT_Z_FAIL;
-                        switched += 1;
-                    }
-                }
-            }
-            let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
-            let caps: Vec<_> = caps.iter().map(|lists| [lists[0].len() as u32, lists[1].len() as u32]).collect();
-            let (draws, statistics) = cpu::shadow_arguments(&shape, &silhouettes, &caps, &lights);
-            let what = format!("{counting:?}, {name}");
-            let found = rounded_alike(gpu.read(volumes.lights(), 40)?, &lights);
-            same(&format!("{what}, lights"), &found, &lights)?;
-            same(&format!("{what}, draws"), &gpu.read(volumes.draw_arguments(), 40)?, &draws)?;
-            let found: Vec<ShadowDraws> = gpu.read(volumes.draw_arguments(), 50)?;
-            same(&format!("{what}, lights not in use"), &found[40..], &[bytemuck::Zeroable::zeroed(); 10])?;
-            let found: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
-            // The bound is a stage of its own, held to its twin with the pictures.
-            let bounds = found.first().map_or((0, 0), |found| (found.count_bound, found.may_wrap));
-            let statistics = ShadowStatistics { count_bound: bounds.0, may_wrap: bounds.1, ..statistics };
-            same(&format!("{what}, statistics"), &found, &[statistics])?;
-            overflowed += statistics.overflowed_caps;
-            ended += statistics.ended;
-            doubled += lights.iter().filter(|light| light.casting == CAST_EVERY).count();
-        }
-    }
-    println!(
-        "{overflowed} lights with lists that overflow, {doubled} with every face, {switched} switched, {ended} ended"
-    );
-    if overflowed == 0 || doubled == 0 || switched == 0 || ended == 0 {
-        Err("too few of a kind".to_owned())
-    } else {
-        Ok(())
-    }
 }

@@ -126,8 +126,6 @@ impl ShadowVolumes {
         if results.lists.is_empty() || results.facing.is_empty() {
             return Err(IncludeError::NoLists.into());
         }
-        let counts = mesh.edges().counts();
-        let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
         let face_count = extraction.faces;
         let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
@@ -143,7 +141,7 @@ impl ShadowVolumes {
             edges: extraction.edges as u32,
             capacity: extraction.capacity,
             cap_capacity: cap_capacity as u32,
-            averted: u32::from(is_closed && !options.every_face),
+            averted: u32::from(mesh.is_closed() && !options.every_face),
             counting: pipelines.counting().code(),
             skip_unseen: u32::from(options.skip_unseen),
             position_offset: 0,
