@@ -110,13 +110,13 @@ fn exact_facing(
   @builtin(local_invocation_index) local: u32,
 ) {
   let index = ((group.z * groups.y + group.y) * groups.x + group.x) * 64u + local;
-  if (undecided[0] >= arrayLength(&undecided)) {
-    // The list overflowed: every face is taken.
-    if (index < chunk.count) {
-      facing_masks[index] = decide(index);
+  // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
+  let overflowed = undecided[0] >= arrayLength(&undecided);
+  if (index < select(undecided[0], chunk.count, overflowed)) {
+    var face = index;
+    if (!overflowed) {
+      face = undecided[index + 1u];
     }
-  } else if (index < undecided[0]) {
-    let face = undecided[index + 1u];
     facing_masks[face] = decide(face);
   }
 }
