@@ -95,7 +95,7 @@ impl Pass {
         timer: Option<&mut StageTimer>,
     ) -> wgpu::ComputePass<'encoder> {
         let label = self.pipeline.label;
-        let timestamp_writes = timer.and_then(|timer| timer.writes(label));
+        let timestamp_writes = timer.and_then(|timer| timer.compute_pass(label));
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes });
         pass.set_pipeline(&self.pipeline.compute);

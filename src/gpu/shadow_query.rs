@@ -322,7 +322,7 @@ fn begin<'encoder>(
     label: &'static str,
     timer: Option<&mut StageTimer>,
 ) -> wgpu::ComputePass<'encoder> {
-    let timestamp_writes = timer.and_then(|timer| timer.writes(label));
+    let timestamp_writes = timer.and_then(|timer| timer.compute_pass(label));
     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes })
 }
 

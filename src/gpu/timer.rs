@@ -39,18 +39,34 @@ impl StageTimer {
         self.names.clear();
     }
 
-    /// The timestamps of the next pass; `None` once the timer is full.
-    pub(super) fn writes(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+    /// The timestamps of a compute pass to come, a stage's or one of the caller's own; `None` once the timer is full.
+    pub fn compute_pass(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let [begin, end] = self.next(name)?;
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: begin,
+            end_of_pass_write_index: end,
+        })
+    }
+
+    /// The timestamps of a render pass to come, such as the one that draws the volumes; `None` once the timer is full.
+    pub fn render_pass(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let [begin, end] = self.next(name)?;
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set: &self.set,
+            beginning_of_pass_write_index: begin,
+            end_of_pass_write_index: end,
+        })
+    }
+
+    /// Indices of the next pass's queries.
+    fn next(&mut self, name: &'static str) -> Option<[Option<u32>; 2]> {
         let index = 2 * self.names.len() as u32;
         if index >= 2 * MOST {
             return None;
         }
         self.names.push(name);
-        Some(wgpu::ComputePassTimestampWrites {
-            query_set: &self.set,
-            beginning_of_pass_write_index: Some(index),
-            end_of_pass_write_index: Some(index + 1),
-        })
+        Some([Some(index), Some(index + 1)])
     }
 
     /// Records that the timestamps be made readable; call it after the stages, on the same encoder.

@@ -47,10 +47,39 @@ fn check_data(data: &Value) -> Outcome {
         }
     }
     let rows = extraction["rows"].as_array().map_or(0, Vec::len) as u64;
-    let is_complete = extraction["planned_rows"].as_u64() == Some(rows);
+    let shadow_rows = check_shadows(&data["shadows"])?;
+    let planned = |part: &str| data[part]["planned_rows"].as_u64().unwrap_or(0);
+    let is_complete = planned("extraction") + planned("shadows") == rows + shadow_rows;
     ensure!(data["complete"].as_bool() == Some(is_complete), "{rows} rows, complete: {}", data["complete"]);
     ensure!(data["date"].as_str().is_some_and(|date| date.len() == 20 && date.ends_with('Z')), "{}", data["date"]);
     Ok(())
+}
+
+/// Each method of each row has all frames; returns the number of rows.
+fn check_shadows(shadows: &Value) -> Result<u64, String> {
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let rows = list(&shadows["rows"]);
+    let methods: Vec<Value> = list(&shadows["methods"]).iter().map(|method| method["id"].clone()).collect();
+    for row in &rows {
+        let results = list(&row["results"]);
+        ensure!(results.iter().map(|result| result["method"].clone()).eq(methods.iter().cloned()), "methods of {row}");
+        for result in results {
+            for key in ["stencil_ms_of_frames", "frame_ms_of_frames"] {
+                let frames = list(&result[key]).len();
+                ensure!(shadows["frames"] == frames, "{frames} frames of {}", shadows["frames"]);
+            }
+        }
+    }
+    Ok(rows.len() as u64)
+}
+
+/// Wrong pixels of a method's frames on one path.
+fn wrong_pixels(data: &Value, path: &str, method: &str) -> u64 {
+    let rows = data["shadows"]["rows"].as_array().into_iter().flatten().filter(|row| row["path"] == path);
+    let results = rows.flat_map(|row| row["results"].as_array().into_iter().flatten());
+    let frames =
+        results.filter(|result| result["method"] == method).filter_map(|result| result["wrong_pixels"].as_array());
+    frames.flatten().filter_map(|frame| frame["pixels"].as_u64()).sum()
 }
 
 /// All errors of the methods whose id is `chosen`, over all rows.
@@ -103,11 +132,10 @@ fn check_report(folder: &Path) -> Result<String, String> {
 fn report() -> Outcome {
     let folder = folder();
     let (report, json) = (folder.path().join("a/report"), folder.path().join("data.json"));
-    let line =
-        "bench --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2";
+    let line = "bench --quick --meshes 1024,2048 --scenes translation-1e6,plate-third --scene-faces 600 --lights 1,8 --rounds 2 --frames 2";
     let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
     let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
-    run.expect(0, &["8/8"])?;
+    run.expect(0, &["12/12"])?;
     ensure!(run.stdout.contains("GPU face masks, exact") && run.stdout.contains("plate-third"), "{}", run.stdout);
     let data = read_json(&json)?;
     ensure!(data == read_json(&report.join("data.json"))?, "the two files of data differ");
@@ -122,6 +150,13 @@ fn report() -> Outcome {
     ensure!(errors(&data, is_exact) == 0, "exact methods have errors");
     ensure!(errors(&data, |method| method.starts_with("gpu") && !is_exact(method)) > 0, "f32 has no errors here");
     ensure!(errors(&data, |method| method == "cpu-f32-all") > 0, "f32 has no errors here");
+    for path in ["looks-away", "looks-at-occluder"] {
+        let wrong = |method: &str| wrong_pixels(&data, path, method);
+        ensure!(wrong("z-pass") > 1000, "{path}: z-pass is right in shadow");
+        for method in ["z-fail", "zp+", "auto"] {
+            ensure!(wrong(method) < 4, "{path}: {} pixels wrong by {method}", wrong(method));
+        }
+    }
     let html = check_report(&report)?;
     ensure!(!html.contains("was stopped"), "a complete run says that it was stopped");
     // A report may be made again in the same place.
@@ -136,6 +171,9 @@ fn report() -> Outcome {
     let mut other = data.clone();
     other["extraction"]["rows"][0]["new_key"] = 1.into();
     ensure!(check_data(&other).is_err(), "a key without description passed");
+    let mut other = data.clone();
+    other["shadows"]["rows"][0]["results"][0]["frame_ms_of_frames"].as_array_mut().map(Vec::pop);
+    ensure!(check_data(&other).is_err(), "a lost frame passed");
     let mut other = data;
     other["extraction"]["rows"].as_array_mut().map(Vec::pop);
     ensure!(check_data(&other).is_err(), "a lost row passed");
@@ -167,7 +205,8 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
-        ("--meshes none --scenes none", "--meshes"),
+        ("--meshes none --scenes none --frames 0", "--meshes"),
+        ("--meshes none --scenes none --device cpu", "--meshes"),
         ("--meshes 0", "--meshes"),
         ("--meshes 12x", "12x"),
         ("--lights 1025", "1025"),

@@ -11,6 +11,7 @@ mod plan;
 mod report;
 mod results;
 mod row;
+mod shadows;
 mod subject;
 mod text;
 
@@ -45,14 +46,15 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         Device::Gpu(gpu) => Some(&**gpu),
     };
     output::finish_at_interrupt();
-    let progress = Progress::rows(plan.rows());
     let mut results = Results {
         machine: Machine::this(),
         adapter: gpu.map(adapter).transpose()?,
         subjects: Vec::new(),
         rows: Vec::new(),
         planned_rows: plan.rows(),
+        shadows: gpu.map(|_| plan.shadows.empty_results()).filter(|shadows| shadows.planned_rows > 0),
     };
+    let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {
         note("this build is not optimised: its times of the CPU mean nothing, its errors do");
     }
@@ -60,7 +62,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     // What was measured before a failure is worth writing, too.
     let measured = measure_all(&plan, gpu, &progress, &mut results);
     drop(progress);
-    if !results.rows.is_empty() {
+    if !results.is_empty() {
         destination.write(&results)?;
     }
     measured?;
@@ -83,7 +85,10 @@ fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mu
             progress.advance(&format!("{}, lights: {count}", subject.title()));
         }
     }
-    Ok(())
+    match (gpu, &mut results.shadows) {
+        (Some(gpu), Some(shadows)) => shadows::measure_all(&plan.shadows, gpu, progress, shadows),
+        _ => Ok(()),
+    }
 }
 
 fn make(subject: Subject) -> Result<(Made, SubjectFacts), Failure> {

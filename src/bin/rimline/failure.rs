@@ -109,7 +109,7 @@ pub(crate) enum UsageError {
     NoAnimation,
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
-    #[error("there is nothing to measure; give --meshes or --scenes something other than `none`")]
+    #[error("there is nothing to measure; give --meshes or --scenes something other than `none`, or --frames on a GPU")]
     NothingToMeasure,
     #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },

@@ -21,6 +21,7 @@ mod page;
 mod positions;
 mod progress;
 mod query;
+mod rays;
 mod render;
 mod shadow;
 mod spec;

@@ -3,11 +3,11 @@
 pub(crate) mod args;
 pub(crate) mod body;
 pub(crate) mod caster;
-mod frame;
+pub(crate) mod frame;
 mod glass;
 mod lamps;
 mod masks;
-mod painter;
+pub(crate) mod painter;
 pub(crate) mod pictures;
 mod report;
 pub(crate) mod set;

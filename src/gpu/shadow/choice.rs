@@ -225,7 +225,7 @@ fn begin<'encoder>(
     pipeline: &Pipeline,
     timer: Option<&mut StageTimer>,
 ) -> wgpu::ComputePass<'encoder> {
-    let timestamp_writes = timer.and_then(|timer| timer.writes(pipeline.label));
+    let timestamp_writes = timer.and_then(|timer| timer.compute_pass(pipeline.label));
     let mut pass =
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(pipeline.label), timestamp_writes });
     pass.set_pipeline(&pipeline.compute);

@@ -44,6 +44,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) rounds: Option<u16>,
 
+    /// Frames of each camera path with shadows; 0 leaves shadows out [default: 16 (quick: 6)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    pub(crate) frames: Option<u16>,
+
     /// Print the JSON Schema of the data, and measure nothing
     #[arg(long)]
     pub(crate) schema: bool,

@@ -1,8 +1,9 @@
-//! The report's section on extraction: which plots, of what.
+//! The report's sections: which plots, of what. Here the one on extraction.
 
 mod cost;
 mod error;
 mod lights;
+mod shadows;
 mod size;
 mod stages;
 
@@ -10,6 +11,8 @@ use super::method::{GPU_EXACT, PER_EDGE};
 use super::results::{Results, Row};
 use super::subject::ORDINARY;
 use crate::page::Section;
+
+pub(super) use shadows::shadows;
 
 /// The number of lights that plots are about which show one: eight where they were measured.
 fn usual_lights(results: &Results) -> usize {

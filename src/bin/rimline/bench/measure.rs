@@ -31,17 +31,17 @@ pub(crate) struct Rounds {
 }
 
 /// What runs once a round.
-pub(crate) type Contender<'a> = Box<dyn FnMut() -> Result<Sample, Failure> + 'a>;
+pub(crate) type Contender<'a, T = Sample> = Box<dyn FnMut() -> Result<T, Failure> + 'a>;
 
 /// Runs all contenders in turn, once to warm up and then counted, every other round backwards, so that none always
 /// follows the same. Returns the samples of each, or `None` if `is_stopped` said so before the last round was over.
-pub(crate) fn interleave(
+pub(crate) fn interleave<T>(
     rounds: Rounds,
-    mut contenders: Vec<Contender<'_>>,
+    mut contenders: Vec<Contender<'_, T>>,
     is_stopped: impl Fn() -> bool,
-) -> Result<Option<Vec<Vec<Sample>>>, Failure> {
+) -> Result<Option<Vec<Vec<T>>>, Failure> {
     let count = contenders.len();
-    let mut samples = vec![Vec::new(); count];
+    let mut samples: Vec<Vec<T>> = (0..count).map(|_| Vec::new()).collect();
     let mut run = |index: usize| if is_stopped() { Ok(None) } else { contenders[index]().map(Some) };
     let mut round_time = Duration::ZERO;
     for index in 0..count {

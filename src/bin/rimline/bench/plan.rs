@@ -6,7 +6,9 @@ use rimline::stress;
 
 use super::args::{BenchArgs, Faces};
 use super::measure::Rounds;
+use super::shadows::ShadowPlan;
 use super::subject::Subject;
+use crate::device::Wanted;
 use crate::failure::UsageError;
 
 /// Rows to come.
@@ -15,6 +17,7 @@ pub(crate) struct Plan {
     /// Each with its numbers of lights.
     pub(crate) subjects: Vec<(Subject, Vec<usize>)>,
     pub(crate) rounds: Rounds,
+    pub(crate) shadows: ShadowPlan,
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
@@ -63,17 +66,22 @@ impl Plan {
         for name in scenes(args)? {
             subjects.push((Subject::Scene(name, scene_faces), lights_of_scenes.clone()));
         }
-        if subjects.is_empty() {
-            return Err(UsageError::NothingToMeasure);
-        }
         let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
         let most = args.rounds.map_or(most, usize::from);
         let rounds =
             Rounds { least: most.min(if args.quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
-        Ok(Self { subjects, rounds })
+        let (models, usual_frames, size) = if args.quick { (1, 6, 256) } else { (3, 16, 512) };
+        // The CPU draws nothing.
+        let draws = Wanted::parse(&args.device.device) != Wanted::Cpu;
+        let frames = if draws { args.frames.map_or(usual_frames, usize::from) } else { 0 };
+        let shadows = ShadowPlan { models, frames, size, rounds };
+        if subjects.is_empty() && shadows.rows() == 0 {
+            return Err(UsageError::NothingToMeasure);
+        }
+        Ok(Self { subjects, rounds, shadows })
     }
 
-    /// How many rows that makes.
+    /// How many rows of extraction that makes.
     pub(crate) fn rows(&self) -> usize {
         self.subjects.iter().map(|(_, lights)| lights.len()).sum()
     }

@@ -11,7 +11,7 @@ use super::text::grouped;
 use crate::chart::{Target, write_png};
 use crate::failure::Failure;
 use crate::output::{Output, note};
-use crate::page::{Fact, Page};
+use crate::page::{Fact, Page, Section};
 
 /// The files that the command line asks for.
 pub(super) struct Destination {
@@ -97,20 +97,27 @@ fn page(results: &Results) -> Page {
     fact("Date", machine.date.replace('T', " ").replace('Z', " UTC"));
     let mut notices = Vec::new();
     if !results.is_complete() {
-        let [done, planned] = [results.rows.len(), results.planned_rows].map(grouped);
+        let [done, planned] = [results.rows_done(), results.rows_planned()].map(grouped);
         notices.push(format!("This run was stopped: {done} of {planned} rows are measured, and shown."));
     }
     if !machine.is_optimised {
         notices.push("This build was not optimised: its CPU times mean nothing.".to_owned());
     }
     Page {
-        title: "Silhouettes: run time against error".to_owned(),
-        lead: "Which edges of a mesh are silhouettes, found by Rimline in exact arithmetic and by the methods before it. \
-               Wrong is what differs from exact arithmetic on the positions as they lie in memory; a loop is open where \
-               silhouettes do not close at a vertex, which tears a shadow volume."
+        title: "Silhouettes and shadows: run time against error".to_owned(),
+        lead: "Which edges of a mesh are silhouettes, found by Rimline in exact arithmetic and by the methods before it; \
+               and the shadows whose volumes they bound. Of silhouettes, wrong is what differs from exact arithmetic on \
+               the positions as they lie in memory; a loop is open where silhouettes do not close at a vertex, which tears \
+               a shadow volume."
             .to_owned(),
         facts,
         notices,
-        sections: vec![figures::extraction(results)],
+        sections: sections(results),
     }
+}
+
+fn sections(results: &Results) -> Vec<Section> {
+    let extraction = (!results.rows.is_empty()).then(|| figures::extraction(results));
+    let shadows = results.shadows.as_ref().filter(|shadows| !shadows.rows.is_empty()).map(figures::shadows);
+    extraction.into_iter().chain(shadows).collect()
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::machine::{Adapter, Machine};
 use super::measure::{Sample, Summary};
 use super::method::{CONTESTANTS, Contestant};
+use super::shadows::results::ShadowResults;
 
 /// Everything one run of the command found.
 pub(crate) struct Results {
@@ -13,8 +14,10 @@ pub(crate) struct Results {
     pub(crate) adapter: Option<Adapter>,
     pub(crate) subjects: Vec<SubjectFacts>,
     pub(crate) rows: Vec<Row>,
-    /// Rows that there would be, had nothing stopped the run.
+    /// Rows of extraction that there would be, had nothing stopped the run.
     pub(crate) planned_rows: usize,
+    /// `None` where none were asked for.
+    pub(crate) shadows: Option<ShadowResults>,
 }
 
 /// A mesh that was measured.
@@ -48,8 +51,22 @@ pub(crate) struct Entry {
 }
 
 impl Results {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows_done() == 0
+    }
+
+    /// Rows measured, of extraction and of shadows.
+    pub(crate) fn rows_done(&self) -> usize {
+        self.rows.len() + self.shadows.as_ref().map_or(0, |shadows| shadows.rows.len())
+    }
+
+    /// Rows that there would be, had nothing stopped the run.
+    pub(crate) fn rows_planned(&self) -> usize {
+        self.planned_rows + self.shadows.as_ref().map_or(0, |shadows| shadows.planned_rows)
+    }
+
     pub(crate) fn is_complete(&self) -> bool {
-        self.rows.len() == self.planned_rows
+        self.rows_done() == self.rows_planned()
     }
 
     /// As `docs/bench.schema.json` describes.
@@ -79,6 +96,7 @@ impl Results {
                 "subjects": self.subjects.iter().map(SubjectFacts::json).collect::<Vec<_>>(),
                 "rows": self.rows.iter().map(Row::json).collect::<Vec<_>>(),
             },
+            "shadows": self.shadows.as_ref().map(ShadowResults::json),
         })
     }
 
@@ -155,7 +173,7 @@ impl Row {
     }
 }
 
-fn summary_json(summary: &Summary) -> Value {
+pub(super) fn summary_json(summary: &Summary) -> Value {
     json!({
         "median": summary.median,
         "q1": summary.quartiles.0,

@@ -1,26 +1,30 @@
-//! Plots as SVG: curves and points in a plane, and rows of bars. One drawing serves the report's page, where colours are
+//! Plots as SVG: curves and points in a plane, rows of bars, and tables of small plots. One drawing serves the report's page, where colours are
 //! CSS variables, and its PNG files, where they are fixed. What is plotted comes from elsewhere; nothing here knows of
 //! silhouettes.
 
 mod axis;
 mod bars;
+mod panels;
 mod raster;
 mod svg;
 mod xy;
 
 pub(crate) use axis::{Axis, Scale};
 pub(crate) use bars::{Bars, BarsKind, Group, Value};
+pub(crate) use panels::{Panel, PanelRow, Panels};
 pub(crate) use raster::write_png;
 pub(crate) use svg::{PALETTE, escape};
 pub(crate) use xy::{Curve, Plane, Point, ZeroBand};
 
-/// A plot of either kind.
+/// A plot of any kind.
 #[derive(Clone, Debug)]
 pub(crate) enum Chart {
     /// Two axes, curves or points.
     Plane(Plane),
     /// A row for each thing, one horizontal axis.
     Bars(Bars),
+    /// Small plots side by side on the same axes.
+    Panels(Panels),
 }
 
 /// What several marks of a plot have in common: a name in the legend, a colour and a shape of their own, so that colour
@@ -51,6 +55,7 @@ impl Chart {
         match self {
             Self::Plane(plane) => plane.draw(target),
             Self::Bars(bars) => bars.draw(target),
+            Self::Panels(panels) => panels.draw(target),
         }
         .finish()
     }

@@ -9,11 +9,11 @@ use wgpu::{
 use super::caster::Caster;
 use crate::render::kit::{Kit, Pass};
 
-pub(super) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
+pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
 /// Which pixels a painter draws onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Onto {
+pub(crate) enum Onto {
     /// What is nearest, and it is so found.
     Nearest,
     /// The nearest again, where the stencil is still 0; which it is no more afterwards, so that faces that coincide add
@@ -24,7 +24,7 @@ pub(super) enum Onto {
 }
 
 /// What a painter does to the colour that is there.
-pub(super) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
+pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
 /// There times drawn.
 pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));
 
@@ -113,7 +113,7 @@ impl Painter {
 }
 
 impl Onto {
-    fn state(self) -> wgpu::DepthStencilState {
+    pub(crate) fn state(self) -> wgpu::DepthStencilState {
         let (compare, stencil, pass_op) = match self {
             Self::Nearest => (CompareFunction::Greater, CompareFunction::Always, StencilOperation::Keep),
             Self::Lit => (CompareFunction::Equal, CompareFunction::Equal, StencilOperation::IncrementClamp),

@@ -1,0 +1,84 @@
+//! Rays against triangles, in `f64`. What a ray means is told elsewhere.
+
+use bvh::aabb::{Aabb, Bounded};
+use bvh::bounding_hierarchy::BHShape;
+use bvh::bvh::Bvh;
+use bvh::ray::Ray;
+use nalgebra::{Point3, Vector3};
+use rimline::glam::DVec3;
+
+/// Triangles in a tree of boxes.
+pub(crate) struct Tracer {
+    triangles: Vec<Triangle>,
+    tree: Bvh<f64, 3>,
+}
+
+struct Triangle {
+    corners: [DVec3; 3],
+    number: usize,
+    node: usize,
+}
+
+impl Bounded<f64, 3> for Triangle {
+    fn aabb(&self) -> Aabb<f64, 3> {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // A flat box could be missed by a ray that only just meets it.
+        let slack = 1e-9 * (1.0 + high.abs().max(low.abs()));
+        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
+        Aabb::with_bounds(point(low - slack), point(high + slack))
+    }
+}
+
+impl BHShape<f64, 3> for Triangle {
+    fn set_bh_node_index(&mut self, index: usize) {
+        self.node = index;
+    }
+
+    fn bh_node_index(&self) -> usize {
+        self.node
+    }
+}
+
+impl Tracer {
+    pub(crate) fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Self {
+        let triangle = |(number, corners)| Triangle { corners, number, node: 0 };
+        let mut triangles: Vec<Triangle> = triangles.into_iter().enumerate().map(triangle).collect();
+        let tree = Bvh::build(&mut triangles);
+        Self { triangles, tree }
+    }
+
+    pub(crate) fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].corners
+    }
+
+    /// Where the line through `from` along `direction` meets triangles: multiples of `direction`, and the triangles'
+    /// numbers, in no order. Those behind `from` may be missing.
+    pub(crate) fn meetings(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = (f64, usize)> {
+        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
+        let near = self.tree.traverse(&ray, &self.triangles).into_iter();
+        near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle.number)))
+    }
+
+    /// Where a ray first meets a triangle, and which.
+    pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(DVec3, usize)> {
+        let ahead = self.meetings(from, direction).filter(|(t, _)| *t > 0.0);
+        let (t, triangle) = ahead.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((from + direction * t, triangle))
+    }
+}
+
+/// Möller and Trumbore, from both sides.
+fn meeting([a, b, c]: [DVec3; 3], from: DVec3, direction: DVec3) -> Option<f64> {
+    let (u, v) = (b - a, c - a);
+    let p = direction.cross(v);
+    let determinant = u.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = from - a;
+    let x = s.dot(p) / determinant;
+    let q = s.cross(u);
+    let y = direction.dot(q) / determinant;
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then(|| v.dot(q) / determinant)
+}
