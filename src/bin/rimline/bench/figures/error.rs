@@ -71,8 +71,7 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
             x: spot.time_ns,
             y: spot.wrong,
             spread: None,
-            // Of the points without error most lie close together; those that took long are told by their tip.
-            label: if spot.wrong > 0.0 { spot.class.to_owned() } else { String::new() },
+            label: spot.class.to_owned(),
             tip: format!(
                 "{}, {}: {} ns a face and light, {} wrong silhouette bits, {} open vertices",
                 contestant.name,
@@ -117,7 +116,8 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
         id: "time_against_error",
         title: format!("Run time against error, {}", lights_text(lights)),
         lead: "One mark for each method and class of scenes. Above, the higher the more silhouette bits are wrong; in the \
-               band below, none is. Grey lines join the methods on the same scenes. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's."
+               band below, none is. Grey lines join the methods on the same scenes. Colours are arithmetics; filled marks \
+               are the GPU's, hollow ones the CPU's."
             .to_owned(),
         chart: Some(chart),
         table,
