@@ -1,5 +1,6 @@
 //! Every good model file at several times of each of its animations: deformation within its bound of the twin,
-//! extraction equal to the twin's bit for bit at the same positions, and closed at every vertex for every light.
+//! extraction equal to the twin's bit for bit at the same positions, facing to big integers', and closed at every vertex
+//! for every light.
 
 use std::path::Path;
 
@@ -12,13 +13,15 @@ use rimline::{Light, Mesh, Method, Model, Pose, Predicate};
 
 use crate::common::device::Gpu;
 use crate::common::files::GOOD_FILES;
-use crate::common::oracle::unclosed;
+use crate::common::oracle::{self, unclosed};
 use crate::common::random::Random;
 use crate::common::{assets, is_long, lights, must_fail, same};
 use crate::deform::{check_deform, deformed};
 use crate::stages::read;
 
 const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
+/// The number of them for which big integers are asked, too; they are slow.
+const BY_ORACLE: usize = 12;
 
 /// A test a file, ignored where the folder is not there.
 pub(crate) fn trials() -> Vec<Trial> {
@@ -58,7 +61,7 @@ impl Extraction {
         Ok(Self { turned: turned(pose), mesh, extractors: [const { None }; LIGHT_COUNTS.len()] })
     }
 
-    /// Extracts at the deformer's positions and compares everything with the twin.
+    /// Extracts at the deformer's positions and compares everything with the twin, and some of it with big integers.
     fn check(&mut self, gpu: &Gpu, deformer: &Deformer, found: &[[f32; 3]], index: usize) -> Result<(), String> {
         let Self { mesh, extractors, .. } = self;
         let count = LIGHT_COUNTS[index];
@@ -74,6 +77,13 @@ impl Extraction {
         let twin = twin.map_err(text)?;
         same("facing", &on_gpu.facing, &twin.facing)?;
         same("masks", &on_gpu.masks, &twin.masks)?;
+        if count == BY_ORACLE {
+            let right = oracle::facing(found, mesh.faces(), &lights);
+            same("facing, exactly", &on_gpu.facing, &right)?;
+            let mut wrong = on_gpu.facing.clone();
+            wrong[mesh.faces().len() / 2] ^= 1;
+            must_fail("a flipped facing bit", &same("facing", &wrong, &right))?;
+        }
         match unclosed(mesh, &on_gpu.masks, count) {
             0 => Ok(()),
             open => Err(format!("{open} vertices are not closed")),

@@ -367,8 +367,9 @@ Examples:
   rimline verify bits --device vulkan --json
 
 From each file's positions, faces and lights everything else is found again, exactly, on each device, and the whole \
-file compared byte by byte. The exit code is 0 only if all is equal, 5 if anything differs. The command and the folder \
-are all that another machine needs.
+file compared byte by byte. The exit code is 0 only if all is equal, 5 if any bit or byte differs, else that of the \
+first check that could not be done: 1 for a file that cannot be read, its checksums included. The command and the \
+folder are all that another machine needs.
 
 Keys of --json: devices (names), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
 lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \

@@ -93,6 +93,11 @@ fn page(results: &Results) -> Page {
     let machine = &results.machine;
     fact("CPU", format!("{}, {} threads", machine.cpu, machine.threads));
     fact("System", machine.os.clone());
+    let runs = || results.rows.iter().flat_map(|row| &row.entries).map(|entry| entry.samples.len());
+    if let (Some(least), Some(most)) = (runs().min(), runs().max()) {
+        let runs = if least == most { most.to_string() } else { format!("{least} to {most}") };
+        fact("Counted runs", format!("{runs} of each method, after warming up"));
+    }
     fact("Rimline", env!("CARGO_PKG_VERSION").to_owned());
     fact("Date", machine.date.replace('T', " ").replace('Z', " UTC"));
     let mut notices = Vec::new();

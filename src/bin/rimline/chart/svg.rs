@@ -183,7 +183,8 @@ impl Svg {
     pub(crate) fn mark(&mut self, [x, y]: [f64; 2], key: &Key, size: f64, tip: &str) {
         let (colour, y) = (self.colour(Ink::Key(key.colour)), y + self.top);
         let look = if key.hollow {
-            format!("fill=\"{}\" stroke=\"{colour}\" stroke-width=\"2\"", self.colour(Ink::Ground))
+            // Not filled, so that a mark beneath it shows; a pointer finds its inside all the same.
+            format!("fill=\"none\" pointer-events=\"all\" stroke=\"{colour}\" stroke-width=\"2\"")
         } else {
             format!("fill=\"{colour}\" stroke=\"{}\" stroke-width=\"1\"", self.colour(Ink::Ground))
         };

@@ -33,7 +33,8 @@ pub(crate) struct Point {
     pub(crate) y: f64,
     /// From where to where values of y spread.
     pub(crate) spread: Option<(f64, f64)>,
-    /// Points without lines are linked where their labels are equal, and labelled once if there is room.
+    /// Points without lines are linked where their labels are equal, and labelled once if there is room; those in the
+    /// strip of zeros are not linked, but labelled each.
     pub(crate) label: String,
     /// What a pointer on it is told.
     pub(crate) tip: String,
@@ -52,6 +53,8 @@ const PLOT: f64 = 380.0;
 const LANE: f64 = 17.0;
 const MARK: f64 = 5.5;
 const SMALL: f64 = 12.0;
+/// Of a point's label.
+const HEIGHT: f64 = 13.0;
 /// How much wider bold text is.
 const BOLD: f64 = 1.2;
 
@@ -98,6 +101,10 @@ impl Plane {
             self.draw_point_labels(&mut svg, &frame, taken);
         }
         svg
+    }
+
+    fn is_in_band(&self, point: &Point) -> bool {
+        self.zero.is_some() && point.y <= 0.0
     }
 
     fn place(&self, frame: &Frame, curve: usize, x: f64, y: f64) -> [f64; 2] {
@@ -200,7 +207,7 @@ impl Plane {
     fn labelled(&self, frame: &Frame) -> Vec<(&str, Vec<[f64; 2]>)> {
         let mut labelled: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
         for (index, curve) in self.curves.iter().enumerate() {
-            for point in curve.points.iter().filter(|point| !point.label.is_empty()) {
+            for point in curve.points.iter().filter(|point| !point.label.is_empty() && !self.is_in_band(point)) {
                 let place = self.place(frame, index, point.x, point.y);
                 match labelled.iter_mut().find(|(label, _)| *label == point.label) {
                     Some((_, places)) => places.push(place),
@@ -217,7 +224,6 @@ impl Plane {
     /// Each label once, beside one of its points, the last if there is room, where it covers nothing; without any room
     /// it is left to the table.
     fn draw_point_labels(&self, svg: &mut Svg, frame: &Frame, mut taken: Vec<Extent>) {
-        const HEIGHT: f64 = 13.0;
         for (text, points) in self.labelled(frame) {
             let width = text_width(text, SMALL);
             let beside = |&[x, y]: &[f64; 2]| {
@@ -241,6 +247,34 @@ impl Plane {
                 let (x, y, anchor) = (place[0], place[1] + 10.5, Anchor::Start);
                 svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Text, bold: false }, text);
                 taken.push(place);
+            }
+        }
+        self.draw_band_labels(svg, frame, taken);
+    }
+
+    /// Beside a point without error its label, where there is room on its curve's line; the last ones first, since the
+    /// others mostly lie close together.
+    fn draw_band_labels(&self, svg: &mut Svg, frame: &Frame, mut taken: Vec<Extent>) {
+        for (index, curve) in self.curves.iter().enumerate() {
+            let points = curve.points.iter().filter(|point| !point.label.is_empty() && self.is_in_band(point));
+            let mut places: Vec<(f64, &str)> = Vec::new();
+            for point in points {
+                places.push((self.place(frame, index, point.x, 0.0)[0], &point.label));
+            }
+            places.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let y = self.place(frame, index, 1.0, 0.0)[1] - 0.5 * HEIGHT;
+            for (x, text) in places {
+                let width = text_width(text, SMALL);
+                let beside = [x + 9.0, x - 9.0 - width].map(|x| [x, y, x + width, y + HEIGHT]);
+                let free = beside.into_iter().find(|place| {
+                    let is_inside = place[0] > frame.left && place[2] < frame.right;
+                    is_inside && !taken.iter().any(|other| overlap(place, other))
+                });
+                if let Some(place) = free {
+                    let (x, y, anchor) = (place[0], y + 10.5, Anchor::Start);
+                    svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Muted, bold: false }, text);
+                    taken.push(place);
+                }
             }
         }
     }
@@ -297,7 +331,7 @@ mod tests {
         };
         let svg = plane.draw(Target::Page).finish();
         assert_eq!(svg.matches("<circle").count(), 21, "twenty points and the legend");
-        assert_eq!(svg.matches(">same place<").count(), 1, "equal labels are said once");
+        assert_eq!(svg.matches(">same place<").count(), 3, "once above zero, and at zero on either side of the mark");
         assert!(svg.contains("a &lt;b&gt; &amp; c"));
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn cost_of_exactness(results: &Results) -> Figure {
     for row in rows {
         let gpu = row.ratio(GPU_EXACT, GPU_FAST);
         let cpu = row.ratio(CPU_EXACT, CPU_FAST);
-        all.extend([&gpu, &cpu].into_iter().flatten().map(|ratio| ratio.median));
+        all.extend([&gpu, &cpu].into_iter().flatten().flat_map(|ratio| [ratio.quartiles.0, ratio.quartiles.1]));
         let name = if row.subject.class == ORDINARY {
             format!("{} faces", grouped(row.subject.faces))
         } else {

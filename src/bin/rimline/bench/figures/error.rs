@@ -71,8 +71,7 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
             x: spot.time_ns,
             y: spot.wrong,
             spread: None,
-            // Of the points without error most lie close together; those that took long are told by their tip.
-            label: if spot.wrong > 0.0 { spot.class.to_owned() } else { String::new() },
+            label: spot.class.to_owned(),
             tip: format!(
                 "{}, {}: {} ns a face and light, {} wrong silhouette bits, {} open vertices",
                 contestant.name,
@@ -117,7 +116,8 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
         id: "time_against_error",
         title: format!("Run time against error, {}", lights_text(lights)),
         lead: "One mark for each method and class of scenes. Above, the higher the more silhouette bits are wrong; in the \
-               band below, none is. Grey lines join the methods on the same scenes. Colours are arithmetics; filled marks are the GPU's, hollow ones the CPU's."
+               band below, none is. Grey lines join the methods on the same scenes. Colours are arithmetics; filled marks \
+               are the GPU's, hollow ones the CPU's."
             .to_owned(),
         chart: Some(chart),
         table,
@@ -129,20 +129,27 @@ pub(super) fn errors(results: &Results) -> Figure {
     let mut contestants = distinct(results);
     // Of a table too wide for the page the first columns show.
     contestants.sort_by_key(|contestant| ![GPU_EXACT, CPU_EXACT].contains(&contestant.id));
-    let mut head = vec!["Scene, lights".to_owned()];
+    let (ordinary, scenes): (Vec<&Row>, Vec<&Row>) = results.rows.iter().partition(|row| row.subject.class == ORDINARY);
+    // Said once where it is the same for all: the table is wide enough.
+    let lights =
+        scenes.first().filter(|first| scenes.iter().all(|row| row.lights == first.lights)).map(|row| row.lights);
+    let mut head = vec![lights.map_or_else(|| "Scene, lights".to_owned(), |_| "Scene".to_owned())];
     head.extend(contestants.iter().map(|contestant| contestant.name.replace(", all threads", "")));
     let mut rows = Vec::new();
-    let (ordinary, scenes): (Vec<&Row>, Vec<&Row>) = results.rows.iter().partition(|row| row.subject.class == ORDINARY);
     if !ordinary.is_empty() {
-        rows.push(error_cells("closed meshes, all together".to_owned(), &ordinary, &contestants));
+        rows.push(error_cells("closed meshes, all lights".to_owned(), &ordinary, &contestants));
     }
     for row in scenes {
-        let name = format!("{}, {}", row.subject.name, lights_text(row.lights));
+        let name = match lights {
+            Some(_) => row.subject.name.clone(),
+            None => format!("{}, {}", row.subject.name, lights_text(row.lights)),
+        };
         rows.push(error_cells(name, &[row], &contestants));
     }
     Figure {
         id: "errors",
-        title: "Errors by scene".to_owned(),
+        title: lights
+            .map_or_else(|| "Errors by scene".to_owned(), |lights| format!("Errors by scene, {}", lights_text(lights))),
         lead: "Wrong facing bits / wrong silhouette bits / open vertices; one 0 where there is none of them."
             .to_owned(),
         chart: None,
