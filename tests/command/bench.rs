@@ -163,6 +163,8 @@ fn report() -> Outcome {
     let line = "bench --device cpu --meshes none --scenes three-sheets --scene-faces 60 --lights 2 --rounds 1 --report";
     rimline(line.split(' ').map(AsRef::as_ref).chain([report.as_os_str()])).expect(0, &[])?;
     check_data(&read_json(&report.join("data.json"))?)?;
+    // Plots that it does not show are gone.
+    check_report(&report)?;
 
     // Negative controls of the checks above.
     let mut other = data.clone();

@@ -9,7 +9,7 @@ use crate::args::DeviceArgs;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct BenchArgs {
-    /// Smaller meshes, one scene of each class, fewer rounds: less than a minute
+    /// Smaller meshes, one scene of each class, fewer rounds: less than a minute (all: about ten)
     #[arg(long)]
     pub(crate) quick: bool,
 

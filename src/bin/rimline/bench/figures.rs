@@ -14,6 +14,20 @@ use crate::page::Section;
 
 pub(super) use shadows::shadows;
 
+/// Every plot that a report may have.
+pub(super) const PLOTS: [&str; 10] = [
+    "time_against_error",
+    "time_against_size",
+    "speed_against_2003",
+    "time_against_lights",
+    "stages",
+    "cost_of_exactness",
+    "shadow_time_against_error",
+    "shadow_stencil",
+    "shadow_frame",
+    "shadow_paths",
+];
+
 /// The number of lights that plots are about which show one: eight where they were measured.
 fn usual_lights(results: &Results) -> usize {
     let has = |lights: usize| results.rows.iter().any(|row| row.lights == lights);

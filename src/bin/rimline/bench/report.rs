@@ -1,6 +1,6 @@
 //! Where the results go: JSON, a page, plots.
 
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::args::BenchArgs;
@@ -41,10 +41,20 @@ impl Destination {
         write(&folder.join("data.json"), data.as_bytes())?;
         let page = page(results);
         let origin = origin(results);
+        let file = |id: &str| folder.join(format!("{id}.png"));
+        // Those of an earlier report may be of what this one does not show.
+        for id in figures::PLOTS {
+            match std::fs::remove_file(file(id)) {
+                Err(source) if source.kind() != ErrorKind::NotFound => {
+                    return Err(Failure::Output { file: file(id), source });
+                }
+                _ => {}
+            }
+        }
         for figure in page.sections.iter().flat_map(|section| &section.figures) {
             if let Some(chart) = &figure.chart {
                 let svg = chart.svg(Target::File { title: &figure.title, origin: &origin });
-                Output::create(&folder.join(format!("{}.png", figure.id)))?.finish(|file| write_png(&svg, file))?;
+                Output::create(&file(figure.id))?.finish(|file| write_png(&svg, file))?;
             }
         }
         let index = folder.join("index.html");
@@ -112,7 +122,8 @@ fn page(results: &Results) -> Page {
         title: "Silhouettes and shadows: run time against error".to_owned(),
         lead: "Which edges of a mesh are silhouettes, found by Rimline in exact arithmetic and by the methods before it; \
                and the shadows whose volumes they bound. Of silhouettes, wrong is what differs from exact arithmetic on \
-               the positions as they lie in memory; a loop is open where silhouettes do not close at a vertex, which tears \
+               the positions as they lie in memory (integers on the CPU, which Rimline's tests hold against big \
+               integers by other hands); a loop is open where silhouettes do not close at a vertex, which tears \
                a shadow volume."
             .to_owned(),
         facts,
