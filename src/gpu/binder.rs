@@ -68,10 +68,9 @@ impl Binder<'_> {
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        let windows = bound.windows.ranges.clone().map(|range| bound.base + range.start..bound.base + range.end);
         for dispatch in &mut pass.dispatches {
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
-            resources.extend(windows.iter().map(|window| binding(positions, window.clone())));
+            resources.extend(bound.bindings(positions));
             if let (Method::PerEdge, Some(corners)) = (options.method, &self.buffers.edge_corners) {
                 resources.push(binding(corners, dispatch.bytes(16)));
                 resources.extend(self.emit_targets(dispatch));

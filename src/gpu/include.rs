@@ -3,8 +3,8 @@
 use super::extractor::Extractor;
 use super::frame::UniformTable;
 use super::memory::MemoryError;
+use super::pipelines::group;
 use super::positions::{PositionBuffer, PositionError};
-use super::split::binding;
 use crate::layout::RimlineInfo;
 use crate::stages::INCLUDES;
 
@@ -101,22 +101,15 @@ impl Extractor {
             position_stride: bound.stride_words,
         });
         let info = table.into_buffer(device, "rimline info");
-        let window = &bound.windows.ranges[0];
         let resources = [
             info.as_entire_binding(),
-            binding(positions.buffer, bound.base + window.start..bound.base + window.end),
+            bound.first_binding(positions.buffer),
             results.edge_vertices.as_entire_binding(),
             results.edge_faces.as_entire_binding(),
             facing.as_entire_binding(),
             list.as_entire_binding(),
             results.counts.as_entire_binding(),
         ];
-        let entries: Vec<_> =
-            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-        Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("rimline results"),
-            layout,
-            entries: &entries,
-        }))
+        Ok(group(device, "rimline results", layout, &resources))
     }
 }

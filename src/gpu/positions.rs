@@ -95,6 +95,12 @@ impl PositionBuffer<'_> {
 }
 
 impl BoundPositions {
+    /// The first window: everything, where there is one.
+    pub(super) fn first_binding<'a>(&self, buffer: &'a wgpu::Buffer) -> wgpu::BindingResource<'a> {
+        let [first, ..] = self.bindings(buffer);
+        first
+    }
+
     /// The four windows of the buffer, as `positions.wgsl` binds them.
     pub(super) fn bindings<'a>(&self, buffer: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 4] {
         let base = self.base;

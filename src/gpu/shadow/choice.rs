@@ -112,8 +112,7 @@ impl Choice {
         bound: &BoundPositions,
     ) {
         let whole = wgpu::Buffer::as_entire_binding;
-        let window = &bound.windows.ranges[0];
-        let positions = binding(positions, bound.base + window.start..bound.base + window.end);
+        let positions = bound.first_binding(positions);
         let bounds = self
             .bounds
             .bind(device, &[whole(&buffers.shape), positions.clone(), whole(&buffers.faces), whole(&buffers.bounds)]);

@@ -9,6 +9,7 @@ use crate::gpu::extractor::Extractor;
 use crate::gpu::frame::{UniformTable, upload};
 use crate::gpu::include::IncludeError;
 use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::pipelines::group;
 use crate::gpu::positions::{PositionBuffer, PositionError};
 use crate::gpu::split::{WORKGROUP, binding};
 use crate::gpu::timer::StageTimer;
@@ -250,15 +251,7 @@ impl ShadowVolumes {
         self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
-            let entries: Vec<_> = (0..)
-                .zip(resources)
-                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
-                .collect();
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("shadow volumes"),
-                layout,
-                entries: &entries,
-            })
+            group(device, "shadow volumes", layout, resources)
         };
         let frame = group(
             &self.layouts.frame,
@@ -269,8 +262,7 @@ impl ShadowVolumes {
                 whole(&buffers.lights),
             ],
         );
-        let window = &bound.windows.ranges[0];
-        let placed = binding(positions.buffer, bound.base + window.start..bound.base + window.end);
+        let placed = bound.first_binding(positions.buffer);
         let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
             group(
                 &self.layouts.cap_data,
