@@ -8,6 +8,10 @@
 //! * [`gpu::Extractor`]: the extraction on your device, in your encoder, from your position buffer;
 //! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
 //! * [`gpu::include_wgsl`]: reads the results in your own shaders;
+//! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass, the counting method chosen on the GPU for every caster
+//!   and light;
+//! * [`gpu::ShadowQuery`]: how many faces lie between points and lights;
+//! * [`area`]: lights with an area, as samples that share one extraction;
 //! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
 //! * [`stress`], [`score`]: scenes that are hard on floating-point arithmetic, and how wrong a method is on them;
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).

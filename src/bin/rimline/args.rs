@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use rimline::mesh::Weld;
 
 use crate::bench::args::BenchArgs;
+use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
 
@@ -92,6 +93,21 @@ impl WeldArgs {
     }
 }
 
+/// Where the model's vertices are, and who says so.
+#[derive(Args, Debug)]
+pub(crate) struct MomentArgs {
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
+
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
+    /// after morph and skin; needs a GPU
+    #[arg(long, value_name = "FILE.wgsl")]
+    pub(crate) displace: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
 /// The moment.
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
@@ -143,15 +159,7 @@ pub(crate) struct ExtractArgs {
     pub(crate) lights: Vec<LightSpec>,
 
     #[command(flatten)]
-    pub(crate) pose: PoseArgs,
-
-    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin; needs a GPU
-    #[arg(long, value_name = "FILE.wgsl")]
-    pub(crate) displace: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
+    pub(crate) moment: MomentArgs,
 
     /// How silhouettes are found
     #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
@@ -191,59 +199,6 @@ inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a numbe
 undecided_pairs and exact_zeros (pairs of face and light settled in integers), milliseconds (by stage).";
 
 #[derive(Args, Debug)]
-#[command(after_help = QUERY_EXAMPLES)]
-pub(crate) struct QueryArgs {
-    #[command(flatten)]
-    pub(crate) model: ModelArgs,
-
-    /// An .npz archive with the points: `points` (P,3) float32, in world space
-    #[arg(long, value_name = "FILE.npz")]
-    pub(crate) points: PathBuf,
-
-    /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous, w not negative), file:NAME or
-    /// file:all (the model file's own lights); may be given many times
-    #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
-    pub(crate) lights: Vec<LightSpec>,
-
-    #[command(flatten)]
-    pub(crate) pose: PoseArgs,
-
-    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin; needs a GPU
-    #[arg(long, value_name = "FILE.wgsl")]
-    pub(crate) displace: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
-
-    /// Where to write the arrays
-    #[arg(long, value_name = "FILE.npz")]
-    pub(crate) out: PathBuf,
-
-    /// Print counts and times as JSON instead of as text
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const QUERY_EXAMPLES: &str = "\
-Examples:
-  rimline query fox.glb --points ground.npz --light point:-1,2e2,.5 --out depth.npz
-  rimline query fox.glb --points ground.npz --light file:all --animation Run --out depth.npz
-
-Arrays written, P points, N lights:
-  points (P,3) float32   as given
-  lights (N,4) float32   as given
-  depth (P,N) int32      faces strictly between the point and the light, each counted
-                         once, whatever its orientation; 0 is lit, -1 a point that is
-                         infinite or NaN
-
-A face that contains the point or the light is not between. On a closed model the depth of a point is odd \
-where one of point and light is inside and the other is not. Depths are decided in exact arithmetic: the same on every device.
-
-Keys of --json: adapter, vertices, faces, points, non_finite_points, lights, points_in_shadow and deepest \
-(a number a light), milliseconds (by stage).";
-
-#[derive(Args, Debug)]
 #[command(after_help = DRAW_EXAMPLES)]
 pub(crate) struct DrawArgs {
     #[command(flatten)]
@@ -253,15 +208,7 @@ pub(crate) struct DrawArgs {
     pub(crate) view: ViewArgs,
 
     #[command(flatten)]
-    pub(crate) pose: PoseArgs,
-
-    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin
-    #[arg(long, value_name = "FILE.wgsl")]
-    pub(crate) displace: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
+    pub(crate) moment: MomentArgs,
 
     /// Where to write the picture
     #[arg(long, value_name = "FILE.png")]
@@ -393,7 +340,7 @@ mod tests {
             panic!("draw was asked for");
         };
         assert_eq!(draw.view.eye, Some([-1.0, 2.0, 0.5]));
-        assert_eq!(draw.pose.time, -2.0);
+        assert_eq!(draw.moment.pose.time, -2.0);
     }
 
     #[test]

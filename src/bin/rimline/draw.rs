@@ -30,17 +30,17 @@ use picture::Subject;
 const ELEVATION: f64 = 17.0;
 
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.device.device);
+    let wanted = Wanted::parse(&args.moment.device.device);
     if wanted == Wanted::Cpu {
         return Err(UsageError::DrawOnCpu.into());
     }
     let progress = Progress::start();
-    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
     progress.step("reading the model");
     let input = Input::open(&args.model)?;
-    let animation = input.animation(&args.pose)?;
-    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
-    let scene = input.scene(animation, args.pose.time, displacement.is_some())?;
+    let animation = input.animation(&args.moment.pose)?;
+    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
+    let scene = input.scene(animation, args.moment.pose.time, displacement.is_some())?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    positions.encode(&mut encoder, &scene.shape, args.pose.time, None).map_err(fail)?;
+    positions.encode(&mut encoder, &scene.shape, args.moment.pose.time, None).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     // The camera and the normals need positions here; the silhouette stays on the GPU.
     let world: Cow<'_, [[f32; 3]]> = match &scene.shape {

@@ -40,22 +40,22 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.device.device);
-    if wanted == Wanted::Cpu && args.displace.is_some() {
+    let wanted = Wanted::parse(&args.moment.device.device);
+    if wanted == Wanted::Cpu && args.moment.displace.is_some() {
         return Err(UsageError::DisplaceOnCpu.into());
     }
     let (method, predicate) = way(args)?;
     let progress = Progress::start();
     let mut times = Times::default();
-    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
 
     progress.step("reading the model");
     let input = times.measure("load", || Input::open(&args.model))?;
-    let animation = input.animation(&args.pose)?;
-    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
-    let lights = input.lights(&args.lights, animation, args.pose.time)?;
+    let animation = input.animation(&args.moment.pose)?;
+    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
+    let lights = input.lights(&args.lights, animation, args.moment.pose.time)?;
     progress.step("building edge records");
-    let scene = times.measure("topology", || input.scene(animation, args.pose.time, displacement.is_some()))?;
+    let scene = times.measure("topology", || input.scene(animation, args.moment.pose.time, displacement.is_some()))?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                 method,
                 predicate,
                 displacement: displacement.as_ref(),
-                time_s: args.pose.time,
+                time_s: args.moment.pose.time,
             };
             (job.run(gpu, &mut times)?, device.name())
         }

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let props = Props::read(scene)?;
     let frames = frames(args, &props)?;
-    let time = |frame: u32| scene.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
+    let time = |frame: u32| scene.moment.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
     let mut output = Some(Output::create(&file(0))?);
 

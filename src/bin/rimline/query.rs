@@ -1,5 +1,6 @@
 //! `rimline query`: how many faces lie between points and lights, as NumPy arrays.
 
+pub(crate) mod args;
 mod on_gpu;
 mod report;
 
@@ -11,7 +12,6 @@ use rimline::cpu::{self, Threads};
 use rimline::light::{MAX_LIGHTS, check_shadow_lights};
 use rimline::{Light, Mesh};
 
-use crate::args::QueryArgs;
 use crate::device::{self, Device, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
@@ -20,26 +20,27 @@ use crate::npz::{self, ElementType, NpzWriter};
 use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::times::Times;
+use args::QueryArgs;
 use report::Report;
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.device.device);
-    if wanted == Wanted::Cpu && args.displace.is_some() {
+    let wanted = Wanted::parse(&args.moment.device.device);
+    if wanted == Wanted::Cpu && args.moment.displace.is_some() {
         return Err(UsageError::DisplaceOnCpu.into());
     }
     let progress = Progress::start();
     let mut times = Times::default();
-    let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
 
     progress.step("reading the model");
     let input = times.measure("load", || Input::open(&args.model))?;
-    let animation = input.animation(&args.pose)?;
-    displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
-    let lights = input.lights(&args.lights, animation, args.pose.time)?;
+    let animation = input.animation(&args.moment.pose)?;
+    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
+    let lights = input.lights(&args.lights, animation, args.moment.pose.time)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
     let points = times.measure("points", || read_points(&args.points))?;
-    let scene = times.measure("topology", || input.scene(animation, args.pose.time, displacement.is_some()))?;
+    let scene = times.measure("topology", || input.scene(animation, args.moment.pose.time, displacement.is_some()))?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
@@ -64,7 +65,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
                 points: &points,
                 lights: &lights,
                 displacement: displacement.as_ref(),
-                time_s: args.pose.time,
+                time_s: args.moment.pose.time,
             };
             job.run(gpu, &mut depths, &mut times)?;
             device::describe(&gpu.info)

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("reading the models");
     let props = times.measure("load", || Props::read(scene))?;
     for &animation in &props.animations {
-        displacement::note_idle_time(&scene.pose, animation, props.displacement.as_ref());
+        displacement::note_idle_time(&scene.moment.pose, animation, props.displacement.as_ref());
     }
     let output = args.out.as_deref().map(Output::create).transpose()?;
 
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let gpu = set::open_gpu(scene)?;
     let fail = |error: GpuError| error.on(&gpu);
     progress.step("placing the models");
-    let bodies = times.measure("topology", || props.bodies(&gpu, scene.pose.time))?;
+    let bodies = times.measure("topology", || props.bodies(&gpu, scene.moment.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::corners).collect();
     let set = Set::new(scene, bodies, points)?;
     let mask_files: Vec<_> = match &args.mask {

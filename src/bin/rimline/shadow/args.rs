@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 
-use crate::args::{DeviceArgs, PoseArgs, ViewArgs, WeldArgs};
+use crate::args::{MomentArgs, ViewArgs, WeldArgs};
 use crate::spec::{self, AreaSpec, LampSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -104,15 +104,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) volumes: bool,
 
     #[command(flatten)]
-    pub(crate) pose: PoseArgs,
-
-    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin
-    #[arg(long, value_name = "FILE.wgsl")]
-    pub(crate) displace: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
+    pub(crate) moment: MomentArgs,
 }
 
 /// Help that both commands end with.

@@ -54,7 +54,7 @@ impl Lamp {
         let mut lamps = Vec::new();
         for spec in &args.lights {
             let wanted = std::slice::from_ref(&spec.light);
-            for light in first.input.lights(wanted, first.animation(), args.pose.time)? {
+            for light in first.input.lights(wanted, first.animation(), args.moment.pose.time)? {
                 lamps.push(Self {
                     light,
                     color: spec.color.map(|c| c * spec.intensity),

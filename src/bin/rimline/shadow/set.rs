@@ -33,16 +33,16 @@ pub(crate) struct Props {
 
 impl Props {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.device.device) == Wanted::Cpu {
+        if Wanted::parse(&args.moment.device.device) == Wanted::Cpu {
             return Err(UsageError::DrawOnCpu.into());
         }
         if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
-        let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+        let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
         let open = |file: &std::path::PathBuf| Input::read(file, args.weld.weld());
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let animations = animations(&inputs, &args.pose)?;
+        let animations = animations(&inputs, &args.moment.pose)?;
         Ok(Self { inputs, animations, displacement })
     }
 
@@ -54,7 +54,7 @@ impl Props {
 
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
-    let gpu = device::open_gpu(&Wanted::parse(&args.device.device))?;
+    let gpu = device::open_gpu(&Wanted::parse(&args.moment.device.device))?;
     check_size(&gpu, args.view.size)?;
     let [width, height] = args.view.size;
     // The multisampled linear picture is the largest array.
