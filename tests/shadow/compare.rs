@@ -1,5 +1,8 @@
 //! Stencil values against the rays' truth.
 
+use std::collections::BTreeSet;
+
+use crate::hairlines::Hairlines;
 use crate::rays::Truth;
 use crate::scene::Frame;
 
@@ -16,6 +19,8 @@ pub(crate) struct Wrong {
     pub(crate) pixels: Vec<(u32, u32)>,
     /// Pixels that were compared.
     pub(crate) compared: usize,
+    /// Pixels that differ by what hairlines explain, which are not among `pixels`.
+    pub(crate) hairlines: BTreeSet<(u32, u32)>,
 }
 
 impl Compared<'_> {
@@ -40,8 +45,8 @@ impl Compared<'_> {
     }
 
     /// Lit surfaces that the GPU shows shadowed, and the other way round, but for those within a pixel of where it
-    /// would be right.
-    pub(crate) fn lit(&self, stencil: &[u8]) -> Wrong {
+    /// would be right. `every` says of which casters every face casts.
+    pub(crate) fn lit(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
         for place in self.pixels() {
             let truth = self.truth(place);
@@ -54,11 +59,10 @@ impl Compared<'_> {
                 wrong.pixels.push((place.0 as u32, place.1 as u32));
             }
         }
-        wrong
+        self.explained(wrong, stencil, every)
     }
 
     /// Counts that differ from the number of casting faces between, where that is the same for all pixels around.
-    /// `every` says of which casters every face casts.
     pub(crate) fn counts(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
         for place in self.pixels() {
@@ -72,6 +76,26 @@ impl Compared<'_> {
                 wrong.pixels.push((place.0 as u32, place.1 as u32));
             }
         }
+        self.explained(wrong, stencil, every)
+    }
+
+    /// Without the pixels whose count is off by what a hairline there can make.
+    fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
+        if wrong.pixels.is_empty() {
+            return wrong;
+        }
+        let hairlines = Hairlines::new(self.frame, self.light);
+        wrong.pixels.retain(|&(x, y)| {
+            let place = (i64::from(x), i64::from(y));
+            let Truth::Surface(between) = self.truth(place) else { return true };
+            let off = self.value(place, stencil).wrapping_sub(between.count(every) as u8) as i8;
+            let [least, most] = hairlines.reach((x, y), every);
+            let is_explained = (least..=most).contains(&i64::from(off));
+            if is_explained {
+                wrong.hairlines.insert((x, y));
+            }
+            !is_explained
+        });
         wrong
     }
 }
@@ -80,5 +104,6 @@ impl Wrong {
     pub(crate) fn add(&mut self, other: &Self) {
         self.pixels.extend(&other.pixels);
         self.compared += other.compared;
+        self.hairlines.extend(&other.hairlines);
     }
 }

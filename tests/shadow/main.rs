@@ -4,6 +4,7 @@ mod classes;
 #[path = "../common/mod.rs"]
 mod common;
 mod compare;
+mod hairlines;
 mod overflow;
 mod paper;
 mod range;
@@ -25,7 +26,9 @@ fn main() {
         let run = move || trials::right(class).map_err(Failed::from);
         trials.push(Trial::test(class.name, run).with_kind("gpu"));
     }
-    for &(name, test) in trials::TESTS.iter().chain(paper::TESTS).chain(range::TESTS).chain(overflow::TESTS) {
+    for &(name, test) in
+        trials::TESTS.iter().chain(paper::TESTS).chain(range::TESTS).chain(overflow::TESTS).chain(hairlines::TESTS)
+    {
         trials.push(Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
     }
     println!("gpu tests: {}", trials.len());

@@ -11,7 +11,7 @@ use rimline::glam::DVec3;
 use crate::common::oracle;
 use crate::scene::{Frame, Rays};
 
-struct Triangle {
+pub(crate) struct Triangle {
     corners: [DVec3; 3],
     /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
     sides: Vec<i32>,
@@ -102,7 +102,7 @@ impl Tracer {
     }
 
     /// Where a ray first meets a surface, and which.
-    fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
+    pub(crate) fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
         let hits = self.along(from, direction).filter_map(|triangle| {
             let t = meeting(triangle, from, direction)?;
             (t > 0.0).then_some((t, triangle))
