@@ -1,5 +1,6 @@
 //! Shadows against rays. Without an adapter these tests fail; they are never passed over.
 
+mod cameras;
 mod classes;
 #[path = "../common/mod.rs"]
 mod common;
@@ -7,10 +8,13 @@ mod compare;
 mod hairlines;
 mod overflow;
 mod paper;
+mod query;
 mod range;
 mod rays;
 mod render;
+mod samples;
 mod scene;
+mod skinned;
 mod trials;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -26,8 +30,16 @@ fn main() {
         let run = move || trials::right(class).map_err(Failed::from);
         trials.push(Trial::test(class.name, run).with_kind("gpu"));
     }
-    for &(name, test) in
-        trials::TESTS.iter().chain(paper::TESTS).chain(range::TESTS).chain(overflow::TESTS).chain(hairlines::TESTS)
+    for &(name, test) in trials::TESTS
+        .iter()
+        .chain(paper::TESTS)
+        .chain(range::TESTS)
+        .chain(overflow::TESTS)
+        .chain(hairlines::TESTS)
+        .chain(query::TESTS)
+        .chain(cameras::TESTS)
+        .chain(samples::TESTS)
+        .chain(skinned::TESTS)
     {
         trials.push(Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
     }
