@@ -15,8 +15,8 @@ pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
 }
 
-/// A face at the volume's far end, in clip space. At infinity an orthographic camera sees all of its picture in the face,
-/// or none of it.
+/// A face at the volume's far end, in clip space; `None` where that is out of sight at infinity. An orthographic camera
+/// sees it over all of the picture there, or not at all: NUMERICS.md, "Dark caps of orthographic cameras".
 pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
     if is_orthographic(view) && light.end == 0.0 {
         return all_or_nothing(view, light, face);

@@ -89,8 +89,9 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
     Ok(met.0.iter().flatten().sum())
 }
 
-/// With a far plane z-fail draws light caps unclipped, so where every face casts, those that the near plane cuts need not
-/// have the bits of a depth pass that is clipped. Fails where another pixel is wrong; returns how many of these are.
+/// With a far plane z-fail draws light caps unclipped, so where every face casts, those that the near plane cuts need
+/// not have the bits of a depth pass that is clipped. Fails where another pixel is wrong; returns how many of these
+/// are.
 fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, String> {
     let every = every(counted, 0);
     let mut wrong = traced.compared().lit(&counted.stencils[0], &every);

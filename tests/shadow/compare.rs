@@ -21,6 +21,8 @@ pub(crate) struct Wrong {
     pub(crate) compared: usize,
     /// Pixels that differ by what hairlines explain, which are not among `pixels`.
     pub(crate) hairlines: BTreeSet<(u32, u32)>,
+    /// Pixels that have the count of a part of a pixel around, likewise.
+    pub(crate) slivers: BTreeSet<(u32, u32)>,
 }
 
 impl Compared<'_> {
@@ -79,7 +81,8 @@ impl Compared<'_> {
         self.explained(wrong, stencil, every)
     }
 
-    /// Without the pixels whose count is off by what a hairline there can make.
+    /// Without the pixels that are within a pixel of where their count is right, though no pixel's centre shows it, and
+    /// those whose count is off by what a hairline there can make.
     fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
         if wrong.pixels.is_empty() {
             return wrong;
@@ -90,11 +93,11 @@ impl Compared<'_> {
             let Truth::Surface(between) = self.truth(place) else { return true };
             let off = self.value(place, stencil).wrapping_sub(between.count(every) as u8) as i8;
             let [least, most] = hairlines.reach((x, y), every);
-            let is_explained = (least..=most).contains(&i64::from(off));
-            if is_explained {
-                wrong.hairlines.insert((x, y));
-            }
-            !is_explained
+            let is_hairline = (least..=most).contains(&i64::from(off));
+            let is_sliver = !is_hairline && hairlines.is_near((x, y), self.value(place, stencil), every);
+            let explained = if is_hairline { &mut wrong.hairlines } else { &mut wrong.slivers };
+            explained.extend((is_hairline || is_sliver).then_some((x, y)));
+            !(is_hairline || is_sliver)
         });
         wrong
     }
@@ -105,5 +108,6 @@ impl Wrong {
         self.pixels.extend(&other.pixels);
         self.compared += other.compared;
         self.hairlines.extend(&other.hairlines);
+        self.slivers.extend(&other.slivers);
     }
 }

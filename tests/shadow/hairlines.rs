@@ -1,5 +1,5 @@
-//! Pixels with the edge that a side begins at so close to their centre that a GPU may see it on the centre's other side:
-//! NUMERICS.md, "Hairlines".
+//! Pixels with the edge that a side begins at so close to their centre that a GPU may see it on the centre's other
+//! side: NUMERICS.md, "Hairlines".
 
 use rimline::Counting;
 use rimline::glam::{DVec2, DVec3, DVec4};
@@ -7,7 +7,7 @@ use rimline::glam::{DVec2, DVec3, DVec4};
 use crate::classes::CLASSES;
 use crate::common::device::Gpu;
 use crate::common::oracle;
-use crate::rays::Tracer;
+use crate::rays::{Tracer, Truth};
 use crate::render::Renderer;
 use crate::scene::{Frame, Rays};
 use crate::trials::{Test, Traced, every};
@@ -17,8 +17,13 @@ pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)
 /// Half a step of the grid of 256 steps a pixel that rasterisers move vertices to.
 const HALF_STEP: f64 = 1.0 / 512.0;
 
+/// Rays a pixel, along either axis, that slivers are looked for with.
+const FINE: u32 = 32;
+
 /// Where the sides of one light's volumes begin.
-pub(crate) struct Hairlines {
+pub(crate) struct Hairlines<'a> {
+    frame: &'a Frame,
+    number: usize,
     sides: Vec<Side>,
     light: DVec4,
     tracer: Tracer,
@@ -35,14 +40,14 @@ struct Side {
     off: f64,
 }
 
-impl Hairlines {
-    pub(crate) fn new(frame: &Frame, light: usize) -> Self {
+impl<'a> Hairlines<'a> {
+    pub(crate) fn new(frame: &'a Frame, number: usize) -> Self {
         let mut sides = Vec::new();
         for (caster, body) in frame.bodies.iter().filter(|body| body.casts).enumerate() {
             let shape = &body.shape;
             let facing = oracle::facing(&shape.positions, &shape.faces, &frame.lights);
             let edges = oracle::edge_faces(&shape.faces);
-            for ((a, b), multiplicity) in oracle::multiplicities(&edges, &facing, shape.faces.len(), light) {
+            for ((a, b), multiplicity) in oracle::multiplicities(&edges, &facing, shape.faces.len(), number) {
                 if multiplicity == 0 {
                     continue;
                 }
@@ -53,8 +58,15 @@ impl Hairlines {
                 }
             }
         }
-        let light = DVec4::from(frame.lights[light].to_array().map(f64::from));
-        Self { sides, light, tracer: Tracer::new(frame), rays: Rays::new(&frame.eye.camera(), frame.size) }
+        let light = DVec4::from(frame.lights[number].to_array().map(f64::from));
+        Self {
+            frame,
+            number,
+            sides,
+            light,
+            tracer: Tracer::new(frame),
+            rays: Rays::new(&frame.eye.camera(), frame.size),
+        }
     }
 
     /// The least and the most that a count at a pixel may be off: the sides that begin there may count though the ray
@@ -74,45 +86,81 @@ impl Hairlines {
         }
         reach
     }
+
+    /// Whether a ray within a pixel of a pixel's centre finds this count: what casts a shadow thinner than a pixel may
+    /// be between all centres.
+    pub(crate) fn is_near(&self, (x, y): (u32, u32), count: u8, every: &[bool]) -> bool {
+        let rays = Rays::new(&self.frame.eye.camera(), self.frame.size * FINE);
+        let around = |at: u32| (at * FINE).saturating_sub(FINE / 2)..(at + 1) * FINE + FINE / 2;
+        let has_count = |(x, y)| match self.tracer.pixel(rays.ray(x, y), &self.frame.lights)[self.number] {
+            Truth::Surface(between) => between.count(every) % 256 == u16::from(count),
+            _ => false,
+        };
+        around(y).flat_map(|y| around(x).map(move |x| (x, y))).any(has_count)
+    }
 }
 
-/// Frames of cameras outside the shadow, a pixel of each that software Vulkan counts wrongly, and by how much.
-const FOUND: [(u64, (u32, u32), i8); 5] =
-    [(11, (56, 22), -1), (64, (58, 45), -1), (93, (30, 40), 1), (101, (64, 62), -1), (102, (49, 50), -1)];
+/// A pixel that software Vulkan counts wrongly.
+struct Found {
+    class: &'static str,
+    frame: u64,
+    pixel: (u32, u32),
+    /// By how much.
+    off: i8,
+    /// Why, if not by a sliver.
+    is_hairline: bool,
+}
 
-/// What was found is explained by vertices on the rasteriser's grid; any other count there is not, nor is the same count
-/// at any pixel without a hairline.
+const fn hairline(frame: u64, pixel: (u32, u32), off: i8) -> Found {
+    Found { class: "camera outside the shadow", frame, pixel, off, is_hairline: true }
+}
+
+const FOUND: [Found; 6] = [
+    hairline(11, (56, 22), -1),
+    hairline(64, (58, 45), -1),
+    hairline(93, (30, 40), 1),
+    hairline(101, (64, 62), -1),
+    hairline(102, (49, 50), -1),
+    Found { class: "coordinates near 1,000", frame: 75, pixel: (74, 78), off: 2, is_hairline: false },
+];
+
+/// What was found is explained by vertices on the rasteriser's grid or by a sliver of that count. Other counts there
+/// are not, nor is the same at pixels all over the picture.
 fn controls() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let class = CLASSES.iter().find(|class| class.name == "camera outside the shadow").ok_or("no such class")?;
-    for (number, pixel @ (x, y), off) in FOUND {
-        let traced = Traced::new(class, number);
+    for Found { class, frame, pixel, off, is_hairline } in FOUND {
+        let class = CLASSES.iter().find(|known| known.name == class).ok_or("no such class")?;
+        let traced = Traced::new(class, frame);
         let (_, counted) = traced.check(&Renderer::new(&gpu), Counting::Auto, true)?;
         let every = every(&counted, 0);
-        let hairlines = Hairlines::new(&traced.frame, 0);
-        if !hairlines.sides.iter().any(|side| side.changes_sides(pixel)) {
-            return Err(format!("seed {}: the grid leaves {pixel:?} on its side of every edge", traced.seed));
-        }
-        let compared = traced.compared();
-        let planted = |at: (u32, u32), off: i8| {
+        let size = traced.frame.size;
+        let planted = |pixels: &[(u32, u32)], off: i8| {
             let mut stencil = counted.stencils[0].clone();
-            stencil[(at.1 * traced.frame.size + at.0) as usize] = off as u8;
-            let wrong = compared.lit(&stencil, &every);
-            (wrong.pixels.contains(&at), wrong.hairlines.contains(&at))
+            for (x, y) in pixels {
+                let index = (y * size + x) as usize;
+                if let Truth::Surface(between) = traced.truths[index][0] {
+                    stencil[index] = (between.count(&every) as u8).wrapping_add_signed(off);
+                }
+            }
+            traced.compared().counts(&stencil, &every)
         };
-        let elsewhere = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)];
-        let others = (-3..=3).filter(|&other| other != 0 && other != off);
-        let is_right = planted(pixel, off) == (false, true)
-            && others.into_iter().all(|other| planted(pixel, other) == (true, false))
-            && elsewhere.into_iter().all(|at| hairlines.reach(at, &every) != [0; 2] || planted(at, off).0);
-        if !is_right {
-            return Err(format!("seed {}, {pixel:?}: reach {:?}", traced.seed, hairlines.reach(pixel, &every)));
+        let wrong = planted(&[pixel], off);
+        let explained = if is_hairline { wrong.hairlines } else { wrong.slivers };
+        let others = [-off, 2 * off, -2 * off, 3 * off].map(|other| planted(&[pixel], other).pixels.contains(&pixel));
+        if !wrong.pixels.is_empty() || !explained.contains(&pixel) || others.contains(&false) {
+            return Err(format!("seed {}, {pixel:?}: {explained:?}, other counts noticed: {others:?}", traced.seed));
         }
-        let pixels = (0..traced.frame.size).flat_map(|y| (0..traced.frame.size).map(move |x| (x, y)));
+        let lattice: Vec<_> = (0..64).map(|at| (at % 8 * 11 + 8, at / 8 * 11 + 8)).collect();
+        let noticed = planted(&lattice, off).pixels.len();
+        let hairlines = Hairlines::new(&traced.frame, 0);
+        let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
         let reached = pixels.filter(|&pixel| hairlines.reach(pixel, &every) != [0; 2]).count();
-        println!("seed {}: {reached} pixels with a hairline, {off} at {pixel:?}", traced.seed);
-        if reached > 30 {
-            return Err(format!("seed {}: hairlines at {reached} pixels", traced.seed));
+        println!(
+            "seed {}: {off} at {pixel:?}, noticed at {noticed} of 64 pixels; {reached} with a hairline",
+            traced.seed
+        );
+        if noticed < 32 || is_hairline && !hairlines.sides.iter().any(|side| side.changes_sides(pixel)) {
+            return Err(format!("seed {}: explained too much, or by another cause", traced.seed));
         }
     }
     Ok(())

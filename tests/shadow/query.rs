@@ -30,8 +30,8 @@ fn lit_side(point: DVec3, face: &Triangle, light: usize) -> [f32; 3] {
     moved(steps.find(is_right).unwrap_or(0.0))
 }
 
-/// What pixels see of surfaces on the light's side, in `f32`; nothing where that is more than a quarter of a pixel beside
-/// it.
+/// What pixels see of surfaces on the light's side, in `f32`; nothing where that is more than a quarter of a pixel
+/// beside it.
 fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
     let frame = &traced.frame;
     let (tracer, rays) = (Tracer::new(frame), Rays::new(&frame.eye.camera(), frame.size));

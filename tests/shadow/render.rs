@@ -21,8 +21,8 @@ pub(crate) enum DepthPass {
 
 /// What the GPU counted.
 pub(crate) struct Counted {
-    /// The stencil value of each pixel, row by row, a light each. Of several samples 255 where none of them has a count,
-    /// 0 where all have, and between by how many have.
+    /// The stencil value of each pixel, row by row, a light each. Of several samples 255 where none of them has a
+    /// count, 0 where all have, and between by how many have.
     pub(crate) stencils: Vec<Vec<u8>>,
     /// What was chosen, a caster and light each.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,

@@ -99,6 +99,7 @@ pub(crate) struct Tally {
     shadowed: usize,
     capped: usize,
     hairlines: usize,
+    slivers: usize,
     failures: Vec<String>,
 }
 
@@ -108,11 +109,11 @@ impl Tally {
         self.shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
         for &counting in methods {
             match traced.check(renderer, counting, counts) {
-                Ok((wrong, counted)) if counting == Counting::Auto => {
+                Ok((wrong, counted)) => {
                     self.capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
                     self.hairlines += wrong.hairlines.len();
+                    self.slivers += wrong.slivers.len();
                 }
-                Ok(_) => {}
                 Err(error) => self.failures.push(error),
             }
         }
@@ -120,9 +121,10 @@ impl Tally {
 
     /// Fails where a pixel was wrong.
     pub(crate) fn result(&self, name: &str) -> Result<(), String> {
-        let Self { frames, shadowed, capped, hairlines, failures } = self;
+        let Self { frames, shadowed, capped, hairlines, slivers, failures } = self;
         println!(
-            "{name}: {frames} frames, {shadowed} pixels in shadow, {capped} near caps, {hairlines} wrong by auto on hairlines"
+            "{name}: {frames} frames, {shadowed} pixels in shadow; by all methods {capped} near caps, {hairlines} pixels \
+             off on hairlines, {slivers} by slivers"
         );
         match (shadowed, failures.is_empty()) {
             (0, _) => Err(format!("{name}: nothing was ever in shadow")),
