@@ -6,6 +6,9 @@ use crate::hairlines::Hairlines;
 use crate::rays::Truth;
 use crate::scene::Frame;
 
+/// Pixels of a frame that are looked at one by one.
+const MOST_EXPLAINED: usize = 30;
+
 /// What of a frame is compared, for one light.
 pub(crate) struct Compared<'a> {
     pub(crate) frame: &'a Frame,
@@ -84,7 +87,8 @@ impl Compared<'_> {
     /// Without the pixels that are within a pixel of where their count is right, though no pixel's centre shows it, and
     /// those whose count is off by what a hairline there can make.
     fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
-        if wrong.pixels.is_empty() {
+        // So many have another cause.
+        if wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
             return wrong;
         }
         let hairlines = Hairlines::new(self.frame, self.light);
