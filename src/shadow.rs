@@ -41,7 +41,8 @@ pub enum Counting {
     /// chosen by [`Self::Auto`]. Needs what z-fail needs.
     ZpPlusPaper,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
-    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does.
+    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a far
+    /// plane, caps are drawn unclipped, so casting faces that the near plane cuts may show specks of shadow.
     ZFail,
 }
 

@@ -55,7 +55,43 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   if (!face.valid) {
     return CapVertex(NOTHING);
   }
+  if (is_orthographic(view) && light.end == 0.0) {
+    return CapVertex(all_or_nothing(light, face, vertex));
+  }
   return CapVertex(far_end(view, light, caster_position(face.corners[vertex])));
+}
+
+// Whether the camera's own direction is left of the edge between two far vertices, which are seen from the light. The
+// lower index comes first, so that faces on both sides of the edge agree.
+fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
+  if (is_ordered) {
+    return a.x * b.y - a.y * b.x >= 0.0;
+  }
+  return !(b.x * a.y - b.y * a.x >= 0.0);
+}
+
+// A face at infinity as an orthographic camera sees it: all of the picture if the camera's direction is within the face
+// as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
+fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
+  let a = away(light, caster_position(face.corners.x));
+  let b = away(light, caster_position(face.corners.y));
+  let c = away(light, caster_position(face.corners.z));
+  let p = direction_to_clip(view, a).xy;
+  let q = direction_to_clip(view, b).xy;
+  let r = direction_to_clip(view, c).xy;
+  let left = is_left(p, q, face.corners.x < face.corners.y);
+  if (left != is_left(q, r, face.corners.y < face.corners.z) || left != is_left(r, p, face.corners.z < face.corners.x)) {
+    return NOTHING;
+  }
+  // The direction, or its opposite, is this sum of the three.
+  let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
+  if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
+    return NOTHING;
+  }
+  // Turned on the screen as the face is.
+  let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
+  let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
+  return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
 }
 
 // From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.

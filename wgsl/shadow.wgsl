@@ -112,6 +112,11 @@ fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f3
   return direction_to_clip(view, away(light, position)) + light.end * light.clip;
 }
 
+// Clip w is the same everywhere.
+fn is_orthographic(view: ShadowView) -> bool {
+  return view.view_projection[0].w == 0.0 && view.view_projection[1].w == 0.0 && view.view_projection[2].w == 0.0;
+}
+
 // A vertex of a volume.
 struct Corner {
   // In clip space, and its height over the near plane.

@@ -1,9 +1,12 @@
 //! Cap faces: the vertices of light caps, dark caps and near caps.
 
-use glam::Vec4;
+use glam::{Vec2, Vec4, Vec4Swizzles};
 
 use super::paper::frustum_to_clip;
-use super::shadow::{corner, far_end, light_side, on_near_plane, parallel_to_near_plane, star, to_clip};
+use super::shadow::{
+    away, corner, direction_to_clip, dot_3, far_end, is_orthographic, light_side, near_plane, on_near_plane,
+    parallel_to_near_plane, star, to_clip,
+};
 use super::sides::End;
 use crate::layout::{ShadowLight, ShadowView};
 
@@ -12,9 +15,36 @@ pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
 }
 
-/// A face at the volume's far end, in clip space.
-pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
-    face.map(|(_, position)| far_end(view, light, position))
+/// A face at the volume's far end, in clip space; `None` where that is out of sight at infinity. An orthographic camera
+/// sees it over all of the picture there, or not at all: NUMERICS.md, "Dark caps of orthographic cameras".
+pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
+    if is_orthographic(view) && light.end == 0.0 {
+        return all_or_nothing(view, light, face);
+    }
+    Some(face.map(|(_, position)| far_end(view, light, position)))
+}
+
+/// Whether the camera's own direction is left of the edge between two far vertices, which are seen from the light. The
+/// lower index comes first, so that faces on both sides of the edge agree.
+fn is_left((a_index, a): (u32, Vec2), (b_index, b): (u32, Vec2)) -> bool {
+    if a_index < b_index { a.x * b.y - a.y * b.x >= 0.0 } else { b.x * a.y - b.y * a.x < 0.0 }
+}
+
+fn all_or_nothing(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
+    let [a, b, c] = face.map(|(_, position)| away(light, position));
+    let far = [(face[0].0, a), (face[1].0, b), (face[2].0, c)];
+    let [(i, p), (j, q), (k, r)] = far.map(|(index, away)| (index, direction_to_clip(view, away).xy()));
+    let left = is_left((i, p), (j, q));
+    if left != is_left((j, q), (k, r)) || left != is_left((k, r), (i, p)) {
+        return None;
+    }
+    let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
+    if (dot_3(near_plane(view).0, along) > 0.0) != left {
+        return None;
+    }
+    let corner = |x, y| Vec4::new(x, y, 1.0 - view.near_z, 1.0);
+    let (second, third) = (corner(3.0, -1.0), corner(-1.0, 3.0));
+    Some(if left { [corner(-1.0, -1.0), second, third] } else { [corner(-1.0, -1.0), third, second] })
 }
 
 /// What of a face lies between the light and the near plane, seen from the light on the near plane, in clip space: up to

@@ -73,6 +73,11 @@ pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Ve
     direction_to_clip(view, away(light, position)) + light.end * Vec4::from_array(light.clip)
 }
 
+/// Clip w is the same everywhere.
+pub(super) fn is_orthographic(view: &ShadowView) -> bool {
+    view.view_projection[..3].iter().all(|column| column[3] == 0.0)
+}
+
 /// What a vertex of a volume is made of.
 pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
     let d = away(light, position);

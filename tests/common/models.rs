@@ -84,3 +84,62 @@ pub(crate) fn random_pose(random: &mut Random, model: &Model) -> Pose {
     });
     Pose { instances: instances.collect(), mixed_determinants: 0 }
 }
+
+/// A closed tube along x of five joints, each of which bends what comes after it, and its pose at a time.
+pub(crate) fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
+    const RINGS: u32 = 40;
+    const SEGMENTS: u32 = 16;
+    const JOINTS: u32 = 5;
+    const HALF: f32 = 1.4;
+    let mut influences = Influences { offsets: vec![0], ..Default::default() };
+    let mut positions = Vec::new();
+    let mut vertex = |along: f32, radius: f32, turn: f32| {
+        positions.push([HALF * (2.0 * along - 1.0), radius * turn.cos(), radius * turn.sin()]);
+        let at = along * (JOINTS - 1) as f32;
+        let joint = (at as u32).min(JOINTS - 2);
+        influences.joints.extend([joint, joint + 1]);
+        influences.weights.extend([1.0 - (at - joint as f32), at - joint as f32]);
+        influences.offsets.push(influences.joints.len() as u32);
+    };
+    for ring in 0..RINGS {
+        for segment in 0..SEGMENTS {
+            let turn = segment as f32 / SEGMENTS as f32 * std::f32::consts::TAU;
+            vertex(ring as f32 / (RINGS - 1) as f32, 0.3, turn);
+        }
+    }
+    // The middles of both ends.
+    vertex(0.0, 0.0, 0.0);
+    vertex(1.0, 0.0, 0.0);
+    let [first, last] = [RINGS * SEGMENTS, RINGS * SEGMENTS + 1];
+    let mut faces = Vec::new();
+    for segment in 0..SEGMENTS {
+        let next = (segment + 1) % SEGMENTS;
+        for ring in (0..RINGS - 1).map(|ring| ring * SEGMENTS) {
+            let [a, b] = [ring + segment, ring + next];
+            faces.extend([[a, b, b + SEGMENTS], [a, b + SEGMENTS, a + SEGMENTS]]);
+        }
+        let end = (RINGS - 1) * SEGMENTS;
+        faces.extend([[first, next, segment], [last, end + segment, end + next]]);
+    }
+    let source_vertices = (0..positions.len() as u32).collect();
+    let geometry = Geometry {
+        name: None,
+        positions,
+        faces,
+        morph_targets: Vec::new(),
+        influences: Some(influences),
+        source_vertices,
+    };
+    let pose = |time: f32| {
+        let mut sum = Affine3A::IDENTITY;
+        let palette = (0..JOINTS).map(|joint| {
+            let at = Vec3::X * HALF * (2.0 * joint as f32 / (JOINTS - 1) as f32 - 1.0);
+            let turn = Quat::from_euler(EulerRot::XYZ, 0.0, 0.6 * (time + joint as f32).sin(), 0.5 * time.cos());
+            sum *= Affine3A::from_translation(at) * Affine3A::from_quat(turn) * Affine3A::from_translation(-at);
+            rows(sum)
+        });
+        let instance = InstancePose { palette: palette.collect(), morph_weights: Vec::new(), turned: false };
+        Pose { instances: vec![instance], mixed_determinants: 0 }
+    };
+    (Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] }, pose)
+}

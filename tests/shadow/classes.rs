@@ -74,7 +74,7 @@ fn frame(bodies: Vec<Body>, eye: Eye, light: Light) -> Frame {
 }
 
 fn eye(place: DVec3, forward: DVec3, near: f64) -> Eye {
-    Eye { place, forward, near, is_relative: false, depth: DepthDirection::Reversed, far: None }
+    Eye { place, forward, near, is_relative: false, depth: DepthDirection::Reversed, far: None, half_width: None }
 }
 
 /// A place in the room that is not in the tori's way.
@@ -217,7 +217,7 @@ fn overlapping(random: &mut Random) -> Frame {
     Frame { bodies, ..frame }
 }
 
-fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
+pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {
     let bodies = vec![Body::caster(shape.clone()), Body::caster(shape), Body::room([0.0; 3], 8.0)];
     let mut frame = match random.below(3) {
         0 => self::random(random),

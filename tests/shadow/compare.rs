@@ -1,7 +1,13 @@
 //! Stencil values against the rays' truth.
 
+use std::collections::BTreeSet;
+
+use crate::hairlines::Hairlines;
 use crate::rays::Truth;
 use crate::scene::Frame;
+
+/// Pixels of a frame that are looked at one by one.
+const MOST_EXPLAINED: usize = 30;
 
 /// What of a frame is compared, for one light.
 pub(crate) struct Compared<'a> {
@@ -16,6 +22,10 @@ pub(crate) struct Wrong {
     pub(crate) pixels: Vec<(u32, u32)>,
     /// Pixels that were compared.
     pub(crate) compared: usize,
+    /// Pixels that differ by what hairlines explain, which are not among `pixels`.
+    pub(crate) hairlines: BTreeSet<(u32, u32)>,
+    /// Pixels that have the count of a part of a pixel around, likewise.
+    pub(crate) slivers: BTreeSet<(u32, u32)>,
 }
 
 impl Compared<'_> {
@@ -40,8 +50,8 @@ impl Compared<'_> {
     }
 
     /// Lit surfaces that the GPU shows shadowed, and the other way round, but for those within a pixel of where it
-    /// would be right.
-    pub(crate) fn lit(&self, stencil: &[u8]) -> Wrong {
+    /// would be right. `every` says of which casters every face casts.
+    pub(crate) fn lit(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
         for place in self.pixels() {
             let truth = self.truth(place);
@@ -54,11 +64,10 @@ impl Compared<'_> {
                 wrong.pixels.push((place.0 as u32, place.1 as u32));
             }
         }
-        wrong
+        self.explained(wrong, stencil, every)
     }
 
     /// Counts that differ from the number of casting faces between, where that is the same for all pixels around.
-    /// `every` says of which casters every face casts.
     pub(crate) fn counts(&self, stencil: &[u8], every: &[bool]) -> Wrong {
         let mut wrong = Wrong::default();
         for place in self.pixels() {
@@ -72,6 +81,28 @@ impl Compared<'_> {
                 wrong.pixels.push((place.0 as u32, place.1 as u32));
             }
         }
+        self.explained(wrong, stencil, every)
+    }
+
+    /// Without the pixels that are within a pixel of where their count is right, though no pixel's centre shows it, and
+    /// those whose count is off by what a hairline there can make.
+    fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
+        // So many have another cause.
+        if wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
+            return wrong;
+        }
+        let hairlines = Hairlines::new(self.frame, self.light);
+        wrong.pixels.retain(|&(x, y)| {
+            let place = (i64::from(x), i64::from(y));
+            let Truth::Surface(between) = self.truth(place) else { return true };
+            let off = self.value(place, stencil).wrapping_sub(between.count(every) as u8) as i8;
+            let [least, most] = hairlines.reach((x, y), every);
+            let is_hairline = (least..=most).contains(&i64::from(off));
+            let is_sliver = !is_hairline && hairlines.is_near((x, y), self.value(place, stencil), every);
+            let explained = if is_hairline { &mut wrong.hairlines } else { &mut wrong.slivers };
+            explained.extend((is_hairline || is_sliver).then_some((x, y)));
+            !(is_hairline || is_sliver)
+        });
         wrong
     }
 }
@@ -80,5 +111,7 @@ impl Wrong {
     pub(crate) fn add(&mut self, other: &Self) {
         self.pixels.extend(&other.pixels);
         self.compared += other.compared;
+        self.hairlines.extend(&other.hairlines);
+        self.slivers.extend(&other.slivers);
     }
 }

@@ -1,15 +1,20 @@
 //! Shadows against rays. Without an adapter these tests fail; they are never passed over.
 
+mod cameras;
 mod classes;
 #[path = "../common/mod.rs"]
 mod common;
 mod compare;
+mod hairlines;
 mod overflow;
 mod paper;
+mod query;
 mod range;
 mod rays;
 mod render;
+mod samples;
 mod scene;
+mod skinned;
 mod trials;
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -25,7 +30,17 @@ fn main() {
         let run = move || trials::right(class).map_err(Failed::from);
         trials.push(Trial::test(class.name, run).with_kind("gpu"));
     }
-    for &(name, test) in trials::TESTS.iter().chain(paper::TESTS).chain(range::TESTS).chain(overflow::TESTS) {
+    for &(name, test) in trials::TESTS
+        .iter()
+        .chain(paper::TESTS)
+        .chain(range::TESTS)
+        .chain(overflow::TESTS)
+        .chain(hairlines::TESTS)
+        .chain(query::TESTS)
+        .chain(cameras::TESTS)
+        .chain(samples::TESTS)
+        .chain(skinned::TESTS)
+    {
         trials.push(Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
     }
     println!("gpu tests: {}", trials.len());

@@ -67,7 +67,7 @@ fn multiples() -> Result<(), String> {
             if !wrap.pixels.is_empty() || wrap.compared == 0 {
                 return Err(format!("{sheets} sheets, {counting:?}: counts are not exact modulo 256"));
             }
-            let lit = compared.lit(stencil);
+            let lit = compared.lit(stencil, &[true]);
             let statistics = counted.statistics[0];
             let bound = statistics.count_bound;
             println!(

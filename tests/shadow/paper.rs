@@ -10,7 +10,7 @@ use crate::common::is_long;
 use crate::common::random::Random;
 use crate::render::Renderer;
 use crate::scene::Frame;
-use crate::trials::{Test, Traced, seed};
+use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] =
     &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches), ("auto_never_takes_published", auto)];
@@ -33,10 +33,10 @@ fn published() -> Result<(), String> {
         for number in 0..frames {
             let traced = Traced::new(class, number);
             let counted = renderer.count(&traced.frame, Counting::ZpPlusPaper)?;
-            let lit = traced.compared().lit(&counted.stencils[0]);
+            let lit = traced.compared().lit(&counted.stencils[0], &every(&counted, 0));
             if is_outside {
                 let ours = renderer.count(&traced.frame, Counting::Auto)?;
-                let ours = traced.compared().lit(&ours.stencils[0]);
+                let ours = traced.compared().lit(&ours.stencils[0], &every(&ours, 0));
                 if lit.compared == 0 || lit.pixels.iter().any(|pixel| !ours.pixels.contains(pixel)) {
                     failures.push(format!("{}, seed {}: {lit:?}, auto {ours:?}", class.name, traced.seed));
                 }

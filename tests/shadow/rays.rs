@@ -11,12 +11,12 @@ use rimline::glam::DVec3;
 use crate::common::oracle;
 use crate::scene::{Frame, Rays};
 
-struct Triangle {
-    corners: [DVec3; 3],
+pub(crate) struct Triangle {
+    pub(crate) corners: [DVec3; 3],
     /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
-    sides: Vec<i32>,
+    pub(crate) sides: Vec<i32>,
     /// The body's number among the casters.
-    caster: Option<usize>,
+    pub(crate) caster: Option<usize>,
     node: usize,
 }
 
@@ -60,6 +60,13 @@ pub(crate) enum Truth {
 pub(crate) struct Between(pub(crate) [[u16; 2]; MOST_CASTERS]);
 
 impl Between {
+    /// One averted face, of the first caster.
+    pub(crate) fn some() -> Self {
+        let mut between = Self::default();
+        between.0[0][0] = 1;
+        between
+    }
+
     /// What the stencil holds where `every` says of which casters every face casts.
     pub(crate) fn count(&self, every: &[bool]) -> u16 {
         let faces = self.0.iter().zip(every);
@@ -102,7 +109,7 @@ impl Tracer {
     }
 
     /// Where a ray first meets a surface, and which.
-    fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
+    pub(crate) fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
         let hits = self.along(from, direction).filter_map(|triangle| {
             let t = meeting(triangle, from, direction)?;
             (t > 0.0).then_some((t, triangle))
@@ -114,6 +121,25 @@ impl Tracer {
     fn along(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = &Triangle> {
         let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
         self.bvh.traverse(&ray, &self.triangles).into_iter()
+    }
+
+    /// Casting faces but `own` on a part of a ray, by how they are turned to a light.
+    pub(crate) fn between(
+        &self,
+        (from, direction): (DVec3, DVec3),
+        [begin, end]: [f64; 2],
+        own: Option<&Triangle>,
+        light: usize,
+    ) -> Between {
+        let mut between = Between::default();
+        for triangle in self.along(from, direction) {
+            let is_own = own.is_some_and(|own| std::ptr::eq(triangle, own));
+            let Some(caster) = triangle.caster.filter(|_| !is_own) else { continue };
+            if meeting(triangle, from, direction).is_some_and(|t| t > begin && t < end) {
+                between.0[caster][usize::from(triangle.sides[light] > 0)] += 1;
+            }
+        }
+        between
     }
 
     /// What a pixel's ray sees, for each light.
@@ -134,14 +160,7 @@ impl Tracer {
             let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
             // Faces that coincide with the point's own are not strictly between.
             let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
-            let mut between = Between::default();
-            for triangle in self.along(point, to_light) {
-                let Some(caster) = triangle.caster.filter(|_| !std::ptr::eq(triangle, own)) else { continue };
-                if meeting(triangle, point, to_light).is_some_and(|t| t > begin && t < end) {
-                    between.0[caster][usize::from(triangle.sides[number] > 0)] += 1;
-                }
-            }
-            Truth::Surface(between)
+            Truth::Surface(self.between((point, to_light), [begin, end], Some(own), number))
         };
         lights.iter().enumerate().map(truth).collect()
     }

@@ -21,7 +21,8 @@ pub(crate) enum DepthPass {
 
 /// What the GPU counted.
 pub(crate) struct Counted {
-    /// The stencil value of each pixel, row by row, a light each.
+    /// The stencil value of each pixel, row by row, a light each. Of several samples 255 where none of them has a
+    /// count, 0 where all have, and between by how many have.
     pub(crate) stencils: Vec<Vec<u8>>,
     /// What was chosen, a caster and light each.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
@@ -43,10 +44,18 @@ struct Out { @invariant @builtin(position) clip: vec4<f32> }
 @fragment fn nothing() {}
 ";
 
+const WHITE: &str = "
+@vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
+}
+@fragment fn white() -> @location(0) vec4<f32> { return vec4<f32>(1.0); }
+";
+
 pub(crate) struct Renderer<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
+    pub(crate) samples: u32,
     pub(crate) options: ShadowOptions,
     /// Of every light.
     pub(crate) range: f32,
@@ -58,6 +67,7 @@ impl<'a> Renderer<'a> {
             gpu,
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             depth_pass: DepthPass::Alike,
+            samples: 1,
             options: ShadowOptions::default(),
             range: f32::INFINITY,
         }
@@ -70,20 +80,12 @@ impl<'a> Renderer<'a> {
         let shadow_format = ShadowFormat {
             depth_stencil: self.format,
             depth: frame.eye.depth,
+            samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
             ..ShadowFormat::default()
         };
         let pipelines = ShadowPipelines::new(&gpu.device, &shadow_format, counting).map_err(|error| text(&error))?;
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("depth and stencil"),
-            size: wgpu::Extent3d { width: frame.size, height: frame.size, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: self.format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let lights: Vec<RangedLight> =
             frame.lights.iter().map(|&light| RangedLight { light, range: self.range }).collect();
@@ -120,8 +122,10 @@ impl<'a> Renderer<'a> {
                 usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             });
+            let resolved = (self.samples > 1).then(|| self.uncounted(&mut encoder, frame.size, &view));
+            let aspect = if resolved.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
             encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },
+                wgpu::TexelCopyTextureInfo { aspect, ..resolved.as_ref().unwrap_or(&target).as_image_copy() },
                 wgpu::TexelCopyBufferInfo {
                     buffer: &copy,
                     layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
@@ -142,6 +146,78 @@ impl<'a> Renderer<'a> {
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
         }
         Ok(counted)
+    }
+
+    fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+        let source = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+        self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("target"),
+            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | source,
+            view_formats: &[],
+        })
+    }
+
+    /// How many of each pixel's samples have a count of 0.
+    fn uncounted(&self, encoder: &mut wgpu::CommandEncoder, size: u32, view: &wgpu::TextureView) -> wgpu::Texture {
+        let device = &self.gpu.device;
+        let format = wgpu::TextureFormat::R8Unorm;
+        let [several, one] = [self.samples, 1].map(|samples| self.target(size, samples, format));
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("white"),
+            source: wgpu::ShaderSource::Wgsl(WHITE.into()),
+        });
+        let face =
+            wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::default() };
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("white"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: self.format,
+                depth_write_enabled: Some(false),
+                depth_compare: Some(wgpu::CompareFunction::Always),
+                stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0 },
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let [several, resolved] =
+            [&several, &one].map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
+        let mut counted = attachment(view, wgpu::LoadOp::Load);
+        if let Some(stencil) = counted.depth_stencil_attachment.as_mut().and_then(|both| both.stencil_ops.as_mut()) {
+            stencil.load = wgpu::LoadOp::Load;
+        }
+        let color = Some(wgpu::RenderPassColorAttachment {
+            view: &several,
+            depth_slice: None,
+            resolve_target: Some(&resolved),
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+        });
+        let mut pass =
+            encoder.begin_render_pass(&wgpu::RenderPassDescriptor { color_attachments: &[color], ..counted });
+        pass.set_pipeline(&pipeline);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        one
     }
 
     /// Depth of every body; the stencil cleared.
@@ -188,7 +264,7 @@ impl<'a> Renderer<'a> {
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState::default(),
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: None,

@@ -40,7 +40,7 @@ impl Body {
     }
 }
 
-/// Eye, direction and near distance; 60° high and wide.
+/// Eye, direction and near distance; 60° high and wide, or orthographic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eye {
     pub(crate) place: DVec3,
@@ -49,8 +49,10 @@ pub(crate) struct Eye {
     /// Positions are taken relative to the eye.
     pub(crate) is_relative: bool,
     pub(crate) depth: DepthDirection,
-    /// The distance of the far plane, if there is one; only with standard depth.
+    /// The distance of the far plane, if there is one; with reversed depth only an orthographic camera's.
     pub(crate) far: Option<f64>,
+    /// Of an orthographic camera, which has a far plane, half of what is seen from side to side.
+    pub(crate) half_width: Option<f64>,
 }
 
 impl Eye {
@@ -66,14 +68,18 @@ impl Eye {
         let [right, up, forward] = self.basis();
         let origin = if self.is_relative { self.place.as_vec3() } else { Vec3::ZERO };
         let from = self.place - origin.as_dvec3();
-        let scale = 1.0 / 30_f64.to_radians().tan();
+        let scale = 1.0 / self.half_width.unwrap_or(30_f64.to_radians().tan());
         let row = |axis: DVec3| axis.extend(-axis.dot(from));
-        let [x, y, w] = [row(right) * scale, row(up) * scale, row(forward)];
+        let [x, y, distance] = [row(right) * scale, row(up) * scale, row(forward)];
         let unit = DVec4::W;
-        let z = match (self.depth, self.far) {
-            (DepthDirection::Reversed, _) => unit * self.near,
-            (DepthDirection::Standard, None) => w - unit * self.near,
-            (DepthDirection::Standard, Some(far)) => (w - unit * self.near) * (far / (far - self.near)),
+        let w = if self.half_width.is_none() { distance } else { unit };
+        let near = unit * self.near;
+        let z = match (self.depth, self.far, self.half_width) {
+            (DepthDirection::Reversed, Some(far), Some(_)) => (unit * far - distance) / (far - self.near),
+            (DepthDirection::Standard, Some(far), Some(_)) => (distance - near) / (far - self.near),
+            (DepthDirection::Reversed, ..) => near,
+            (DepthDirection::Standard, None, _) => w - near,
+            (DepthDirection::Standard, Some(far), None) => (w - near) * (far / (far - self.near)),
         };
         let matrix = DMat4::from_cols(x, y, z, w).transpose();
         ShadowCamera { view_projection: matrix.as_mat4(), origin, depth: self.depth }

@@ -1,8 +1,8 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
+use rimline::Counting;
 use rimline::gpu::ShadowOptions;
 use rimline::layout::ShadowLight;
-use rimline::{Counting, DepthDirection};
 
 use crate::classes::{CLASSES, Class};
 use crate::common::device::Gpu;
@@ -22,7 +22,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("every_face_casts_alike", every_face),
     ("another_depth_pass_does_no_harm", reordered),
     ("float_depth", float_depth),
-    ("standard_depth", standard_depth),
     ("lists_that_overflow", overflow),
     ("nothing_skipped_is_missed", skipped),
 ];
@@ -32,7 +31,7 @@ pub(crate) fn seed(class: &Class, number: u64) -> u64 {
 }
 
 /// Of which casters every face casts, as the GPU chose for a light.
-fn every(counted: &Counted, light: usize) -> Vec<bool> {
+pub(crate) fn every(counted: &Counted, light: usize) -> Vec<bool> {
     counted.chosen.iter().map(|lights: &Vec<ShadowLight>| lights[light].casting == 2).collect()
 }
 
@@ -46,7 +45,10 @@ pub(crate) struct Traced {
 impl Traced {
     pub(crate) fn new(class: &Class, number: u64) -> Self {
         let seed = seed(class, number);
-        let frame = (class.frame)(&mut Random::new(seed));
+        Self::of((class.frame)(&mut Random::new(seed)), seed)
+    }
+
+    pub(crate) fn of(frame: Frame, seed: u64) -> Self {
         let truths = rays::trace(&frame);
         Self { frame, truths, seed }
     }
@@ -63,9 +65,10 @@ impl Traced {
         counts: bool,
     ) -> Result<(Wrong, Counted), String> {
         let counted = renderer.count(&self.frame, counting)?;
-        let mut wrong = self.compared().lit(&counted.stencils[0]);
+        let every = every(&counted, 0);
+        let mut wrong = self.compared().lit(&counted.stencils[0], &every);
         if counts {
-            wrong.add(&self.compared().counts(&counted.stencils[0], &every(&counted, 0)));
+            wrong.add(&self.compared().counts(&counted.stencils[0], &every));
         }
         match wrong.pixels.first() {
             None => Ok((wrong, counted)),
@@ -85,33 +88,63 @@ impl Traced {
 }
 
 /// Frames of a class: 3, or 105 in a long run, which makes 2,100 in all.
-fn frames() -> u64 {
+pub(crate) fn frames() -> u64 {
     if is_long() { 105 } else { 3 }
 }
 
-/// No wrong pixel, by auto, ZP+ and z-fail.
-pub(crate) fn right(class: &'static Class) -> Result<(), String> {
-    let gpu = Gpu::shared()?;
-    let renderer = Renderer::new(&gpu);
-    let (mut shadowed, mut capped, mut failures) = (0, 0, Vec::new());
-    for number in 0..frames() {
-        let traced = Traced::new(class, number);
-        shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
-        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
-            match traced.check(&renderer, counting, !class.touches) {
-                Ok((_, counted)) if counting == Counting::Auto => {
-                    capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+/// What frames showed.
+#[derive(Default)]
+pub(crate) struct Tally {
+    frames: usize,
+    shadowed: usize,
+    capped: usize,
+    hairlines: usize,
+    slivers: usize,
+    failures: Vec<String>,
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, traced: &Traced, renderer: &Renderer<'_>, methods: &[Counting], counts: bool) {
+        self.frames += 1;
+        self.shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        for &counting in methods {
+            match traced.check(renderer, counting, counts) {
+                Ok((wrong, counted)) => {
+                    self.capped += counted.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                    self.hairlines += wrong.hairlines.len();
+                    self.slivers += wrong.slivers.len();
                 }
-                Ok(_) => {}
-                Err(error) => failures.push(error),
+                Err(error) => self.failures.push(error),
             }
         }
     }
-    println!("{}: {} frames, {shadowed} pixels in shadow, {capped} near caps", class.name, frames());
-    if shadowed == 0 {
-        return Err(format!("{}: nothing was ever in shadow", class.name));
+
+    /// Fails where a pixel was wrong.
+    pub(crate) fn result(&self, name: &str) -> Result<(), String> {
+        let Self { frames, shadowed, capped, hairlines, slivers, failures } = self;
+        println!(
+            "{name}: {frames} frames, {shadowed} pixels in shadow; by all methods {capped} near caps, {hairlines} pixels \
+             off on hairlines, {slivers} by slivers"
+        );
+        match (shadowed, failures.is_empty()) {
+            (0, _) => Err(format!("{name}: nothing was ever in shadow")),
+            (_, true) => Ok(()),
+            (_, false) => Err(failures.join("\n")),
+        }
     }
-    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
+}
+
+/// What is right everywhere.
+pub(crate) const RIGHT: [Counting; 3] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail];
+
+/// No wrong pixel.
+pub(crate) fn right(class: &'static Class) -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let mut tally = Tally::default();
+    for number in 0..frames() {
+        tally.add(&Traced::new(class, number), &Renderer::new(&gpu), &RIGHT, !class.touches);
+    }
+    tally.result(class.name)
 }
 
 fn class(name: &str) -> Result<&'static Class, String> {
@@ -141,8 +174,9 @@ fn perturbed() -> Result<(), String> {
     };
     let at = (size + 1..size * (size - 1) - 1).find(lit_around).ok_or("no lit surface")?;
     stencil[at] = 1;
-    let lit = traced.compared().lit(&stencil).pixels.len();
-    let counts = traced.compared().counts(&stencil, &every(&counted, 0)).pixels.len();
+    let every = every(&counted, 0);
+    let lit = traced.compared().lit(&stencil, &every).pixels.len();
+    let counts = traced.compared().counts(&stencil, &every).pixels.len();
     if (lit, counts) == (1, 1) { Ok(()) } else { Err(format!("one pixel changed, {lit} and {counts} noticed")) }
 }
 
@@ -180,25 +214,6 @@ fn float_depth() -> Result<(), String> {
     let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
     let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
     each_class(&renderer, &[Counting::Auto, Counting::ZFail], |class| class.name.contains("near rectangle"))
-}
-
-/// Depth from 0 to 1, with a far plane and without.
-fn standard_depth() -> Result<(), String> {
-    let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
-    let format = wgpu::TextureFormat::Depth32FloatStencil8;
-    for far in [None, Some(100.0)] {
-        let renderer = Renderer { format, ..Renderer::new(&gpu) };
-        for class in CLASSES.iter().filter(|class| class.name.contains("near")) {
-            let mut traced = Traced::new(class, 3);
-            traced.frame.eye.depth = DepthDirection::Standard;
-            traced.frame.eye.far = far;
-            // Nearer planes leave too little of standard depth's precision.
-            traced.frame.eye.near = traced.frame.eye.near.max(0.1);
-            let traced = Traced { truths: rays::trace(&traced.frame), ..traced };
-            traced.check(&renderer, Counting::Auto, false).map_err(|error| format!("{}: {error}", class.name))?;
-        }
-    }
-    Ok(())
 }
 
 /// Lists of cap faces with room for one.

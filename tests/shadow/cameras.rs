@@ -1,0 +1,116 @@
+//! Other cameras than a perspective one with reversed depth and without a far plane.
+
+use rimline::cpu;
+use rimline::glam::DVec3;
+use rimline::{Counting, DepthDirection};
+
+use crate::classes::{CLASSES, Class};
+use crate::common::device::Gpu;
+use crate::common::is_long;
+use crate::common::random::Random;
+use crate::rays::Tracer;
+use crate::render::{Counted, Renderer};
+use crate::scene::{Body, Eye, Frame, Rays};
+use crate::trials::{Tally, Test, Traced, every, seed};
+
+pub(crate) const TESTS: &[Test] = &[("standard_depth", standard_depth), ("orthographic_cameras", orthographic)];
+
+/// A frame of a class, seen by another camera.
+fn seen(class: &Class, number: u64, change: impl FnOnce(&mut Eye, &mut Random)) -> Traced {
+    let seed = seed(class, number);
+    let mut random = Random::new(seed);
+    let mut frame = (class.frame)(&mut random);
+    change(&mut frame.eye, &mut random);
+    Traced::of(frame, seed)
+}
+
+/// Depth from 0 to 1, with a far plane and without.
+fn standard_depth() -> Result<(), String> {
+    let gpu = Gpu::with(wgpu::Features::DEPTH32FLOAT_STENCIL8, wgpu::Limits::default())?;
+    let format = wgpu::TextureFormat::Depth32FloatStencil8;
+    for far in [None, Some(100.0)] {
+        let renderer = Renderer { format, ..Renderer::new(&gpu) };
+        for class in CLASSES.iter().filter(|class| class.name.contains("near")) {
+            let traced = seen(class, 3, |eye, _| {
+                // Nearer planes leave too little of standard depth's precision.
+                *eye = Eye { depth: DepthDirection::Standard, far, near: eye.near.max(0.1), ..*eye };
+            });
+            traced.check(&renderer, Counting::Auto, false).map_err(|error| format!("{}: {error}", class.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Of either depth.
+fn orthographic() -> Result<(), String> {
+    // z-fail needs depth to be unclipped here, for there is a far plane.
+    let gpu = Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let renderer = Renderer::new(&gpu);
+    let (mut tally, mut filled, mut cut) = (Tally::default(), 0, 0);
+    for (class, direction) in CLASSES.iter().zip([DepthDirection::Reversed, DepthDirection::Standard].iter().cycle()) {
+        for number in 60..if is_long() { 65 } else { 61 } {
+            let traced = seen(class, number, |eye, random| {
+                let half_width = Some(f64::from(random.between(0.3, 3.0)));
+                *eye = Eye { depth: *direction, far: Some(40.0), half_width, ..*eye };
+            });
+            tally.add(&traced, &renderer, &[Counting::Auto, Counting::ZpPlus], !class.touches);
+            let what = |error| format!("{}, seed {}: {error}", class.name, traced.seed);
+            let counted = renderer.count(&traced.frame, Counting::ZFail)?;
+            filled += dark_caps(&traced.frame, &counted).map_err(what)?;
+            cut += unequal(&traced, &counted, !class.touches).map_err(what)?;
+        }
+    }
+    println!("{filled} dark caps over all of the picture; {cut} pixels of cut faces wrong by z-fail");
+    if filled == 0 {
+        return Err("no dark cap was ever in sight".to_owned());
+    }
+    tally.result("orthographic cameras")
+}
+
+/// The twin's dark caps are all of the picture where a ray from the light along the camera's direction meets the face.
+/// Returns how many.
+fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
+    let light = frame.lights[0];
+    if light.w == 0.0 {
+        return Ok(0);
+    }
+    let from = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
+    let met = Tracer::new(frame).between((from, frame.eye.forward), [0.0, f64::INFINITY], None, 0);
+    let view = frame.eye.camera().view().map_err(|error| error.to_string())?;
+    let casters = frame.bodies.iter().filter(|body| body.casts);
+    for (caster, Body { shape, .. }) in casters.enumerate() {
+        let end = |vertex: u32| (vertex, shape.positions[vertex as usize]);
+        let cap = |face: &&[u32; 3]| cpu::dark_cap(&view, &counted.chosen[caster][0], face.map(end)).is_some();
+        let (found, expected) = (shape.faces.iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
+        if found != usize::from(expected) {
+            return Err(format!("caster {caster}: {found} dark caps in sight, the ray meets {expected} faces"));
+        }
+    }
+    Ok(met.0.iter().flatten().sum())
+}
+
+/// With a far plane z-fail draws light caps unclipped, so where every face casts, those that the near plane cuts need
+/// not have the bits of a depth pass that is clipped. Fails where another pixel is wrong; returns how many of these
+/// are.
+fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, String> {
+    let every = every(counted, 0);
+    let mut wrong = traced.compared().lit(&counted.stencils[0], &every);
+    if counts {
+        wrong.add(&traced.compared().counts(&counted.stencils[0], &every));
+    }
+    let camera = traced.frame.eye.camera();
+    let (rays, tracer) = (Rays::new(&camera, traced.frame.size), Tracer::new(&traced.frame));
+    let Eye { place, forward, near, .. } = traced.frame.eye;
+    let is_before = |corner: DVec3| (corner - place).dot(forward.normalize()) < near;
+    let is_cut = |&&(x, y): &&(u32, u32)| {
+        let face = tracer.first(rays.ray(x, y)).map(|(_, face)| face);
+        face.filter(|face| face.caster.is_some_and(|caster| every[caster])).is_some_and(|face| {
+            let before = face.corners.map(is_before);
+            before.contains(&true) && before.contains(&false)
+        })
+    };
+    match wrong.pixels.iter().find(|pixel| !is_cut(pixel)) {
+        Some(pixel) => Err(format!("z-fail: {pixel:?} is wrong")),
+        None => Ok(wrong.pixels.len()),
+    }
+}

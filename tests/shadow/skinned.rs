@@ -1,0 +1,47 @@
+//! A skinned figure in motion: what the deform stage wrote, against rays through it.
+
+use rimline::Counting;
+use rimline::gpu::{Deformer, DeformerOptions};
+use rimline::shapes::Shape;
+
+use crate::classes::with_caster;
+use crate::common::device::Gpu;
+use crate::common::models::bending_tube;
+use crate::common::random::Random;
+use crate::rays;
+use crate::render::Renderer;
+use crate::trials::{RIGHT, Tally, Test, Traced, frames};
+
+pub(crate) const TESTS: &[Test] = &[("skinned_figure_in_motion", skinned)];
+
+/// One deformer, pose after pose. What rays see of the pose before must not do for the next.
+fn skinned() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let renderer = Renderer::new(&gpu);
+    let (model, pose) = bending_tube();
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let deformer = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let mut tally = Tally::default();
+    let mut shape = Shape { positions: Vec::new(), faces: model.geometries[0].faces.clone() };
+    let mut noticed = 0;
+    for number in 0..frames() {
+        let seed = 9000 + number;
+        let pose = pose(number as f32 * 0.4);
+        gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error)))?;
+        let positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+        let before = std::mem::replace(&mut shape.positions, positions);
+        let traced = Traced::of(with_caster(&mut Random::new(seed), shape.clone()), seed);
+        tally.add(&traced, &renderer, &RIGHT, true);
+        if number > 0 {
+            let mut stale = traced.frame.clone();
+            stale.bodies[0].shape.positions = before;
+            let stale = Traced { truths: rays::trace(&stale), ..traced };
+            noticed += usize::from(stale.check(&renderer, Counting::Auto, true).is_err());
+        }
+    }
+    println!("the pose before noticed {noticed} times");
+    if noticed == 0 {
+        return Err("negative control: the pose before went unnoticed".to_owned());
+    }
+    tally.result("skinned figure in motion")
+}
