@@ -104,7 +104,7 @@ fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, St
     let is_before = |corner: DVec3| (corner - place).dot(forward.normalize()) < near;
     let is_cut = |&&(x, y): &&(u32, u32)| {
         let face = tracer.first(rays.ray(x, y)).map(|(_, face)| face);
-        face.filter(|face| face.caster.is_some_and(|caster| every[caster])).is_some_and(|face| {
+        face.filter(|face| face.of.caster.is_some_and(|caster| every[caster])).is_some_and(|face| {
             let before = face.corners.map(is_before);
             before.contains(&true) && before.contains(&false)
         })

@@ -7,7 +7,7 @@ use rimline::glam::{DVec2, DVec3, DVec4};
 use crate::classes::CLASSES;
 use crate::common::device::Gpu;
 use crate::common::oracle;
-use crate::rays::{Tracer, Truth};
+use crate::rays::{Face, Tracer, Truth};
 use crate::render::Renderer;
 use crate::scene::{Frame, Rays};
 use crate::trials::{Test, Traced, every};
@@ -26,7 +26,7 @@ pub(crate) struct Hairlines<'a> {
     number: usize,
     sides: Vec<Side>,
     light: DVec4,
-    tracer: Tracer,
+    tracer: Tracer<Face>,
     rays: Rays,
 }
 

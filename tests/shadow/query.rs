@@ -22,11 +22,12 @@ fn lit_side(point: DVec3, face: &Triangle, light: usize) -> [f32; 3] {
     let [a, b, c] = face.corners;
     let corners = face.corners.map(|corner| corner.as_vec3().to_array());
     let exact = oracle::ExactFace::new(&corners, [0, 1, 2]);
-    let towards = (b - a).cross(c - a).normalize() * f64::from(face.sides[light]);
+    let towards = (b - a).cross(c - a).normalize() * f64::from(face.of.sides[light]);
     let unit = point.abs().max_element() * f64::from(f32::EPSILON);
     let mut steps = (0..10).map(|step| if step == 0 { 0.0 } else { f64::from(1 << (step - 1)) });
     let moved = |step: f64| (point + towards * unit * step).as_vec3().to_array();
-    let is_right = |&step: &f64| exact.as_ref().is_some_and(|f| f.sign(Light::point(moved(step))) == face.sides[light]);
+    let is_right =
+        |&step: &f64| exact.as_ref().is_some_and(|f| f.sign(Light::point(moved(step))) == face.of.sides[light]);
     moved(steps.find(is_right).unwrap_or(0.0))
 }
 

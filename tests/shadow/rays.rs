@@ -1,44 +1,23 @@
 //! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
 
-use bvh::aabb::{Aabb, Bounded};
-use bvh::bounding_hierarchy::BHShape;
-use bvh::bvh::Bvh;
-use bvh::ray::Ray;
-use nalgebra::{Point3, Vector3};
 use rimline::Light;
 use rimline::glam::DVec3;
 
 use crate::common::oracle;
 use crate::scene::{Frame, Rays};
 
-pub(crate) struct Triangle {
-    pub(crate) corners: [DVec3; 3],
+#[path = "../../src/bin/rimline/rays.rs"]
+mod casting;
+
+pub(crate) use casting::Tracer;
+pub(crate) type Triangle = casting::Triangle<Face>;
+
+/// What is known of a triangle.
+pub(crate) struct Face {
     /// The exact sides of the lights: 1 in front, -1 behind, 0 in the plane.
     pub(crate) sides: Vec<i32>,
     /// The body's number among the casters.
     pub(crate) caster: Option<usize>,
-    node: usize,
-}
-
-impl Bounded<f64, 3> for Triangle {
-    fn aabb(&self) -> Aabb<f64, 3> {
-        let [a, b, c] = self.corners;
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        // A flat box could be missed by a ray that only just meets it.
-        let slack = 1e-9 * (1.0 + high.abs().max(low.abs()));
-        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
-        Aabb::with_bounds(point(low - slack), point(high + slack))
-    }
-}
-
-impl BHShape<f64, 3> for Triangle {
-    fn set_bh_node_index(&mut self, index: usize) {
-        self.node = index;
-    }
-
-    fn bh_node_index(&self) -> usize {
-        self.node
-    }
 }
 
 /// Casters that a frame may have.
@@ -84,12 +63,7 @@ impl Truth {
     }
 }
 
-pub(crate) struct Tracer {
-    triangles: Vec<Triangle>,
-    bvh: Bvh<f64, 3>,
-}
-
-impl Tracer {
+impl Tracer<Face> {
     pub(crate) fn new(frame: &Frame) -> Self {
         let mut triangles = Vec::new();
         let mut casters = 0;
@@ -101,42 +75,26 @@ impl Tracer {
                 let exact = oracle::ExactFace::new(&body.shape.positions, face);
                 let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));
                 let sides = frame.lights.iter().map(side).collect();
-                triangles.push(Triangle { corners, sides, caster, node: 0 });
+                triangles.push((corners, Face { sides, caster }));
             }
         }
-        let bvh = Bvh::build(&mut triangles);
-        Self { triangles, bvh }
-    }
-
-    /// Where a ray first meets a surface, and which.
-    pub(crate) fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
-        let hits = self.along(from, direction).filter_map(|triangle| {
-            let t = meeting(triangle, from, direction)?;
-            (t > 0.0).then_some((t, triangle))
-        });
-        let (t, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((from + direction * t, triangle))
-    }
-
-    fn along(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = &Triangle> {
-        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
-        self.bvh.traverse(&ray, &self.triangles).into_iter()
+        Self::build(triangles)
     }
 
     /// Casting faces but `own` on a part of a ray, by how they are turned to a light.
     pub(crate) fn between(
         &self,
-        (from, direction): (DVec3, DVec3),
+        ray: (DVec3, DVec3),
         [begin, end]: [f64; 2],
         own: Option<&Triangle>,
         light: usize,
     ) -> Between {
         let mut between = Between::default();
-        for triangle in self.along(from, direction) {
+        for (t, triangle) in self.meetings(ray) {
             let is_own = own.is_some_and(|own| std::ptr::eq(triangle, own));
-            let Some(caster) = triangle.caster.filter(|_| !is_own) else { continue };
-            if meeting(triangle, from, direction).is_some_and(|t| t > begin && t < end) {
-                between.0[caster][usize::from(triangle.sides[light] > 0)] += 1;
+            let Some(caster) = triangle.of.caster.filter(|_| !is_own) else { continue };
+            if t > begin && t < end {
+                between.0[caster][usize::from(triangle.of.sides[light] > 0)] += 1;
             }
         }
         between
@@ -145,11 +103,9 @@ impl Tracer {
     /// What a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
         let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
-        let [a, b, c] = own.corners;
-        let normal = (b - a).cross(c - a);
-        let is_front = normal.dot(ray.1) < 0.0;
+        let is_front = own.is_front(ray.1);
         let truth = |(number, light): (usize, &Light)| {
-            let side = own.sides[number];
+            let side = own.of.sides[number];
             if side == 0 || (side > 0) != is_front {
                 return Truth::Averted;
             }
@@ -192,20 +148,4 @@ pub(crate) fn trace(frame: &Frame) -> Vec<Vec<Truth>> {
         let runs: Vec<_> = rows.chunks(share).map(|rows| run(rows.to_vec())).collect();
         runs.into_iter().flat_map(|run| run.join().expect("tracing does not panic")).collect()
     })
-}
-
-/// Möller and Trumbore, from both sides.
-fn meeting(triangle: &Triangle, from: DVec3, direction: DVec3) -> Option<f64> {
-    let [a, b, c] = triangle.corners;
-    let (u, v) = (b - a, c - a);
-    let p = direction.cross(v);
-    let determinant = u.dot(p);
-    if determinant == 0.0 {
-        return None;
-    }
-    let s = from - a;
-    let x = s.dot(p) / determinant;
-    let q = s.cross(u);
-    let y = direction.dot(q) / determinant;
-    (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then(|| v.dot(q) / determinant)
 }

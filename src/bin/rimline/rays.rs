@@ -8,18 +8,19 @@ use nalgebra::{Point3, Vector3};
 use rimline::glam::DVec3;
 
 /// Triangles in a tree of boxes.
-pub(crate) struct Tracer {
-    triangles: Vec<Triangle>,
+pub(crate) struct Tracer<T> {
+    triangles: Vec<Triangle<T>>,
     tree: Bvh<f64, 3>,
 }
 
-struct Triangle {
-    corners: [DVec3; 3],
-    number: usize,
+/// A triangle and what is known of it.
+pub(crate) struct Triangle<T> {
+    pub(crate) corners: [DVec3; 3],
+    pub(crate) of: T,
     node: usize,
 }
 
-impl Bounded<f64, 3> for Triangle {
+impl<T> Bounded<f64, 3> for Triangle<T> {
     fn aabb(&self) -> Aabb<f64, 3> {
         let [a, b, c] = self.corners;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -30,7 +31,7 @@ impl Bounded<f64, 3> for Triangle {
     }
 }
 
-impl BHShape<f64, 3> for Triangle {
+impl<T> BHShape<f64, 3> for Triangle<T> {
     fn set_bh_node_index(&mut self, index: usize) {
         self.node = index;
     }
@@ -40,31 +41,35 @@ impl BHShape<f64, 3> for Triangle {
     }
 }
 
-impl Tracer {
-    pub(crate) fn new(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Self {
-        let triangle = |(number, corners)| Triangle { corners, number, node: 0 };
-        let mut triangles: Vec<Triangle> = triangles.into_iter().enumerate().map(triangle).collect();
+impl<T> Tracer<T> {
+    pub(crate) fn build(triangles: impl IntoIterator<Item = ([DVec3; 3], T)>) -> Self {
+        let mut triangles: Vec<_> =
+            triangles.into_iter().map(|(corners, of)| Triangle { corners, of, node: 0 }).collect();
         let tree = Bvh::build(&mut triangles);
         Self { triangles, tree }
     }
 
-    pub(crate) fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].corners
-    }
-
-    /// Where the line through `from` along `direction` meets triangles: multiples of `direction`, and the triangles'
-    /// numbers, in no order. Those behind `from` may be missing.
-    pub(crate) fn meetings(&self, from: DVec3, direction: DVec3) -> impl Iterator<Item = (f64, usize)> {
+    /// Where the line through `from` along `direction` meets triangles, in multiples of `direction` and in no order.
+    /// Those behind `from` may be missing.
+    pub(crate) fn meetings(&self, (from, direction): (DVec3, DVec3)) -> impl Iterator<Item = (f64, &Triangle<T>)> {
         let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
         let near = self.tree.traverse(&ray, &self.triangles).into_iter();
-        near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle.number)))
+        near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle)))
     }
 
     /// Where a ray first meets a triangle, and which.
-    pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(DVec3, usize)> {
-        let ahead = self.meetings(from, direction).filter(|(t, _)| *t > 0.0);
+    pub(crate) fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle<T>)> {
+        let ahead = self.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
         let (t, triangle) = ahead.min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some((from + direction * t, triangle))
+    }
+}
+
+impl<T> Triangle<T> {
+    /// The normal, counter-clockwise outside, is against `direction`.
+    pub(crate) fn is_front(&self, direction: DVec3) -> bool {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a).dot(direction) < 0.0
     }
 }
 

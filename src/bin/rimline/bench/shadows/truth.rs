@@ -11,13 +11,16 @@ use crate::shadow::frame::shadow_camera;
 
 /// The caster and its room for rays, in one light.
 pub(super) struct Truth {
-    tracer: Tracer,
-    /// Which triangles face the light, exactly.
-    facing: Vec<bool>,
-    /// Triangles of the caster, which come first.
-    casting: usize,
+    tracer: Tracer<Face>,
     light: DVec3,
     size: u32,
+}
+
+/// What is known of a triangle.
+struct Face {
+    /// It faces the light, exactly.
+    faces_light: bool,
+    casts: bool,
 }
 
 /// What is seen through each pixel, row by row: whether light arrives on a surface; `None` where the surface's other
@@ -30,16 +33,16 @@ pub(super) struct Seen {
 impl Truth {
     /// `light` must be a point.
     pub(super) fn new(stage: &Stage<'_>, light: Light) -> Self {
-        let bodies = [stage.caster, stage.room];
-        let triangles = || {
-            let corners = |shape: &'_ Shape, face: [u32; 3]| face.map(|vertex| shape.positions[vertex as usize]);
-            bodies.iter().flat_map(move |body| body.faces.iter().map(move |&face| corners(body, face)))
+        let triangles = |shape: &Shape, casts: bool| {
+            let triangle = |face: &[u32; 3]| {
+                let [a, b, c] = face.map(|vertex| shape.positions[vertex as usize]);
+                let faces_light = cpu::exact_facing(a, b, c, light.to_array()) > 0;
+                ([a, b, c].map(|p| DVec3::from(p.map(f64::from))), Face { faces_light, casts })
+            };
+            shape.faces.iter().map(triangle).collect::<Vec<_>>()
         };
-        let faces = |[a, b, c]: [[f32; 3]; 3]| cpu::exact_facing(a, b, c, light.to_array()) > 0;
         Self {
-            tracer: Tracer::new(triangles().map(|corners| corners.map(|p| DVec3::from(p.map(f64::from))))),
-            facing: triangles().map(faces).collect(),
-            casting: stage.caster.faces.len(),
+            tracer: Tracer::build(triangles(stage.caster, true).into_iter().chain(triangles(stage.room, false))),
             light: DVec3::from(light.xyz.map(f64::from)),
             size: stage.size,
         }
@@ -73,17 +76,14 @@ impl Truth {
         (origin + near, beyond - near)
     }
 
-    fn pixel(&self, (from, direction): (DVec3, DVec3)) -> Option<bool> {
-        let (point, own) = self.tracer.first(from, direction)?;
-        let [a, b, c] = self.tracer.corners(own);
-        let is_front = (b - a).cross(c - a).dot(direction) < 0.0;
-        if self.facing[own] != is_front {
+    fn pixel(&self, ray: (DVec3, DVec3)) -> Option<bool> {
+        let (point, own) = self.tracer.first(ray)?;
+        if own.of.faces_light != own.is_front(ray.1) {
             return None;
         }
-        let to_light = self.light - point;
         // The light is at 1; the point's own face is not between.
-        let hides = |(t, face): (f64, usize)| face < self.casting && face != own && t > 1e-9 && t < 1.0;
-        Some(!self.tracer.meetings(point, to_light).any(hides))
+        let mut faces = self.tracer.meetings((point, self.light - point));
+        Some(!faces.any(|(t, face)| face.of.casts && !std::ptr::eq(face, own) && t > 1e-9 && t < 1.0))
     }
 }
 
