@@ -14,6 +14,8 @@ pub(crate) struct Compared<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) truths: &'a [Vec<Truth>],
     pub(crate) light: usize,
+    /// Hairlines and slivers are looked for where a pixel is wrong. They know the frame, not `truths`.
+    pub(crate) explains: bool,
 }
 
 /// Pixels where GPU and truth differ.
@@ -87,8 +89,8 @@ impl Compared<'_> {
     /// Without the pixels that are within a pixel of where their count is right, though no pixel's centre shows it, and
     /// those whose count is off by what a hairline there can make.
     fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
-        // So many have another cause.
-        if wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
+        // Many have another cause.
+        if !self.explains || wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
             return wrong;
         }
         let hairlines = Hairlines::new(self.frame, self.light);

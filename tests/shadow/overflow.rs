@@ -59,7 +59,7 @@ fn multiples() -> Result<(), String> {
         if deepest.max() != Some(sheets as u16) {
             return Err(format!("no point is below all of {sheets} sheets"));
         }
-        let compared = Compared { frame: &frame, truths: &truths, light: 0 };
+        let compared = Compared { frame: &frame, truths: &truths, light: 0, explains: true };
         for counting in [Counting::Auto, Counting::ZFail] {
             let counted = renderer(&gpu).count(&frame, counting)?;
             let stencil = &counted.stencils[0];

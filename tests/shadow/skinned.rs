@@ -8,9 +8,8 @@ use crate::classes::with_caster;
 use crate::common::device::Gpu;
 use crate::common::models::bending_tube;
 use crate::common::random::Random;
-use crate::rays;
 use crate::render::Renderer;
-use crate::trials::{RIGHT, Tally, Test, Traced, frames};
+use crate::trials::{RIGHT, Tally, Test, Traced, every, frames};
 
 pub(crate) const TESTS: &[Test] = &[("skinned_figure_in_motion", skinned)];
 
@@ -35,8 +34,10 @@ fn skinned() -> Result<(), String> {
         if number > 0 {
             let mut stale = traced.frame.clone();
             stale.bodies[0].shape.positions = before;
-            let stale = Traced { truths: rays::trace(&stale), ..traced };
-            noticed += usize::from(stale.check(&renderer, Counting::Auto, true).is_err());
+            let counted = renderer.count(&traced.frame, Counting::Auto)?;
+            let stale = Traced::of(stale, seed);
+            let wrong = stale.compared().counts(&counted.stencils[0], &every(&counted, 0));
+            noticed += usize::from(!wrong.pixels.is_empty());
         }
     }
     println!("the pose before noticed {noticed} times");

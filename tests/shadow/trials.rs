@@ -54,7 +54,7 @@ impl Traced {
     }
 
     pub(crate) fn compared(&self) -> Compared<'_> {
-        Compared { frame: &self.frame, truths: &self.truths, light: 0 }
+        Compared { frame: &self.frame, truths: &self.truths, light: 0, explains: true }
     }
 
     /// Fails where the GPU is wrong; returns the pixels compared.
