@@ -116,7 +116,7 @@ impl Path {
             Self::LooksAway => camera(in_shadow, behind + sway),
             Self::LooksAtOccluder => camera(in_shadow, 0.5 * sway - behind),
             Self::Zoom => {
-                let distance = 23.0 * (1.9_f32 / 23.0).powf(t);
+                let distance = 23.0 * (2.0_f32 / 23.0).powf(t);
                 let from = Vec3::new(0.15 * angle.sin(), 0.3, 1.0).normalize();
                 camera(from * distance, -from)
             }
