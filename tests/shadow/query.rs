@@ -30,8 +30,8 @@ fn lit_side(point: DVec3, face: &Triangle, light: usize) -> [f32; 3] {
     moved(steps.find(is_right).unwrap_or(0.0))
 }
 
-/// What pixels see of surfaces on the light's side, in `f32`; nothing where that is more than a quarter of a pixel
-/// beside it.
+/// What pixels see of surfaces on the light's side, in `f32`; nothing where rounding moves that by more than a
+/// quarter of a pixel, or to where other faces are between.
 fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
     let frame = &traced.frame;
     let (tracer, rays) = (Tracer::new(frame), Rays::new(&frame.eye.camera(), frame.size));
@@ -42,7 +42,9 @@ fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
         let beside = rays.ray(x + 1, y);
         let pixel = (beside.0 + beside.1 * point.distance(ray.0)).distance(point);
         let moved = lit_side(point, face, 0);
-        (DVec3::from(moved.map(f64::from)).distance(point) < pixel / 4.0).then_some(moved)
+        let exact = DVec3::from(moved.map(f64::from));
+        let is_same = Truth::Surface(tracer.towards(exact, face, 0, &frame.lights[0])) == truths[0];
+        (is_same && exact.distance(point) < pixel / 4.0).then_some(moved)
     };
     traced.truths.iter().enumerate().map(point).collect()
 }
