@@ -100,7 +100,12 @@ impl Compared<'_> {
             let off = self.value(place, stencil).wrapping_sub(between.count(every) as u8) as i8;
             let [least, most] = hairlines.reach((x, y), every);
             let is_hairline = (least..=most).contains(&i64::from(off));
-            let is_sliver = !is_hairline && hairlines.is_near((x, y), self.value(place, stencil), every);
+            let value = u16::from(self.value(place, stencil));
+            let is_sliver = !is_hairline
+                && hairlines.is_near((x, y), |truth| match truth {
+                    Truth::Surface(between) => between.count(every) % 256 == value,
+                    _ => false,
+                });
             let explained = if is_hairline { &mut wrong.hairlines } else { &mut wrong.slivers };
             explained.extend((is_hairline || is_sliver).then_some((x, y)));
             !(is_hairline || is_sliver)

@@ -87,16 +87,13 @@ impl<'a> Hairlines<'a> {
         reach
     }
 
-    /// Whether a ray within a pixel of a pixel's centre finds this count: what casts a shadow thinner than a pixel may
-    /// be between all centres.
-    pub(crate) fn is_near(&self, (x, y): (u32, u32), count: u8, every: &[bool]) -> bool {
+    /// Whether a ray within a pixel of a pixel's centre finds what fits: what casts a shadow thinner than a pixel
+    /// may be between all centres.
+    pub(crate) fn is_near(&self, (x, y): (u32, u32), fits: impl Fn(Truth) -> bool) -> bool {
         let rays = Rays::new(&self.frame.eye.camera(), self.frame.size * FINE);
         let around = |at: u32| (at * FINE).saturating_sub(FINE / 2)..(at + 1) * FINE + FINE / 2;
-        let has_count = |(x, y)| match self.tracer.pixel(rays.ray(x, y), &self.frame.lights)[self.number] {
-            Truth::Surface(between) => between.count(every) % 256 == u16::from(count),
-            _ => false,
-        };
-        around(y).flat_map(|y| around(x).map(move |x| (x, y))).any(has_count)
+        let mut pixels = around(y).flat_map(|y| around(x).map(move |x| (x, y)));
+        pixels.any(|(x, y)| fits(self.tracer.pixel(rays.ray(x, y), &self.frame.lights)[self.number]))
     }
 }
 

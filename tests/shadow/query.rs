@@ -31,8 +31,8 @@ fn lit_side(point: DVec3, face: &Triangle, light: usize) -> [f32; 3] {
     moved(steps.find(is_right).unwrap_or(0.0))
 }
 
-/// What pixels see of surfaces on the light's side, in `f32`; nothing where that is more than a quarter of a pixel
-/// beside it.
+/// What pixels see of surfaces on the light's side, in `f32`; nothing where rounding moves that by more than a
+/// quarter of a pixel, or to where other faces are between.
 fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
     let frame = &traced.frame;
     let (tracer, rays) = (Tracer::new(frame), Rays::new(&frame.eye.camera(), frame.size));
@@ -43,7 +43,9 @@ fn points(traced: &Traced) -> Vec<Option<[f32; 3]>> {
         let beside = rays.ray(x + 1, y);
         let pixel = (beside.0 + beside.1 * point.distance(ray.0)).distance(point);
         let moved = lit_side(point, face, 0);
-        (DVec3::from(moved.map(f64::from)).distance(point) < pixel / 4.0).then_some(moved)
+        let exact = DVec3::from(moved.map(f64::from));
+        let is_same = Truth::Surface(tracer.towards(exact, face, 0, &frame.lights[0])) == truths[0];
+        (is_same && exact.distance(point) < pixel / 4.0).then_some(moved)
     };
     traced.truths.iter().enumerate().map(point).collect()
 }
@@ -117,7 +119,7 @@ fn agree() -> Result<(), String> {
                 check(&traced, &counted, &depths).map_err(|error| format!("{}: {error}", class.name))?;
             let turned: Vec<_> = depths.iter().map(|depth| depth.map(|depth| i32::from(depth == 0))).collect();
             let wrong = differences(&traced, &counted.stencils[0], &turned);
-            if wrong.iter().any(|wrong| wrong.pixels.is_empty()) {
+            if wrong.iter().any(|wrong| wrong.compared > 100 && wrong.pixels.is_empty()) {
                 return Err(format!("negative control: {}, shadow for light went unnoticed", class.name));
             }
             let surfaces = traced.truths.iter().filter(|truths| matches!(truths[0], Truth::Surface(_))).count();

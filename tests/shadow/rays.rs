@@ -100,6 +100,18 @@ impl Tracer<Face> {
         between
     }
 
+    /// Casting faces strictly between a point of a face and a light.
+    pub(crate) fn towards(&self, point: DVec3, own: &Triangle, number: usize, light: &Light) -> Between {
+        let [x, y, z] = light.xyz.map(f64::from);
+        let w = f64::from(light.w);
+        let to_light = DVec3::new(x, y, z) - w * point;
+        // At t = 1 / w the ray is at the light.
+        let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
+        // Faces that coincide with the point's own are not strictly between.
+        let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
+        self.between((point, to_light), [begin, end], Some(own), number)
+    }
+
     /// What a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
         let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
@@ -109,14 +121,7 @@ impl Tracer<Face> {
             if side == 0 || (side > 0) != is_front {
                 return Truth::Averted;
             }
-            let [x, y, z] = light.xyz.map(f64::from);
-            let w = f64::from(light.w);
-            let to_light = DVec3::new(x, y, z) - w * point;
-            // At t = 1 / w the ray is at the light.
-            let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
-            // Faces that coincide with the point's own are not strictly between.
-            let begin = 1e-9 * (1.0 + point.abs().max_element()) / to_light.length();
-            Truth::Surface(self.between((point, to_light), [begin, end], Some(own), number))
+            Truth::Surface(self.towards(point, own, number, light))
         };
         lights.iter().enumerate().map(truth).collect()
     }

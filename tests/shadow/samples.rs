@@ -5,18 +5,30 @@ use rimline::Counting;
 use crate::classes::CLASSES;
 use crate::common::device::Gpu;
 use crate::common::is_long;
-use crate::compare::Wrong;
+use crate::compare::{Compared, Wrong};
+use crate::hairlines::Hairlines;
+use crate::rays::Truth;
 use crate::render::Renderer;
 use crate::trials::{Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] = &[("four_samples_a_pixel", four)];
 
-/// No sample is shadowed where the pixels around are lit, nor lit where they are in shadow.
+/// No sample is shadowed where all is lit within a pixel, nor lit where all is in shadow.
 fn wrong(traced: &Traced, uncounted: &[u8], every: &[bool]) -> Wrong {
     let mut wrong = Wrong::default();
     for is_counted in [|share| share == 0, |share| share < 255] {
         let stencil: Vec<u8> = uncounted.iter().map(|&share| u8::from(is_counted(share))).collect();
-        wrong.add(&traced.compared().lit(&stencil, every));
+        let mut found = Compared { explains: false, ..traced.compared() }.lit(&stencil, every);
+        // Samples are not at the centre, so they see slivers that rays through centres miss, and surfaces averted from the
+        // light, whose count means nothing.
+        if found.pixels.len() < 30 {
+            let hairlines = Hairlines::new(&traced.frame, 0);
+            found.pixels.retain(|&(x, y)| {
+                let is_lit = stencil[(y * traced.frame.size + x) as usize] == 0;
+                !hairlines.is_near((x, y), |truth| truth.is_lit() == is_lit || !matches!(truth, Truth::Surface(_)))
+            });
+        }
+        wrong.add(&found);
     }
     wrong
 }
