@@ -74,7 +74,9 @@ impl Plan {
         // The CPU draws nothing.
         let draws = Wanted::parse(&args.device.device) != Wanted::Cpu;
         let frames = if draws { args.frames.map_or(usual_frames, usize::from) } else { 0 };
-        let shadows = ShadowPlan { models, frames, size, rounds };
+        // A round draws whole paths.
+        let rounds_of_paths = Rounds { least: most.min(3), ..rounds };
+        let shadows = ShadowPlan { models, frames, size, rounds: rounds_of_paths };
         if subjects.is_empty() && shadows.rows() == 0 {
             return Err(UsageError::NothingToMeasure);
         }
