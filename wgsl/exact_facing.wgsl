@@ -108,7 +108,7 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
   let listed = undecided[UNDECIDED_COUNT];
   let overflowed = listed > arrayLength(&undecided) - UNDECIDED_HEAD;
   let count = select(listed, chunk.count, overflowed);
-  let place = (id.z * groups.y + id.y) * groups.x * EXACT_WORKGROUP + id.x;
+  let place = id.y * groups.x * EXACT_WORKGROUP + id.x;
   if (place < count) {
     var face = place;
     if (!overflowed) {

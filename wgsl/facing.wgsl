@@ -50,14 +50,12 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
 }
 
 // Asks for so many invocations of exact facing. A chunk has at most four of its workgroups for each of MOST_WORKGROUPS,
-// so rows are few, and layers even with a limit of 2.
+// so rows are few.
 fn dispatch(invocations: u32) {
   let groups = (invocations + EXACT_WORKGROUP - 1u) / EXACT_WORKGROUP;
   atomicMax(&undecided[UNDECIDED_DISPATCH], min(groups, MOST_WORKGROUPS));
   if (groups > MOST_WORKGROUPS) {
-    let rows = (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS;
-    atomicMax(&undecided[UNDECIDED_DISPATCH + 1u], min(rows, MOST_WORKGROUPS));
-    atomicMax(&undecided[UNDECIDED_DISPATCH + 2u], (rows + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS);
+    atomicMax(&undecided[UNDECIDED_DISPATCH + 1u], (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS);
   }
 }
 
