@@ -75,14 +75,6 @@ struct DrawArguments {
   first_instance: u32,
 }
 
-// The list of undecided faces: an indirect dispatch of exact facing, how many faces there are, and from HEAD on the faces,
-// counted from the chunk's first. More than it has room for stand for every face.
-const UNDECIDED_DISPATCH: u32 = 0u;
-const UNDECIDED_COUNT: u32 = 3u;
-const UNDECIDED_HEAD: u32 = 4u;
-// Invocations of a workgroup of exact facing: fewer than elsewhere, since it is long.
-const EXACT_WORKGROUP: u32 = 64u;
-
 // Faces of a cluster, and clusters of a group.
 const CLUSTER: u32 = 32u;
 

@@ -7,6 +7,7 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> statistics: Statistics;
+// How many faces are undecided, then the faces, counted from the chunk's first.
 @group(0) @binding(9) var<storage, read> undecided: array<u32>;
 
 struct Face {
@@ -102,17 +103,19 @@ fn decide(index: u32) -> u32 {
   return decision.facing;
 }
 
-@compute @workgroup_size(EXACT_WORKGROUP)
-fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+@compute @workgroup_size(64)
+fn exact_facing(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let index = ((group.z * groups.y + group.y) * groups.x + group.x) * 64u + local;
   // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
-  let listed = undecided[UNDECIDED_COUNT];
-  let overflowed = listed > arrayLength(&undecided) - UNDECIDED_HEAD;
-  let count = select(listed, chunk.count, overflowed);
-  let place = id.y * groups.x * EXACT_WORKGROUP + id.x;
-  if (place < count) {
-    var face = place;
+  let overflowed = undecided[0] >= arrayLength(&undecided);
+  if (index < select(undecided[0], chunk.count, overflowed)) {
+    var face = index;
     if (!overflowed) {
-      face = undecided[UNDECIDED_HEAD + place];
+      face = undecided[index + 1u];
     }
     facing_masks[face] = decide(face);
   }

@@ -7,12 +7,11 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> statistics: Statistics;
+// How many faces are undecided, then the faces, counted from the chunk's first.
 @group(0) @binding(9) var<storage, read_write> undecided: array<atomic<u32>>;
 
 // Without it signs are taken as f32 gives them.
 override EXACT: bool = true;
-// Workgroups that a dispatch may have.
-override MOST_WORKGROUPS: u32 = 65535u;
 
 // The determinant for one of the word's lights.
 fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
@@ -49,26 +48,10 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   return signs;
 }
 
-// Asks for so many invocations of exact facing. A chunk has at most four of its workgroups for each of MOST_WORKGROUPS,
-// so rows are few.
-fn dispatch(invocations: u32) {
-  let groups = (invocations + EXACT_WORKGROUP - 1u) / EXACT_WORKGROUP;
-  atomicMax(&undecided[UNDECIDED_DISPATCH], min(groups, MOST_WORKGROUPS));
-  if (groups > MOST_WORKGROUPS) {
-    atomicMax(&undecided[UNDECIDED_DISPATCH + 1u], (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS);
-  }
-}
-
 fn list(face: u32) {
-  let place = atomicAdd(&undecided[UNDECIDED_COUNT], 1u);
-  let capacity = arrayLength(&undecided) - UNDECIDED_HEAD;
-  if (place < capacity) {
-    atomicStore(&undecided[UNDECIDED_HEAD + place], face);
-    if (place % EXACT_WORKGROUP == 0u) {
-      dispatch(place + 1u);
-    }
-  } else if (place == capacity) {
-    dispatch(chunk.count);
+  let place = atomicAdd(&undecided[0], 1u) + 1u;
+  if (place < arrayLength(&undecided)) {
+    atomicStore(&undecided[place], face);
   }
 }
 

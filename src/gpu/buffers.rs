@@ -75,17 +75,15 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
     (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
 }
 
-/// Before the entries of the list of undecided faces: the dispatch over them, and how many there are.
-pub(super) const UNDECIDED_HEAD: [u32; 4] = [0, 1, 1, 0];
-/// Its bytes.
-pub(super) const UNDECIDED_HEAD_BYTES: u64 = size_of_val(&UNDECIDED_HEAD) as u64;
+/// Bytes before the entries of the list of undecided faces.
+pub(super) const UNDECIDED_HEAD: u64 = 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
     if options.method.predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
-    let fitting = ((split.binding - UNDECIDED_HEAD_BYTES) / 4) as usize;
+    let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;
     let asked = options.undecided_capacity.map_or(usize::MAX, |capacity| capacity.max(1) as usize);
     asked.min(mesh.faces().len()).min(fitting)
 }
@@ -106,9 +104,9 @@ pub(super) struct Buffers {
     pub(super) counts: wgpu::Buffer,
     pub(super) draw_arguments: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
-    /// Of exact facing: the list of undecided faces, and its head while it is empty.
+    /// Of exact facing: the list of undecided faces, and the dispatch over it.
     pub(super) undecided: wgpu::Buffer,
-    pub(super) none_undecided: wgpu::Buffer,
+    pub(super) exact_dispatch: wgpu::Buffer,
     /// Bound where a stage's binding is not used.
     pub(super) unused: wgpu::Buffer,
 }
@@ -132,7 +130,7 @@ impl Buffers {
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
-        let undecided_bytes = UNDECIDED_HEAD_BYTES + 4 * shape.undecided as u64;
+        let undecided_bytes = UNDECIDED_HEAD + 4 * shape.undecided as u64;
         // These are bound whole; everything else is bound by chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -181,13 +179,8 @@ impl Buffers {
                 result | BufferUsages::INDIRECT,
             ),
             statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
-            undecided: buffer(device, "undecided faces", undecided_bytes, result | BufferUsages::INDIRECT),
-            none_undecided: filled(
-                device,
-                "no undecided faces",
-                bytemuck::cast_slice(&UNDECIDED_HEAD),
-                BufferUsages::COPY_SRC,
-            ),
+            undecided: buffer(device, "undecided faces", undecided_bytes, result),
+            exact_dispatch: buffer(device, "exact dispatch", 12, storage | BufferUsages::INDIRECT),
             unused: buffer(device, "unused", 64, result),
         })
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::binder::Binder;
-use super::buffers::{Buffers, Shape, UNDECIDED_HEAD_BYTES};
+use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::frame::{UniformTable, upload};
 use super::memory::MemoryError;
 use super::pass::{Dispatch, Pass};
@@ -111,8 +111,8 @@ pub struct Extractor {
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method; bound to positions when they are known.
     from_positions: Pass,
-    /// Exact facing, where it is wanted; dispatches as those of facing.
-    exact: Option<Pass>,
+    /// Exact facing, where it is wanted: its arguments, then itself; dispatches as those of facing.
+    exact: Option<[Pass; 2]>,
     /// Edges, compaction, arguments: what the options ask for, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
@@ -163,7 +163,13 @@ impl Extractor {
             dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
         };
         let is_exact = options.method.predicate(options.predicate) == Predicate::Exact;
-        let exact = is_exact.then(|| Pass { pipeline: binder.exact_pipeline(0), dispatches: face_dispatches });
+        let exact = is_exact.then(|| {
+            let most_workgroups = device.limits().max_compute_workgroups_per_dimension;
+            [
+                binder.exact_arguments(face_dispatches.clone(), most_workgroups),
+                Pass { pipeline: binder.exact_pipeline(0), dispatches: face_dispatches },
+            ]
+        });
         let mut from_facing = Vec::new();
         if !per_edge && (options.masks || options.lists.is_some()) {
             from_facing.push(binder.edges(&options, edge_dispatches.clone(), &facing_windows));
@@ -242,16 +248,16 @@ impl Extractor {
     fn record_exactly(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        exact: &Pass,
+        exact: &[Pass; 2],
         words: Range<usize>,
         mut timer: Option<&mut StageTimer>,
     ) {
         for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
             if words.contains(&dispatch.word) {
-                let Buffers { none_undecided, undecided, .. } = &self.buffers;
-                encoder.copy_buffer_to_buffer(none_undecided, 0, undecided, 0, UNDECIDED_HEAD_BYTES);
-                self.from_positions.record_one(encoder, index, timer.as_deref_mut());
-                exact.record_one(encoder, index, timer.as_deref_mut());
+                encoder.clear_buffer(&self.buffers.undecided, 0, Some(UNDECIDED_HEAD));
+                for pass in std::iter::once(&self.from_positions).chain(exact) {
+                    pass.record_one(encoder, index, timer.as_deref_mut());
+                }
             }
         }
     }
@@ -269,13 +275,13 @@ impl Extractor {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
         binder.bind_positions(&self.options, &mut self.from_positions, buffer, bound);
-        if let Some(exact) = &mut self.exact {
+        if let Some([_, exact]) = &mut self.exact {
             if exact.pipeline.window_words != bound.windows.words {
                 exact.pipeline = binder.exact_pipeline(bound.windows.words);
             }
             binder.bind_positions(&self.options, exact, buffer, bound);
             for dispatch in &mut exact.dispatches {
-                dispatch.indirect = Some(binder.buffers.undecided.clone());
+                dispatch.indirect = Some(binder.buffers.exact_dispatch.clone());
             }
         }
         self.bound_to = Some(target);
