@@ -57,22 +57,23 @@ shared_structs! {
         lights: [[f32; 4]; 32],
         /// The lights as given, bit for bit.
         light_bits: [[u32; 4]; 32],
-        /// |w| of each scaled light, or 0 where it is a power of two.
+        /// |w| of each scaled light, as far as its products' errors count: 0 where it is a power of two, and not less
+        /// than 2⁻³⁶ where it is so small that scaling and products may lose it.
         inexact_w: [[f32; 4]; 8],
-        /// Of all scaled lights the largest |x|, |y| or |z|, and the largest |w|.
+        /// Of all scaled lights the largest |x|, |y| or |z|, and the largest |w| or `inexact_w`.
         reach: [f32; 2],
         /// Lights in use.
         count: u32,
         /// The lowest `count` bits.
         live: u32,
-        /// Lights that scaling would change: never certain in f32.
-        doubtful: u32,
         /// First word of vertex 0 in the bound positions.
         position_offset: u32,
         /// Words from a vertex to the next.
         position_stride: u32,
         /// 0.
-        reserved: u32,
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
     }
 
     /// The part of the faces or edges that one dispatch works on.
@@ -358,21 +359,25 @@ impl LightWord {
             let given = light.to_array();
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
+            let w = w.max(scaled.inexact_w);
             word.lights[slot] = scaled.light;
             word.light_bits[slot] = given.map(f32::to_bits);
             word.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
             word.reach = [word.reach[0].max(x).max(y).max(z), word.reach[1].max(w)];
-            word.doubtful |= u32::from(scaled.is_doubtful) << slot;
         }
-        Self { position_offset, position_stride, doubtful: word.doubtful & word.live, ..word }
+        Self { position_offset, position_stride, ..word }
     }
 }
+
+/// Scaling and products may lose a w below this, all of it.
+const TINY_W: f32 = f32::from_bits((127 - 60) << 23);
+/// What then stands for it in the bounds.
+const LEAST_INEXACT_W: f32 = f32::from_bits((127 - 36) << 23);
 
 /// A light as the filter sees it; NUMERICS.md, "Filter".
 struct ScaledLight {
     light: [f32; 4],
     inexact_w: f32,
-    is_doubtful: bool,
 }
 
 impl ScaledLight {
@@ -388,9 +393,14 @@ impl ScaledLight {
         let light = given.map(|c| (f64::from(c) * scale) as f32);
         let w = light[3].abs();
         let is_power_of_two = w == 0.0 || w.to_bits().trailing_zeros() >= 23;
-        // A w so small beside x, y, z that scaling or its products could lose bits.
-        let is_doubtful = given[3] != 0.0 && w < 2.0_f32.powi(-60);
-        Self { light, inexact_w: if is_power_of_two { 0.0 } else { w }, is_doubtful }
+        let inexact_w = if given[3] != 0.0 && w < TINY_W {
+            LEAST_INEXACT_W
+        } else if is_power_of_two {
+            0.0
+        } else {
+            w
+        };
+        Self { light, inexact_w }
     }
 }
 

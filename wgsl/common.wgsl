@@ -15,19 +15,19 @@ struct LightWord {
   lights: array<vec4<f32>, 32>,
   // The lights as given, bit for bit.
   light_bits: array<vec4<u32>, 32>,
-  // Four lights each: |w| of the scaled light, or 0 where it is a power of two, so that its products are exact.
+  // Four lights each: |w| of the scaled light as far as its products' errors count: 0 where it is a power of two, so that
+  // they are exact, and not less than 2^-36 where scaling and flushing may lose it.
   inexact_w: array<vec4<f32>, 8>,
-  // Of all scaled lights the largest |x|, |y| or |z|, and the largest |w|.
+  // Of all scaled lights the largest |x|, |y| or |z|, and the largest |w| or `inexact_w`.
   reach: vec2<f32>,
   count: u32,
   // The lowest `count` bits.
   live: u32,
-  // Lights that scaling would change: never certain in f32.
-  doubtful: u32,
   // First word of vertex 0 in the bound positions, and words from a vertex to the next.
   position_offset: u32,
   position_stride: u32,
-  reserved: u32,
+  reserved_0: u32,
+  reserved_1: u32,
 }
 
 // The part of the faces or edges that one dispatch works on; its arrays are bound from its first item on.

@@ -41,12 +41,12 @@ fn filter_lights(face: Face) -> Decision {
     abs(u.x) * abs(v.y) + abs(u.y) * abs(v.x),
   );
   let underflow = underflow_bound(bitcast<f32>(largest));
-  for (var rest = word.live & ~word.doubtful; rest != 0u; rest &= rest - 1u) {
+  for (var rest = word.live; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let l = word.lights[light];
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
-    // The rounding of w a counts only where w is no power of two.
+    // The error of w a counts only where w is no power of two, or tiny.
     let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);

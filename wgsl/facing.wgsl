@@ -75,7 +75,7 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
     facing_masks[face] = signs.mask;
     let bound = face_bound(size, bitcast<f32>(magnitude), word.reach);
     // A large magnitude covers what is not finite, too.
-    if (signs.smallest <= bound || magnitude >= LARGE || word.doubtful != 0u) {
+    if (signs.smallest <= bound || magnitude >= LARGE) {
       list(face);
     }
   } else if (magnitude >= INFINITE) {

@@ -22,7 +22,7 @@ fn underflow_bound(largest: f32) -> f32 {
 }
 
 // One bound for all lights of a word: `size` is |u|1 |v|1, `largest` bounds the face's coordinates, `reach` is the
-// largest |x|, |y|, |z| of the lights and their largest |w|.
+// largest |x|, |y|, |z| of the lights and their largest |w| or `inexact_w`.
 fn face_bound(size: f32, largest: f32, reach: vec2<f32>) -> f32 {
   let to_light = reach.x + largest * reach.y;
   return (RELATIVE * to_light) * size + underflow_bound(largest) * (1.0 + to_light);

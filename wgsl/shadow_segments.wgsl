@@ -25,10 +25,12 @@ struct Segment {
   d: vec3<f32>,
   // The largest of `sizes`.
   size: f32,
-  // |d|, and |w p| where its rounding counts.
+  // |d|, and |w p| where its error counts.
   sizes: vec3<f32>,
   // f32 may decide.
   is_certain: bool,
+  // |w|, or what stands for it in the bounds.
+  w_size: f32,
 }
 
 struct Query {
@@ -53,8 +55,9 @@ fn segment_of(query: Query) -> Segment {
   let d = light.xyz - light.w * p;
   let sizes = abs(d) + inexact_w * abs(p);
   let largest = largest_magnitude(query.p_bits, query.p_bits, query.p_bits);
-  let is_certain = largest < LARGE && ((word.doubtful >> query.light) & 1u) == 0u;
-  return Segment(query.p_bits, query.light, p, largest, d, max(max(sizes.x, sizes.y), sizes.z), sizes, is_certain);
+  let size = max(max(sizes.x, sizes.y), sizes.z);
+  let w_size = max(abs(light.w), inexact_w);
+  return Segment(query.p_bits, query.light, p, largest, d, size, sizes, largest < LARGE, w_size);
 }
 
 // What roundings may add in a box test, and what underflow may.
@@ -77,8 +80,8 @@ fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   let to_high = high - segment.p;
   let light_low = light.w * low;
   let light_high = light.w * high;
-  let low_margin = MARGIN * (abs(light_low) + abs(light.xyz)) + TINY;
-  let high_margin = MARGIN * (abs(light_high) + abs(light.xyz)) + TINY;
+  let low_margin = MARGIN * (segment.w_size * abs(low) + abs(light.xyz)) + TINY;
+  let high_margin = MARGIN * (segment.w_size * abs(high) + abs(light.xyz)) + TINY;
   let is_before = (to_high < vec3<f32>(0.0)) & (light_high - light.xyz < -high_margin);
   let is_beyond = (to_low > vec3<f32>(0.0)) & (light_low - light.xyz > low_margin);
   if (any(is_before | is_beyond)) {

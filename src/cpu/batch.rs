@@ -57,7 +57,7 @@ impl Batch {
     /// mesh's, `largest`: what is certain may differ, the bits cannot.
     #[inline]
     pub(super) fn certain(&self, largest: f32, word: &LightWord) -> [bool; LANES] {
-        let is_possible = filter::is_possible(largest, word);
+        let is_possible = largest < filter::LARGE;
         let (relative, least) = filter::face_bound(largest, word.reach);
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
     }

@@ -152,7 +152,7 @@ impl Run<'_> {
         // |v|₁ is no longer than six times the largest coordinate, and |u|₁ than its longest in a batch. So loose a bound
         // leaves a few faces in a thousand to be decided again, and saves the others most of its cost.
         let relative = relative * (6.0 * self.largest);
-        let relative = if filter::is_possible(self.largest, self.word) { relative } else { f32::INFINITY };
+        let relative = if self.largest < filter::LARGE { relative } else { f32::INFINITY };
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
             let (mut determinants, mut longest) = ([f32::INFINITY; LANES], [0.0_f32; 3]);
             for (d, &corners) in determinants.iter_mut().zip(faces) {
@@ -271,7 +271,7 @@ impl Face {
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
         let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
         let underflow = filter::underflow_bound(largest);
-        for light in bits(word.live & !word.doubtful) {
+        for light in bits(word.live) {
             let l = word.lights[light];
             let d = local_form(n, a, l);
             let inexact_w = word.inexact_w[light / 4][light % 4];

@@ -1,18 +1,11 @@
 //! Bounds on the error of the `f32` determinant; NUMERICS.md, "Filter".
 
-use crate::layout::LightWord;
-
 /// Ten units of the last place, 10 · 2⁻²³.
 pub(super) const RELATIVE: f32 = 10.0 / 8_388_608.0;
 /// What underflow may add, 2⁻¹¹⁵.
 const UNDERFLOW: f32 = f32::from_bits((127 - 115) << 23);
 /// A coordinate from 2⁴⁰ on could overflow the determinant.
 pub(super) const LARGE: f32 = 1_099_511_627_776.0;
-
-/// Whether any bound can make a bit certain.
-pub(super) fn is_possible(largest: f32, word: &LightWord) -> bool {
-    largest < LARGE && word.doubtful == 0
-}
 
 /// What underflow may add for a face whose coordinates are up to `largest`, a unit of the light.
 pub(super) fn underflow_bound(largest: f32) -> f32 {
@@ -21,7 +14,7 @@ pub(super) fn underflow_bound(largest: f32) -> f32 {
 }
 
 /// One bound for all lights of a word, as a factor of |u|₁ |v|₁ and what is added. `largest` bounds the coordinates,
-/// `reach` is the largest |x|, |y|, |z| of the lights and their largest |w|.
+/// `reach` is the largest |x|, |y|, |z| of the lights and their largest |w| or `inexact_w`.
 pub(super) fn face_bound(largest: f32, reach: [f32; 2]) -> (f32, f32) {
     let to_light = reach[0] + largest * reach[1];
     (RELATIVE * to_light, underflow_bound(largest) * (1.0 + to_light))

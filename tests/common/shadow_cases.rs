@@ -98,10 +98,27 @@ pub(crate) fn shadow_cases(random: &mut Random, points: usize, lights: usize) ->
         let (scale, offset) = if name.starts_with("moved") { (1.0, middle) } else { (middle.max(1e-44), 0.0) };
         found.push(around(random, &name, shape, scale, offset, counts));
     }
+    found.push(far_lights(random, counts));
     found.push(lattice(random, [6, points, lights]).0);
     found.push(any_magnitude(random, counts));
     found.push(not_finite(random, counts));
     found
+}
+
+/// Boxes so large, and lights so far away along their sides, that a w that is next to nothing, or lost, decides.
+fn far_lights(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
+    let (mut case, _) = lattice(random, [6, counts[0], 1]);
+    let scale = 2.0_f32.powi(36);
+    case.shape.positions.iter_mut().chain(&mut case.points).flatten().for_each(|c| *c *= scale);
+    case.lights = (0..counts[1])
+        .map(|index| {
+            let w = random.between(-149.0, -60.0).exp2();
+            let mut light: [f32; 3] = std::array::from_fn(|_| random.below(5) as f32 * scale * w);
+            light[index % 3] = if random.below(2) == 0 { 1.0 } else { -1.0 };
+            Light::homogeneous([light[0], light[1], light[2], w])
+        })
+        .collect();
+    ShadowCase { name: "far lights".to_owned(), ..case }
 }
 
 /// Coordinates of any exponent, or within a bit of another.

@@ -163,6 +163,7 @@ impl Liberties {
 
     fn face_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         let [x, y, z, w] = scaled(light).map(|c| (c as f32).abs());
+        let w = w.max(inexact_w(light));
         let sizes = [b, c].map(|corner| {
             let side: [f32; 3] = std::array::from_fn(|i| self.add(corner[i], -a[i]).abs());
             let sum = self.add(side[0], side[1]);
@@ -188,7 +189,7 @@ impl Liberties {
     fn light_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
         let [x, y, z, w] = scaled(light).map(|c| c as f32);
         let l = [x, y, z];
-        let inexact = if w.to_bits() << 9 == 0 { 0.0 } else { w.abs() };
+        let inexact = inexact_w(light);
         let u: [f32; 3] = std::array::from_fn(|i| self.add(b[i], -a[i]).abs());
         let v: [f32; 3] = std::array::from_fn(|i| self.add(c[i], -a[i]).abs());
         let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i], 1.0).abs());
@@ -208,6 +209,17 @@ impl Liberties {
         let sum = self.add(sum, 1.0);
         let size = self.product(relative, size);
         self.product_sum(least, sum, size, 1.0)
+    }
+}
+
+/// What stands for |w| where its product's error counts; NUMERICS.md, "Filter".
+fn inexact_w(light: Light) -> f32 {
+    let w = scaled(light)[3].abs();
+    match w {
+        0.0 => 0.0,
+        w if w < 2.0_f64.powi(-60) => 2.0_f32.powi(-36),
+        w if w.to_bits() << 12 == 0 => 0.0,
+        w => w as f32,
     }
 }
 

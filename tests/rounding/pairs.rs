@@ -8,7 +8,26 @@ pub(crate) type Pair = ([[f32; 3]; 3], Light);
 
 /// Any of the kinds below.
 pub(crate) fn any(random: &mut Random) -> Pair {
-    [hard, grazing, tight][random.below(3)](random)
+    [hard, grazing, tight, tiny_w][random.below(4)](random)
+}
+
+/// A face on a plane across an axis, and a light so far away along the plane that w may be lost: the sign hangs on it.
+fn tiny_w(random: &mut Random) -> Pair {
+    let scale = random.between(0.0, 39.0).exp2();
+    let axis = random.below(3);
+    let level = scale * random.between(-1.0, 1.0);
+    let corners = [(); 3].map(|()| {
+        let mut corner = random.direction().map(|c| c * scale);
+        corner[axis] = level;
+        corner
+    });
+    let w = random.between(-149.0, -56.0).exp2() * [1.0, 1.0, random.between(1.0, 2.0), -1.0][random.below(4)];
+    let mut light = random.direction();
+    // From certain to nothing but w.
+    light[axis] *= [0.0, w * scale, 1e-12, 1e-6][random.below(4)];
+    let size = random.between(-8.0, 60.0).exp2();
+    let [x, y, z] = light.map(|c| c * size);
+    (corners, Light::homogeneous([x, y, z, w * size]))
 }
 
 /// A triangle, and a light that is nearly in its plane or nearly at a corner.
