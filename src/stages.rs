@@ -23,9 +23,6 @@ pub const FACING: Stage = Stage {
     files: files!["common", "positions", "determinant", "filter", "facing"],
     entry_points: &["facing"],
 };
-/// The indirect dispatch of the exact facing stage.
-pub const EXACT_ARGUMENTS: Stage =
-    Stage { name: "exact_arguments", files: files!["common", "exact_arguments"], entry_points: &["exact_arguments"] };
 /// Exact facing of what the facing stage left undecided.
 pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
@@ -113,10 +110,9 @@ pub const DEPTH_ARGUMENTS: Stage =
     Stage { name: "depth_arguments", files: files!["common", "depth_arguments"], entry_points: &["depth_arguments"] };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 18] = [
+pub const STAGES: [Stage; 17] = [
     DEFORM,
     FACING,
-    EXACT_ARGUMENTS,
     EXACT_FACING,
     EDGES,
     PER_EDGE,

@@ -58,18 +58,23 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// The bits of the lights in doubt, by integers.
+// The bits of the lights in doubt, by integers. In two loops, since some GPUs execute a branch once for each turn of the
+// loop around it, whether any face needs it or not.
 fn settle(doubt: u32, face: Face) -> u32 {
   let fixed = fixed_face(face.a, face.b, face.c);
   var facing = 0u;
   var zeros = 0u;
+  var beyond_fixed = 0u;
   for (var rest = doubt; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
-    let bits = word.light_bits[light];
-    var sign = fixed_sign(fixed, bits);
-    if (sign == 2) {
-      sign = exact_sign(face.a, face.b, face.c, bits);
-    }
+    let sign = fixed_sign(fixed, word.light_bits[light]);
+    facing |= select(0u, 1u, sign == 1) << light;
+    zeros += select(0u, 1u, sign == 0);
+    beyond_fixed |= select(0u, 1u, sign == 2) << light;
+  }
+  for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
+    let light = firstTrailingBit(rest);
+    let sign = exact_sign(face.a, face.b, face.c, word.light_bits[light]);
     facing |= select(0u, 1u, sign > 0) << light;
     zeros += select(0u, 1u, sign == 0);
   }
@@ -103,16 +108,13 @@ fn decide(index: u32) -> u32 {
   return decision.facing;
 }
 
+// Few invocations for many faces, by turns: as a rule nearly none is undecided.
 @compute @workgroup_size(64)
-fn exact_facing(
-  @builtin(workgroup_id) group: vec3<u32>,
-  @builtin(num_workgroups) groups: vec3<u32>,
-  @builtin(local_invocation_index) local: u32,
-) {
-  let index = ((group.z * groups.y + group.y) * groups.x + group.x) * 64u + local;
+fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
   let overflowed = undecided[0] >= arrayLength(&undecided);
-  if (index < select(undecided[0], chunk.count, overflowed)) {
+  let items = select(undecided[0], chunk.count, overflowed);
+  for (var index = id.x; index < items; index += 64u * groups.x) {
     var face = index;
     if (!overflowed) {
       face = undecided[index + 1u];

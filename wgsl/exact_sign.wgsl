@@ -28,58 +28,70 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-// Adds the product of four mantissas `above` bits over the lowest digit.
-fn add_product(mantissas: vec4<u32>, above: u32, negative: bool) {
+// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Without a loop: some software
+// GPUs end an invocation's loops after 2^16 turns, all of them together (ARCHITECTURE.md, "Where it differs from the design").
+fn add_product(bits: vec4<u32>, sign: u32) {
+  let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
+  let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
+  let mantissas = (bits & vec4<u32>(0x7fffffu)) | implied;
+  let places = max(exponents, vec4<u32>(1u)) - 1u;
+  let above = places.x + places.y + places.z + places.w;
   let two = multiply(mantissas.x, mantissas.y);
   let three = multiply_three(vec3<u32>(two, 0u), mantissas.z).xyz;
-  var product = multiply_three(three, mantissas.w);
+  let product = multiply_three(three, mantissas.w);
   let shift = above % 24u;
-  let end = above / 24u + 5u;
-  var below = 0u;
-  for (var at = above / 24u; at < end; at++) {
-    let value = i32(((product.x << shift) & DIGIT) | below);
-    digits[at] += select(value, -value, negative);
-    below = product.x >> (24u - shift);
-    product = vec4<u32>(product.yzw, 0u);
-  }
+  let shifted = (product << vec4<u32>(shift)) & vec4<u32>(DIGIT);
+  let carried = product >> vec4<u32>(24u - shift);
+  // 0, or -1 where the product is negative.
+  let negative = -i32((bits.x ^ bits.y ^ bits.z ^ bits.w ^ sign) >> 31u);
+  let low = (vec4<i32>(shifted | vec4<u32>(0u, carried.xyz)) ^ vec4<i32>(negative)) - vec4<i32>(negative);
+  let at = above / 24u;
+  digits[at] += low.x;
+  digits[at + 1u] += low.y;
+  digits[at + 2u] += low.z;
+  digits[at + 3u] += low.w;
+  digits[at + 4u] += (i32(carried.w) ^ negative) - negative;
+}
+
+// What is carried over a digit and which bits of all below are set, after another digit.
+struct Sweep {
+  carry: i32,
+  any_bit: i32,
+}
+
+fn take_digit(sweep: Sweep, at: u32) -> Sweep {
+  let sum = digits[at] + sweep.carry;
+  digits[at] = 0;
+  return Sweep(sum >> 24u, sweep.any_bit | (sum & i32(DIGIT)));
 }
 
 // The sign of the determinant, from bits: 1, 0 or -1.
 fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
-  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Of
-  // each pair the second is subtracted; then the next axis comes first.
+  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Two
+  // a turn, then the next axis comes first.
   var p = b;
   var q = c;
   var r = light.xyz;
   var factor = 0x3f800000u;
-  for (var term = 0u; term < 24u; term++) {
-    let is_second = (term & 1u) != 0u;
-    let bits = vec4<u32>(p.x, select(q.y, q.z, is_second), select(r.z, r.y, is_second), factor);
-    let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
-    let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
-    let places = max(exponents, vec4<u32>(1u)) - 1u;
-    let signs = bits.x ^ bits.y ^ bits.z ^ bits.w ^ (term << 31u);
-    add_product((bits & vec4<u32>(0x7fffffu)) | implied, places.x + places.y + places.z + places.w, signs >> 31u != 0u);
-    p = select(p, p.yzx, is_second);
-    q = select(q, q.yzx, is_second);
-    r = select(r, r.yzx, is_second);
-    switch (term) {
-      case 5u: { p = a; q = b; }
-      case 11u: { p = c; q = a; }
-      case 17u: { p = a; q = c; r = b; factor = light.w; }
+  for (var turn = 0u; turn < 12u; turn++) {
+    add_product(vec4<u32>(p.x, q.y, r.z, factor), 0u);
+    add_product(vec4<u32>(p.x, q.z, r.y, factor), 0x80000000u);
+    p = p.yzx;
+    q = q.yzx;
+    r = r.yzx;
+    switch (turn) {
+      case 2u: { p = a; q = b; }
+      case 5u: { p = c; q = a; }
+      case 8u: { p = a; q = c; r = b; factor = light.w; }
       default: {}
     }
   }
-  var carry = 0;
-  var any_digit = 0;
-  for (var at = 0u; at < DIGITS; at++) {
-    let sum = digits[at] + carry;
-    any_digit |= sum & i32(DIGIT);
-    carry = sum >> 24u;
-    digits[at] = 0;
+  var sweep = Sweep(0, 0);
+  for (var at = 0u; at < DIGITS; at += 4u) {
+    sweep = take_digit(take_digit(take_digit(take_digit(sweep, at), at + 1u), at + 2u), at + 3u);
   }
-  if (carry < 0) {
+  if (sweep.carry < 0) {
     return -1;
   }
-  return select(0, 1, carry > 0 || any_digit != 0);
+  return select(0, 1, sweep.carry > 0 || sweep.any_bit != 0);
 }

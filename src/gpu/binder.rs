@@ -11,7 +11,7 @@ use super::positions::BoundPositions;
 use super::split::{Windows, binding};
 use crate::layout::{Chunk, DrawShape, LightWord, Masks};
 use crate::method::{Method, Predicate};
-use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_ARGUMENTS, EXACT_FACING, FACING, PER_EDGE};
+use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over an extraction's buffers.
 pub(super) struct Binder<'a> {
@@ -24,7 +24,6 @@ pub(super) struct Binder<'a> {
 
 const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
 const EXACT_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Read];
-const EXACT_ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Read, Write];
 const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
 const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
@@ -53,21 +52,6 @@ impl Binder<'_> {
     pub(super) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
         let windows = [("WINDOW_WORDS", f64::from(window_words))];
         Pipeline::new(self.device, &EXACT_FACING, &EXACT_FACING.wgsl(), "exact_facing", &EXACT_SLOTS, None, &windows)
-    }
-
-    /// The indirect dispatches of exact facing.
-    pub(super) fn exact_arguments(&self, mut dispatches: Vec<Dispatch>, most_workgroups: u32) -> Pass {
-        let constants = [("MOST_WORKGROUPS", f64::from(most_workgroups))];
-        let (stage, slots) = (&EXACT_ARGUMENTS, &EXACT_ARGUMENTS_SLOTS);
-        let pipeline = Pipeline::new(self.device, stage, &stage.wgsl(), "exact_arguments", slots, None, &constants);
-        for dispatch in &mut dispatches {
-            let resources =
-                [entry::<Chunk>(self.chunks), self.undecided(), binding(&self.buffers.exact_dispatch, 0..12)];
-            dispatch.group = Some(pipeline.bind(self.device, &resources));
-            dispatch.offsets = vec![dispatch.chunk_offset];
-            dispatch.workgroups = 1;
-        }
-        Pass { pipeline, dispatches }
     }
 
     /// The list of undecided faces; its length tells the shaders its capacity.

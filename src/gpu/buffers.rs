@@ -104,9 +104,8 @@ pub(super) struct Buffers {
     pub(super) counts: wgpu::Buffer,
     pub(super) draw_arguments: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
-    /// Of exact facing: the list of undecided faces, and the dispatch over it.
+    /// Of exact facing.
     pub(super) undecided: wgpu::Buffer,
-    pub(super) exact_dispatch: wgpu::Buffer,
     /// Bound where a stage's binding is not used.
     pub(super) unused: wgpu::Buffer,
 }
@@ -180,7 +179,6 @@ impl Buffers {
             ),
             statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
             undecided: buffer(device, "undecided faces", undecided_bytes, result),
-            exact_dispatch: buffer(device, "exact dispatch", 12, storage | BufferUsages::INDIRECT),
             unused: buffer(device, "unused", 64, result),
         })
     }

@@ -111,12 +111,21 @@ pub struct Extractor {
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method; bound to positions when they are known.
     from_positions: Pass,
-    /// Exact facing, where it is wanted: its arguments, then itself; dispatches as those of facing.
-    exact: Option<[Pass; 2]>,
+    /// Exact facing, where it is wanted; dispatches as those of facing, but of fewer workgroups.
+    exact: Option<Pass>,
     /// Edges, compaction, arguments: what the options ask for, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
     bound_to: Option<BoundTo>,
+}
+
+/// Invocations of a workgroup of exact facing.
+const EXACT_WORKGROUP: u32 = 64;
+
+/// How many faces an invocation of exact facing takes by turns where every face is undecided; ARCHITECTURE.md, "Where it
+/// differs from the design". From 4 on a dispatch has no more workgroups than one of facing.
+fn exact_turns(device: &wgpu::Device) -> u32 {
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 64 } else { 4 }
 }
 
 /// The position buffer that bind groups were made for.
@@ -164,11 +173,13 @@ impl Extractor {
         };
         let is_exact = options.method.predicate(options.predicate) == Predicate::Exact;
         let exact = is_exact.then(|| {
-            let most_workgroups = device.limits().max_compute_workgroups_per_dimension;
-            [
-                binder.exact_arguments(face_dispatches.clone(), most_workgroups),
-                Pass { pipeline: binder.exact_pipeline(0), dispatches: face_dispatches },
-            ]
+            let turns = exact_turns(device);
+            let fewer = |dispatch: Dispatch| Dispatch {
+                workgroups: (dispatch.items.len() as u32).div_ceil(EXACT_WORKGROUP * turns),
+                ..dispatch
+            };
+            let dispatches = face_dispatches.into_iter().map(fewer).collect();
+            Pass { pipeline: binder.exact_pipeline(0), dispatches }
         });
         let mut from_facing = Vec::new();
         if !per_edge && (options.masks || options.lists.is_some()) {
@@ -248,14 +259,14 @@ impl Extractor {
     fn record_exactly(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        exact: &[Pass; 2],
+        exact: &Pass,
         words: Range<usize>,
         mut timer: Option<&mut StageTimer>,
     ) {
         for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
             if words.contains(&dispatch.word) {
                 encoder.clear_buffer(&self.buffers.undecided, 0, Some(UNDECIDED_HEAD));
-                for pass in std::iter::once(&self.from_positions).chain(exact) {
+                for pass in [&self.from_positions, exact] {
                     pass.record_one(encoder, index, timer.as_deref_mut());
                 }
             }
@@ -275,14 +286,11 @@ impl Extractor {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
         binder.bind_positions(&self.options, &mut self.from_positions, buffer, bound);
-        if let Some([_, exact]) = &mut self.exact {
+        if let Some(exact) = &mut self.exact {
             if exact.pipeline.window_words != bound.windows.words {
                 exact.pipeline = binder.exact_pipeline(bound.windows.words);
             }
             binder.bind_positions(&self.options, exact, buffer, bound);
-            for dispatch in &mut exact.dispatches {
-                dispatch.indirect = Some(binder.buffers.exact_dispatch.clone());
-            }
         }
         self.bound_to = Some(target);
     }

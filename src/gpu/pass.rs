@@ -27,23 +27,18 @@ pub(super) struct Dispatch {
     /// Dynamic offsets of the group's uniforms.
     pub(super) offsets: Vec<u32>,
     pub(super) workgroups: u32,
-    /// Where the numbers of workgroups lie instead.
-    pub(super) indirect: Option<wgpu::Buffer>,
 }
 
 impl Dispatch {
     /// A dispatch of one invocation an item, not bound yet.
     pub(super) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
-        Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups, indirect: None }
+        Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
     }
 
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
-        match &self.indirect {
-            Some(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
-            None => pass.dispatch_workgroups(self.workgroups, 1, 1),
-        }
+        pass.dispatch_workgroups(self.workgroups, 1, 1);
     }
 
     /// Bytes of this chunk in an array of `bytes_per_item`.

@@ -75,8 +75,8 @@ impl StageTimer {
     }
 
     /// Name and milliseconds of each stage, summed over its passes, in the order first recorded; after the encoder was
-    /// submitted. Waits for the device. More than 2,048 passes are not timed: an extraction has at most four a chunk of
-    /// the mesh and word of 32 lights, and four more.
+    /// submitted. Waits for the device. More than 2,048 passes are not timed: an extraction has at most two a chunk of
+    /// the mesh and word of 32 lights, four a word and one more.
     ///
     /// # Errors
     /// [`ReadError`] when the device is lost.

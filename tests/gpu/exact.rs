@@ -18,6 +18,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
     ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
     ("exact_facing_is_exact_about_the_window_of_fixed_point", window),
     ("exact_facing_survives_an_overflowing_list", overflow),
+    ("exact_facing_ends_however_much_an_invocation_has_to_settle", full_invocations),
     ("exact_facing_is_exact_for_every_class_of_pairs", every_class),
 ];
 
@@ -188,6 +189,25 @@ fn overflow() -> Result<(), String> {
 
 /// The pairs of `tests/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
 /// made for against big integers, all others against the twin.
+/// Every pair beyond `f32` and beyond fixed point, 32 lights, and as many faces as fill an invocation's turns: llvmpipe
+/// ends an invocation's loops after 65,535 turns without a word.
+fn full_invocations() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 47;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut flat = || [random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0) * 1e-39];
+    let positions: Vec<[f32; 3]> = (0..3 * 4096).map(|_| flat()).collect();
+    let lights: Vec<Light> = (0..32).map(|_| Light::point(flat())).collect();
+    let faces: Vec<[u32; 3]> = (0..4096).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| error.to_string())?;
+    let found = extract(gpu, &positions, &mesh, &lights, exact(lights.len()))?;
+    if found.statistics.undecided_pairs != 32 * 4096 {
+        return Err(format!("not every pair is undecided: {:?}", found.statistics));
+    }
+    check(gpu, "flat", &positions, &mesh, &lights, exact(lights.len()))
+}
+
 fn every_class() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 45;

@@ -10,7 +10,6 @@ use crate::page::{Figure, Table};
 fn key(stage: &str) -> Key {
     let colour = match stage {
         "facing" => 3,
-        "exact_arguments" => 5,
         "exact_facing" => 4,
         "per_edge" => 0,
         "edges" => 1,
@@ -46,7 +45,7 @@ pub(super) fn stages(results: &Results) -> Option<Figure> {
         return None;
     }
     // In the order of the data flow, whichever method came first.
-    let flow = ["per_edge", "facing", "exact_arguments", "exact_facing", "edges", "compact", "arguments"];
+    let flow = ["per_edge", "facing", "exact_facing", "edges", "compact", "arguments"];
     names.sort_by_key(|name| flow.iter().position(|stage| stage == name));
     names.push(BETWEEN);
     Some(figure(row, lights, &names, &parts))
