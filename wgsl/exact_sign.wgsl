@@ -1,11 +1,9 @@
 // The sign of det[b - a, c - a, l - w a] for any finite f32 whatever, in pure integer arithmetic: rare and slow, so as
 // short as can be. NUMERICS.md, "Exact facing".
 
-// Digits of 24 bits; 48 of them hold every sum of products of four finite f32.
-const DIGITS: u32 = 48u;
 const DIGIT: u32 = 0xffffffu;
-// Zeros between uses.
-var<private> digits: array<i32, 48>;
+// Digits of 24 bits, zeros between uses. 48 of them hold every sum of products of four finite f32; four more are read.
+var<private> digits: array<i32, 52>;
 
 // The 48-bit product of two digits, as two digits.
 fn multiply(a: u32, b: u32) -> vec2<u32> {
@@ -28,9 +26,9 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Without a loop: some software
+// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Returns its lowest digit. Without a loop: some software
 // GPUs end an invocation's loops after 2^16 turns, all of them together (ARCHITECTURE.md, "Where it differs from the design").
-fn add_product(bits: vec4<u32>, sign: u32) {
+fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
   let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
   let mantissas = (bits & vec4<u32>(0x7fffffu)) | implied;
@@ -51,6 +49,7 @@ fn add_product(bits: vec4<u32>, sign: u32) {
   digits[at + 2u] += low.z;
   digits[at + 3u] += low.w;
   digits[at + 4u] += (i32(carried.w) ^ negative) - negative;
+  return at;
 }
 
 // What is carried over a digit and which bits of all below are set, after another digit.
@@ -67,27 +66,31 @@ fn take_digit(sweep: Sweep, at: u32) -> Sweep {
 
 // The sign of the determinant, from bits: 1, 0 or -1.
 fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
-  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Two
-  // a turn, then the next axis comes first.
+  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Of
+  // each pair the second is subtracted; then the next axis comes first.
   var p = b;
   var q = c;
   var r = light.xyz;
   var factor = 0x3f800000u;
-  for (var turn = 0u; turn < 12u; turn++) {
-    add_product(vec4<u32>(p.x, q.y, r.z, factor), 0u);
-    add_product(vec4<u32>(p.x, q.z, r.y, factor), 0x80000000u);
-    p = p.yzx;
-    q = q.yzx;
-    r = r.yzx;
-    switch (turn) {
-      case 2u: { p = a; q = b; }
-      case 5u: { p = c; q = a; }
-      case 8u: { p = a; q = c; r = b; factor = light.w; }
+  var lowest = 48u;
+  var highest = 0u;
+  for (var term = 0u; term < 24u; term++) {
+    let is_second = (term & 1u) != 0u;
+    let at = add_product(vec4<u32>(p.x, select(q.y, q.z, is_second), select(r.z, r.y, is_second), factor), term << 31u);
+    lowest = min(lowest, at);
+    highest = max(highest, at + 4u);
+    p = select(p, p.yzx, is_second);
+    q = select(q, q.yzx, is_second);
+    r = select(r, r.yzx, is_second);
+    switch (term) {
+      case 5u: { p = a; q = b; }
+      case 11u: { p = c; q = a; }
+      case 17u: { p = a; q = c; r = b; factor = light.w; }
       default: {}
     }
   }
   var sweep = Sweep(0, 0);
-  for (var at = 0u; at < DIGITS; at += 4u) {
+  for (var at = lowest; at <= highest; at += 4u) {
     sweep = take_digit(take_digit(take_digit(take_digit(sweep, at), at + 1u), at + 2u), at + 3u);
   }
   if (sweep.carry < 0) {

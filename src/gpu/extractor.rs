@@ -125,7 +125,7 @@ const EXACT_WORKGROUP: u32 = 64;
 /// How many faces an invocation of exact facing takes by turns where every face is undecided; ARCHITECTURE.md, "Where it
 /// differs from the design". From 4 on a dispatch has no more workgroups than one of facing.
 fn exact_turns(device: &wgpu::Device) -> u32 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 64 } else { 4 }
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 48 } else { 4 }
 }
 
 /// The position buffer that bind groups were made for.
