@@ -2,11 +2,14 @@
 
 use std::sync::{Arc, Mutex};
 
-/// A device with its queue and its adapter's name.
+use rimline::gpu::Pipelines;
+
+/// A device with its queue, its adapter's name, and pipelines that all tests on it share.
 pub(crate) struct Gpu {
     instance: wgpu::Instance,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) pipelines: Pipelines,
     pub(crate) name: String,
 }
 
@@ -31,7 +34,8 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| error.to_string())?;
-        Ok(Self { instance, device, queue, name: format!("{} ({:?})", info.name, info.backend) })
+        let pipelines = Pipelines::new(&device);
+        Ok(Self { instance, device, queue, pipelines, name: format!("{} ({:?})", info.name, info.backend) })
     }
 
     /// One device of `Limits::default()` that tests share.

@@ -84,7 +84,7 @@ impl<'a> Renderer<'a> {
             has_far_plane: frame.eye.far.is_some(),
             ..ShadowFormat::default()
         };
-        let pipelines = ShadowPipelines::new(&gpu.device, &shadow_format, counting).map_err(|error| text(&error))?;
+        let pipelines = ShadowPipelines::new(&gpu.pipelines, &shadow_format, counting).map_err(|error| text(&error))?;
         let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let lights: Vec<RangedLight> =
@@ -97,7 +97,7 @@ impl<'a> Renderer<'a> {
             let buffer = gpu.storage(&body.shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             let options = ExtractorOptions { max_lights: lights.len(), ..Default::default() };
-            let mut extractor = Extractor::new(&gpu.device, &mesh, options).map_err(|error| text(&error))?;
+            let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| text(&error))?;
             extractor.encode(&mut encoder, positions, &frame.lights, None).map_err(|error| text(&error))?;
             let mut volumes =
                 ShadowVolumes::new(&pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
