@@ -58,6 +58,13 @@ impl Gpu {
         Ok(report.hub_report().buffers.num_allocated)
     }
 
+    /// Pipelines, compute and render, that live on this device's instance.
+    pub(crate) fn live_pipelines(&self) -> Result<usize, String> {
+        let report = self.instance.generate_report().ok_or("no report of live objects")?;
+        let report = report.hub_report();
+        Ok(report.compute_pipelines.num_allocated + report.render_pipelines.num_allocated)
+    }
+
     /// A storage buffer with these contents.
     pub(crate) fn storage<T: bytemuck::Pod>(&self, contents: &[T]) -> wgpu::Buffer {
         let bytes = bytemuck::cast_slice(contents);

@@ -56,7 +56,7 @@ impl Run<'_> {
     }
 }
 
-fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
+pub(crate) fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
     same(&format!("{what}, facing"), &found.facing, &expected.facing)?;
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
