@@ -35,7 +35,7 @@ fn main() {
         ("one `Pipelines`", Shared::All),
     ] {
         let all = Pipelines::new(&bench.device);
-        let drawing = bench.drawing(&all);
+        let drawing = Bench::drawing(&all);
         // The first mesh, which compiles what is shared.
         bench.run(shared, &all, &drawing);
         let mut times: Vec<_> = (0..ROUNDS).map(|_| bench.run(shared, &all, &drawing)).collect();
@@ -68,7 +68,7 @@ impl Bench {
         Self { device, queue, mesh: shape.mesh().expect("a shape is a mesh"), positions }
     }
 
-    fn drawing(&self, pipelines: &Pipelines) -> ShadowPipelines {
+    fn drawing(pipelines: &Pipelines) -> ShadowPipelines {
         ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto).expect("a format that serves")
     }
 
@@ -76,12 +76,12 @@ impl Bench {
     fn run(&self, shared: Shared, all: &Pipelines, drawing: &ShadowPipelines) -> [f64; 2] {
         let begin = Instant::now();
         let all = if shared == Shared::All { all.clone() } else { Pipelines::new(&self.device) };
-        let own = (shared == Shared::Nothing).then(|| self.drawing(&all));
+        let own = (shared == Shared::Nothing).then(|| Self::drawing(&all));
         let mut extractor = Extractor::new(&all, &self.mesh, ExtractorOptions::default()).expect("a small mesh fits");
         let mut volumes =
             ShadowVolumes::new(own.as_ref().unwrap_or(drawing), &extractor, &self.mesh, ShadowOptions::default())
                 .expect("a small mesh fits");
-        let making = begin.elapsed();
+        let made = Instant::now();
         let camera = ShadowCamera {
             view_projection: Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::W, Vec4::Z * 0.1),
             origin: Vec3::new(0.0, 0.0, 5.0),
@@ -95,6 +95,6 @@ impl Bench {
         volumes.encode(&mut encoder, &extractor, positions, &camera, &lights, None).expect("good input");
         self.queue.submit([encoder.finish()]);
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
-        [making, begin.elapsed() - making].map(|time| time.as_secs_f64() * 1e3)
+        [made.duration_since(begin), made.elapsed()].map(|time| time.as_secs_f64() * 1e3)
     }
 }

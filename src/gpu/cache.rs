@@ -1,5 +1,6 @@
 //! Values made once a key, from any thread.
 
+use std::borrow::Borrow;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,10 +21,14 @@ impl<K, V> Default for Cache<K, V> {
     }
 }
 
-impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
+impl<K: Eq + Hash, V: Clone> Cache<K, V> {
     /// The value of `key`, by `make` unless it is there. What the device reports an error for is not kept, and made again
     /// so that the error goes where the caller has it go; error scopes are the calling thread's.
-    pub(super) fn get(&self, device: &wgpu::Device, key: &K, make: impl Fn() -> V) -> V {
+    pub(super) fn get<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V) -> V
+    where
+        K: Borrow<Q>,
+        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
+    {
         let room = self.room(key);
         let mut held = lock(&room);
         if let Some(value) = &*held {
@@ -37,11 +42,15 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         make()
     }
 
-    fn room(&self, key: &K) -> Room<V> {
+    fn room<Q>(&self, key: &Q) -> Room<V>
+    where
+        K: Borrow<Q>,
+        Q: ToOwned<Owned = K> + Eq + Hash + ?Sized,
+    {
         let mut rooms = lock(&self.0);
         match rooms.get(key) {
             Some(room) => Arc::clone(room),
-            None => Arc::clone(rooms.entry(key.clone()).or_default()),
+            None => Arc::clone(rooms.entry(key.to_owned()).or_default()),
         }
     }
 

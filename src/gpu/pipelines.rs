@@ -112,7 +112,7 @@ impl Pipelines {
     }
 
     fn made(&self, key: &ComputeKey, wgsl: impl Fn() -> String) -> Pipeline {
-        self.0.compute.get(self.device(), key, || Pipeline::new(self, key, wgsl()))
+        self.0.compute.get(self.device(), key, || Pipeline::new(self, key, &wgsl()))
     }
 
     /// A pipeline that draws volumes, by `make` where it is not there yet.
@@ -121,11 +121,11 @@ impl Pipelines {
     }
 
     /// A shader module.
-    pub(super) fn module(&self, label: &str, wgsl: String) -> wgpu::ShaderModule {
-        self.0.modules.get(self.device(), &wgsl, || {
+    pub(super) fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
+        self.0.modules.get(self.device(), wgsl, || {
             self.device().create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(wgsl.as_str().into()),
+                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
             })
         })
     }
@@ -206,7 +206,7 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: String) -> Self {
+    fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
         let ComputeKey { stage, entry_point, slots, ref constants, ref further, .. } = *key;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
         let windows = constants.iter().find(|(name, _)| *name == "WINDOW_WORDS");

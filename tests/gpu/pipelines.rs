@@ -27,20 +27,20 @@ pub(crate) const TESTS: &[crate::Test] = &[
 
 const ROOM: u32 = 100_000;
 
-fn ordered(ordered: bool) -> Option<ListOptions> {
-    Some(ListOptions { capacity: Some(ROOM), ordered, vertices_per_edge: 4 })
+fn lists(capacity: u32, ordered: bool) -> ListOptions {
+    ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 4 }
 }
 
 /// Options of an extractor, and how many pipelines they need that those before do not.
 fn kinds() -> Vec<(&'static str, ExtractorOptions, usize)> {
-    let plain = ExtractorOptions { lists: ordered(false), ..Default::default() };
+    let plain = ExtractorOptions { lists: Some(lists(ROOM, false)), ..Default::default() };
     let fast = ExtractorOptions { predicate: Predicate::Fast, ..plain };
     vec![
         ("as by default", plain, 5),
         ("for more lights", ExtractorOptions { max_lights: 40, ..plain }, 0),
         ("with masks", ExtractorOptions { masks: true, ..plain }, 1),
         // Edges that write masks and append nothing, and the three passes of compaction.
-        ("in order", ExtractorOptions { lists: ordered(true), ..plain }, 4),
+        ("in order", ExtractorOptions { lists: Some(lists(ROOM, true)), ..plain }, 4),
         ("only masks", ExtractorOptions { masks: true, lists: None, ..plain }, 0),
         ("fast", fast, 1),
         ("in the plane form", ExtractorOptions { predicate: Predicate::Plane, ..plain }, 1),
@@ -208,8 +208,7 @@ fn windows() -> Result<(), String> {
     let gpu = limited(16 << 10, 1 << 20, 64)?;
     let shared = Pipelines::new(&gpu.device);
     // With more room than that, lists would not fit a binding.
-    let lists = ListOptions { capacity: Some(2000), ordered: true, vertices_per_edge: 4 };
-    let options = ExtractorOptions { masks: true, lists: Some(lists), ..Default::default() };
+    let options = ExtractorOptions { masks: true, lists: Some(lists(2000, true)), ..Default::default() };
     let query = ShadowQueryOptions { max_points: 300, ..Default::default() };
     let light = [Light::point([3.0, 2.0, 1.0])];
     for [rings, segments] in [[20, 16], [60, 40], [20, 16]] {

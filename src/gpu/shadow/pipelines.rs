@@ -216,7 +216,7 @@ impl Maker<'_> {
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
         let further = if is_caps { String::new() } else { include_wgsl(1) };
-        let module = self.shared.module(stage.name, format!("{}\n{further}", stage.wgsl()));
+        let module = self.shared.module(stage.name, &format!("{}\n{further}", stage.wgsl()));
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(stage.name),
             bind_group_layouts: &self.groups.map(Some),
