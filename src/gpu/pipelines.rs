@@ -22,9 +22,9 @@ use crate::stages::{DEFORM, Stage};
 /// # }
 /// ```
 ///
-/// Options, limits and formats that ask for different pipelines get different ones. Pipelines stay until the last clone
-/// and the last thing made with it are gone; so do displacements and their bind group layouts, of which equal sources
-/// and one and the same layout object share a pipeline.
+/// Options, limits and formats that ask for different pipelines get different ones. Displacements share a pipeline where
+/// their sources are equal and their bind group layout is one and the same object. Everything stays until the last clone
+/// and the last thing made with it are gone, so a displacement that changes again and again is better off with the device.
 #[derive(Clone)]
 pub struct Pipelines(Arc<Shared>);
 
