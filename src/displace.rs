@@ -12,7 +12,7 @@ pub const DISPLACE_GROUP: u32 = 1;
 /// `position` is in world space, after morph and skin; `vertex` is the source vertex index; `time` is in seconds. The
 /// source may declare resources of its own in bind group [`DISPLACE_GROUP`], up to two storage buffers within
 /// `wgpu::Limits::default()`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Displacement {
     source: String,
     uses_resources: bool,

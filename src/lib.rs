@@ -6,6 +6,7 @@
 //! * [`Mesh`]: any triangles at all, welded, with edge records for closed, open, non-manifold and inconsistently
 //!   oriented surfaces;
 //! * [`gpu::Extractor`]: the extraction on your device, in your encoder, from your position buffer;
+//! * [`gpu::Pipelines`]: what many meshes on one device share;
 //! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
 //! * [`gpu::include_wgsl`]: reads the results in your own shaders;
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass, the counting method chosen on the GPU for every caster

@@ -59,7 +59,7 @@ impl Counting {
 }
 
 /// Which end of clip space's depth is near.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DepthDirection {
     /// Near is 1 and far is 0; larger is nearer.
     #[default]

@@ -6,7 +6,7 @@ use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::extractor::ExtractorOptions;
 use super::frame::{UniformTable, entry};
 use super::pass::{Dispatch, Pass};
-use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use super::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use super::positions::BoundPositions;
 use super::split::{Windows, binding};
 use crate::layout::{Chunk, DrawShape, LightWord, Masks};
@@ -15,6 +15,7 @@ use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over an extraction's buffers.
 pub(super) struct Binder<'a> {
+    pub(super) pipelines: &'a Pipelines,
     pub(super) device: &'a wgpu::Device,
     pub(super) shape: &'a Shape,
     pub(super) buffers: &'a Buffers,
@@ -38,12 +39,12 @@ impl Binder<'_> {
             Method::FaceMask => {
                 let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
                 let constants = [windows, plane, exact];
-                Pipeline::new(self.device, &FACING, &FACING.wgsl(), "facing", &FACING_SLOTS, None, &constants)
+                self.pipelines.compute(&FACING, "facing", &FACING_SLOTS, &constants)
             }
             Method::PerEdge => {
                 let [masks, append] = emit_constants(options);
                 let constants = [windows, plane, masks, append];
-                Pipeline::new(self.device, &PER_EDGE, &PER_EDGE.wgsl(), "per_edge", &EDGE_SLOTS, None, &constants)
+                self.pipelines.compute(&PER_EDGE, "per_edge", &EDGE_SLOTS, &constants)
             }
         }
     }
@@ -51,7 +52,7 @@ impl Binder<'_> {
     /// Exact facing, which reads positions too.
     pub(super) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
         let windows = [("WINDOW_WORDS", f64::from(window_words))];
-        Pipeline::new(self.device, &EXACT_FACING, &EXACT_FACING.wgsl(), "exact_facing", &EXACT_SLOTS, None, &windows)
+        self.pipelines.compute(&EXACT_FACING, "exact_facing", &EXACT_SLOTS, &windows)
     }
 
     /// The list of undecided faces; its length tells the shaders its capacity.
@@ -88,7 +89,7 @@ impl Binder<'_> {
     pub(super) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
         let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
-        let pipeline = Pipeline::new(self.device, &EDGES, &EDGES.wgsl(), "edges", &EDGE_SLOTS, None, &constants);
+        let pipeline = self.pipelines.compute(&EDGES, "edges", &EDGE_SLOTS, &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.word];
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
@@ -104,8 +105,7 @@ impl Binder<'_> {
     /// Compaction in the order of the edges: count, scan, scatter.
     pub(super) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
         COMPACT_ENTRY_POINTS.map(|entry_point| {
-            let pipeline =
-                Pipeline::new(self.device, &COMPACT, &COMPACT.wgsl(), entry_point, &COMPACT_SLOTS, None, &[]);
+            let pipeline = self.pipelines.compute(&COMPACT, entry_point, &COMPACT_SLOTS, &[]);
             let scans = entry_point == "compact_scan";
             // The scan goes over all blocks of a word at once, a workgroup a light.
             let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
@@ -134,8 +134,7 @@ impl Binder<'_> {
         let mut table = UniformTable::default();
         table.push(&DrawShape { lights: max_lights as u32, capacity, edges: edges as u32, vertices_per_edge });
         let shape = table.into_buffer(self.device, "draw shape");
-        let pipeline =
-            Pipeline::new(self.device, &ARGUMENTS, &ARGUMENTS.wgsl(), "arguments", &ARGUMENTS_SLOTS, None, &[]);
+        let pipeline = self.pipelines.compute(&ARGUMENTS, "arguments", &ARGUMENTS_SLOTS, &[]);
         let resources = [
             entry::<DrawShape>(&shape),
             self.buffers.counts.as_entire_binding(),

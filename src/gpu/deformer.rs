@@ -6,21 +6,21 @@ use super::frame::{UniformTable, entry, upload};
 use super::memory::{MemoryError, buffer, guarded, scoped};
 use super::model_data::{ModelData, PoseLayout};
 use super::pass::{Dispatch, Pass};
-use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use super::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use super::positions::PositionBuffer;
 use super::split::{Split, binding};
 use super::timer::StageTimer;
-use crate::displace::{DISPLACE_GROUP, Displacement, plain_deform_wgsl};
+use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::layout::DeformChunk;
 use crate::model::{Model, Pose, PoseMismatch};
-use crate::stages::DEFORM;
 
 /// What a [`Deformer`] does besides morph and skin.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeformerOptions<'a> {
     /// The caller's displacement.
     pub displacement: Option<&'a Displacement>,
-    /// The layout of the bind group that the displacement's resources are in, if it has any.
+    /// The layout of the bind group that the displacement's resources are in, if it has any. Models that share
+    /// [`Pipelines`] share those of one layout, not those of equal ones.
     pub displacement_layout: Option<&'a wgpu::BindGroupLayout>,
     /// Refuse, before anything is allocated, to take more bytes of device memory than this.
     pub memory_limit: Option<u64>,
@@ -67,11 +67,21 @@ pub struct Deformer {
 }
 
 impl Deformer {
-    /// Uploads the model's rest positions, morph targets and influences and makes the pipeline.
+    /// Uploads the model's rest positions, morph targets and influences to the caller's device. `pipelines` is that device,
+    /// or the [`Pipelines`] that many models share.
     ///
     /// # Errors
     /// [`DeformError`] when the model does not fit the device, or the displacement's layout is missing.
-    pub fn new(device: &wgpu::Device, model: &Model, options: DeformerOptions<'_>) -> Result<Self, DeformError> {
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        model: &Model,
+        options: DeformerOptions<'_>,
+    ) -> Result<Self, DeformError> {
+        Self::with(&pipelines.into(), model, options)
+    }
+
+    fn with(pipelines: &Pipelines, model: &Model, options: DeformerOptions<'_>) -> Result<Self, DeformError> {
+        let device = pipelines.device();
         let has_resources = options.displacement.is_some_and(Displacement::uses_resources);
         if has_resources != options.displacement_layout.is_some() {
             return Err(DeformError::Resources);
@@ -79,10 +89,9 @@ impl Deformer {
         let split = Split::new(&device.limits());
         let data = ModelData::new(model, &split)?;
         let bytes = data.check(&split, options.memory_limit)?;
-        let wgsl = options.displacement.map_or_else(plain_deform_wgsl, Displacement::deform_wgsl);
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
-            Pipeline::new(device, &DEFORM, &wgsl, "deform", &SLOTS, options.displacement_layout, &[])
+            pipelines.deform(&SLOTS, options.displacement, options.displacement_layout)
         })
         .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {

@@ -7,6 +7,7 @@ use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::frame::{UniformTable, upload};
 use super::memory::MemoryError;
 use super::pass::{Dispatch, Pass};
+use super::pipelines::Pipelines;
 use super::positions::{BoundPositions, PositionBuffer, PositionError};
 use super::results::Results;
 use super::split::Split;
@@ -103,7 +104,7 @@ pub enum ExtractorError {
 /// the caller's encoder; the results stay in GPU buffers, see [`Extractor::results`].
 #[derive(Debug)]
 pub struct Extractor {
-    device: wgpu::Device,
+    pipelines: Pipelines,
     split: Split,
     shape: Shape,
     buffers: Buffers,
@@ -137,12 +138,22 @@ struct BoundTo {
 }
 
 impl Extractor {
-    /// Uploads the mesh's topology and makes pipelines and result buffers on the caller's device.
+    /// Uploads the mesh's topology and makes result buffers on the caller's device. `pipelines` is that device, or the
+    /// [`Pipelines`] that many meshes share.
     ///
     /// # Errors
     /// [`ExtractorError`] for an impossible number of lights, or a mesh that does not fit the device's limits, the
     /// `memory_limit` or its memory.
-    pub fn new(device: &wgpu::Device, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        mesh: &Mesh,
+        options: ExtractorOptions,
+    ) -> Result<Self, ExtractorError> {
+        Self::with(pipelines.into(), mesh, options)
+    }
+
+    fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
+        let device = pipelines.device();
         match options.max_lights {
             0 => return Err(LightError::None.into()),
             count if count > MAX_LIGHTS => {
@@ -166,7 +177,14 @@ impl Extractor {
         (0..shape.words()).for_each(|_| _ = light_table.push(&LightWord::new(&[], 0, 3)));
         let light_words = light_table.into_buffer(device, "light words");
 
-        let binder = Binder { device, shape: &shape, buffers: &buffers, chunks: &chunks, light_words: &light_words };
+        let binder = Binder {
+            pipelines: &pipelines,
+            device,
+            shape: &shape,
+            buffers: &buffers,
+            chunks: &chunks,
+            light_words: &light_words,
+        };
         let from_positions = Pass {
             pipeline: binder.positions_pipeline(&options, 0),
             dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
@@ -192,7 +210,6 @@ impl Extractor {
             from_facing.push(binder.arguments(lists.vertices_per_edge));
         }
         Ok(Self {
-            device: device.clone(),
             split,
             shape,
             light_words,
@@ -203,6 +220,7 @@ impl Extractor {
             options,
             bound_to: None,
             buffers,
+            pipelines,
         })
     }
 
@@ -229,7 +247,7 @@ impl Extractor {
         for lights in lights.chunks(32) {
             words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(&self.device, encoder, &self.light_words, words.bytes());
+        upload(self.pipelines.device(), encoder, &self.light_words, words.bytes());
         encoder.clear_buffer(&self.buffers.statistics, 0, None);
         encoder.clear_buffer(&self.buffers.counts, 0, None);
         let used = light::words(lights.len());
@@ -280,8 +298,8 @@ impl Extractor {
         if self.bound_to.as_ref() == Some(&target) {
             return;
         }
-        let Self { device, shape, buffers, chunks, light_words, .. } = self;
-        let binder = Binder { device, shape, buffers, chunks, light_words };
+        let Self { pipelines, shape, buffers, chunks, light_words, .. } = self;
+        let binder = Binder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_words };
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
@@ -318,7 +336,7 @@ impl Extractor {
     }
 
     pub(super) fn parts(&self) -> (&wgpu::Device, &Split, &Shape) {
-        (&self.device, &self.split, &self.shape)
+        (self.pipelines.device(), &self.split, &self.shape)
     }
 }
 

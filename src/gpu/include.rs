@@ -17,7 +17,15 @@ pub fn include_wgsl(group: u32) -> String {
 
 /// The layout of the include's bind group, visible to the vertex, fragment and compute stages named.
 pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..7)
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("rimline results"),
+        entries: &results_entries(visibility),
+    })
+}
+
+/// The entries of that layout.
+pub(super) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindGroupLayoutEntry> {
+    (0..7)
         .map(|binding| wgpu::BindGroupLayoutEntry {
             binding,
             visibility,
@@ -31,11 +39,7 @@ pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::Shader
             },
             count: None,
         })
-        .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("rimline results"),
-        entries: &entries,
-    })
+        .collect()
 }
 
 /// Why the include's bind group cannot be made.

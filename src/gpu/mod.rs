@@ -3,6 +3,7 @@
 
 mod binder;
 mod buffers;
+mod cache;
 mod deformer;
 mod extractor;
 mod frame;
@@ -24,6 +25,7 @@ pub use deformer::{DeformError, Deformer, DeformerOptions};
 pub use extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
 pub use include::{IncludeError, include_wgsl, results_bind_group_layout};
 pub use memory::{Allocation, MemoryError};
+pub use pipelines::Pipelines;
 pub use positions::{PositionBuffer, PositionError};
 pub use readback::{ReadError, read_back, read_back_vec};
 pub use results::Results;

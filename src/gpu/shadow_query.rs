@@ -6,7 +6,7 @@ use wgpu::BufferUsages;
 
 use super::frame::{UniformTable, entry};
 use super::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
-use super::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use super::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use super::positions::{BoundPositions, PositionBuffer, PositionError};
 use super::shadow_plan::{
     CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
@@ -90,7 +90,6 @@ const DEPTH_SLOTS: [Slot; 11] = [Uniform, Uniform, Read, Read, Read, Read, Unifo
 /// those that boxes leave out.
 #[derive(Debug)]
 pub struct ShadowQuery {
-    device: wgpu::Device,
     split: Split,
     vertices: u32,
     clusters: usize,
@@ -102,11 +101,13 @@ pub struct ShadowQuery {
     /// Pairs of point and light that `doubts` has room for.
     most_queries: u64,
     pipelines: Pipelines,
+    passes: Passes,
     options: ShadowQueryOptions,
 }
 
+/// The pipelines for positions in windows of one size.
 #[derive(Debug)]
-struct Pipelines {
+struct Passes {
     boxes: Pipeline,
     depth: Pipeline,
     exact: Pipeline,
@@ -114,41 +115,42 @@ struct Pipelines {
     recount: Pipeline,
 }
 
-impl Pipelines {
-    fn new(device: &wgpu::Device, skip: bool, window_words: u32) -> Self {
+impl Passes {
+    fn new(pipelines: &Pipelines, skip: bool, window_words: u32) -> Self {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip)));
         let pair = |stage: &Stage, entry_point: usize| {
-            let name = stage.entry_points[entry_point];
-            Pipeline::new(device, stage, &stage.wgsl(), name, &DEPTH_SLOTS, None, &[windows, skip])
+            pipelines.compute(stage, stage.entry_points[entry_point], &DEPTH_SLOTS, &[windows, skip])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
-        let most = [("MOST_WORKGROUPS", f64::from(device.limits().max_compute_workgroups_per_dimension))];
+        let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
         Self {
-            boxes: Pipeline::new(device, boxes, &boxes.wgsl(), boxes.name, &BOX_SLOTS, None, &[windows]),
+            boxes: pipelines.compute(boxes, boxes.name, &BOX_SLOTS, &[windows]),
             depth: pair(&SHADOW_DEPTH, 0),
             exact: pair(&EXACT_SHADOW_DEPTH, 0),
-            arguments: Pipeline::new(
-                device,
-                arguments,
-                &arguments.wgsl(),
-                arguments.name,
-                &ARGUMENTS_SLOTS,
-                None,
-                &most,
-            ),
+            arguments: pipelines.compute(arguments, arguments.name, &ARGUMENTS_SLOTS, &most),
             recount: pair(&EXACT_SHADOW_DEPTH, 1),
         }
     }
 }
 
 impl ShadowQuery {
-    /// Uploads the mesh's faces and makes pipelines and buffers on the caller's device.
+    /// Uploads the mesh's faces and makes buffers on the caller's device. `pipelines` is that device, or the [`Pipelines`]
+    /// that many meshes share.
     ///
     /// # Errors
     /// [`ShadowQueryError`] for an impossible number of lights, or a mesh or results that do not fit the device's
     /// limits, the `memory_limit` or its memory.
-    pub fn new(device: &wgpu::Device, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        mesh: &Mesh,
+        options: ShadowQueryOptions,
+    ) -> Result<Self, ShadowQueryError> {
+        Self::with(pipelines.into(), mesh, options)
+    }
+
+    fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
+        let device = pipelines.device();
         let ShadowQueryOptions { max_points, max_lights, skip, memory_limit, .. } = options;
         match max_lights {
             0 => return Err(LightError::None.into()),
@@ -181,7 +183,6 @@ impl ShadowQuery {
             ]
         })?;
         Ok(Self {
-            device: device.clone(),
             split,
             vertices: mesh.vertex_count(),
             clusters,
@@ -190,7 +191,8 @@ impl ShadowQuery {
             doubts,
             recount_dispatch,
             most_queries,
-            pipelines: Pipelines::new(device, skip, 0),
+            passes: Passes::new(&pipelines, skip, 0),
+            pipelines,
             options,
         })
     }
@@ -219,8 +221,8 @@ impl ShadowQuery {
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| QueryError::Points(error.into()))?;
-        if self.pipelines.depth.window_words != bound.windows.words {
-            self.pipelines = Pipelines::new(&self.device, self.options.skip, bound.windows.words);
+        if self.passes.depth.window_words != bound.windows.words {
+            self.passes = Passes::new(&self.pipelines, self.options.skip, bound.windows.words);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let word_lights = lights.len().min(32) as u64;
@@ -228,18 +230,18 @@ impl ShadowQuery {
         let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
 
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
-        pass.set_pipeline(&self.pipelines.boxes.compute);
+        pass.set_pipeline(&self.passes.boxes.compute);
         for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
             let mut resources = vec![entry::<LightWord>(&tables.words), entry::<FaceRange>(&tables.ranges)];
             resources.extend(bound.bindings(positions.buffer));
             resources.push(binding(&self.cluster_buffer, cluster_bytes(clusters)));
-            pass.set_bind_group(0, &self.pipelines.boxes.bind(&self.device, &resources), &[0, whole]);
+            pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
             pass.dispatch_workgroups(clusters.len().div_ceil(GROUP) as u32, 1, 1);
         }
         drop(pass);
         let mut pass = begin(encoder, SHADOW_DEPTH.name, timer);
-        let arguments = self.pipelines.arguments.bind(
-            &self.device,
+        let arguments = self.passes.arguments.bind(
+            self.pipelines.device(),
             &[
                 entry::<FaceRange>(&tables.ranges),
                 binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
@@ -250,8 +252,8 @@ impl ShadowQuery {
             for (clusters, ranges) in clusters.iter().zip(&tables.sub_ranges) {
                 let resources =
                     self.pair_resources(&tables, &bound, [positions, points], chunk, clusters, lights.len());
-                let bind = |pipeline: &Pipeline| pipeline.bind(&self.device, &resources);
-                let Pipelines { depth, exact, recount, .. } = &self.pipelines;
+                let bind = |pipeline: &Pipeline| pipeline.bind(self.pipelines.device(), &resources);
+                let Passes { depth, exact, recount, .. } = &self.passes;
                 let groups = [(depth, bind(depth)), (exact, bind(exact)), (recount, bind(recount))];
                 for (word, lights) in (0_u64..).zip(lights.chunks(32)) {
                     let pairs = chunk.len() as u64 * lights.len() as u64;
@@ -260,7 +262,7 @@ impl ShadowQuery {
                     for &range in ranges {
                         for (pipeline, group) in &groups {
                             if pipeline.label == recount.label {
-                                pass.set_pipeline(&self.pipelines.arguments.compute);
+                                pass.set_pipeline(&self.passes.arguments.compute);
                                 pass.set_bind_group(0, &arguments, &[range]);
                                 pass.dispatch_workgroups(1, 1, 1);
                             }
@@ -380,9 +382,9 @@ impl Tables {
             })
             .collect();
         Self {
-            words: words.into_buffer(&query.device, "light words"),
-            chunks: chunk_table.into_buffer(&query.device, "point chunks"),
-            ranges: ranges.into_buffer(&query.device, "face ranges"),
+            words: words.into_buffer(query.pipelines.device(), "light words"),
+            chunks: chunk_table.into_buffer(query.pipelines.device(), "point chunks"),
+            ranges: ranges.into_buffer(query.pipelines.device(), "face ranges"),
             point_chunks: chunks.len() as u64,
             whole_ranges,
             sub_ranges,

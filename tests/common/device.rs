@@ -2,11 +2,14 @@
 
 use std::sync::{Arc, Mutex};
 
-/// A device with its queue and its adapter's name.
+use rimline::gpu::Pipelines;
+
+/// A device with its queue, its adapter's name, and pipelines that all tests on it share.
 pub(crate) struct Gpu {
     instance: wgpu::Instance,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) pipelines: Pipelines,
     pub(crate) name: String,
 }
 
@@ -31,7 +34,8 @@ impl Gpu {
             ..Default::default()
         }))
         .map_err(|error| error.to_string())?;
-        Ok(Self { instance, device, queue, name: format!("{} ({:?})", info.name, info.backend) })
+        let pipelines = Pipelines::new(&device);
+        Ok(Self { instance, device, queue, pipelines, name: format!("{} ({:?})", info.name, info.backend) })
     }
 
     /// One device of `Limits::default()` that tests share.
@@ -52,6 +56,13 @@ impl Gpu {
     pub(crate) fn live_buffers(&self) -> Result<usize, String> {
         let report = self.instance.generate_report().ok_or("no report of live objects")?;
         Ok(report.hub_report().buffers.num_allocated)
+    }
+
+    /// Pipelines, compute and render, that live on this device's instance.
+    pub(crate) fn live_pipelines(&self) -> Result<usize, String> {
+        let report = self.instance.generate_report().ok_or("no report of live objects")?;
+        let report = report.hub_report();
+        Ok(report.compute_pipelines.num_allocated + report.render_pipelines.num_allocated)
     }
 
     /// A storage buffer with these contents.

@@ -69,7 +69,7 @@ impl Extraction {
         let options = ExtractorOptions { max_lights: count, masks: true, lists: None, ..Default::default() };
         let extractor = match &mut extractors[index] {
             Some(extractor) => extractor,
-            empty => empty.insert(Extractor::new(&gpu.device, mesh, options).map_err(text)?),
+            empty => empty.insert(Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?),
         };
         gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights, None).map_err(text))?;
         let on_gpu = read(gpu, extractor, mesh, count)?;
@@ -110,7 +110,7 @@ fn check(path: &Path) -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let asset = Asset::open(path, Weld::Data).map_err(text)?;
     let model = asset.model();
-    let deformer = Deformer::new(&gpu.device, model, DeformerOptions::default()).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, model, DeformerOptions::default()).map_err(text)?;
     let mut extraction = Extraction::new(model, &asset.pose(None, 0.0).map_err(text)?)?;
     for (moment, (animation, time_s)) in moments(&asset).into_iter().enumerate() {
         let pose = asset.pose(animation, time_s).map_err(text)?;

@@ -60,7 +60,7 @@ fn random_models() -> Result<(), String> {
         let mut random = Random::new(seed);
         // More than one workgroup of 256, and no multiple of it.
         let model = random_model(&mut random, [600, 1, 256, 1111][seed as usize % 4]);
-        let deformer = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(text)?;
+        let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
         for _ in 0..3 {
             let pose = random_pose(&mut random, &model);
             let mut found = deformed(gpu, &deformer, &model, &pose)?;
@@ -83,14 +83,14 @@ fn displaced() -> Result<(), String> {
     let mut random = Random::new(62);
     let model = random_model(&mut random, 300);
     let pose = random_pose(&mut random, &model);
-    let plain = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(text)?;
+    let plain = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let undisplaced = deformed(gpu, &plain, &model, &pose)?;
     let displacement = Displacement::new(PASS_THROUGH).map_err(text)?;
     if displacement.uses_resources() {
         return Err("a displacement without resources says it has some".to_owned());
     }
     let options = DeformerOptions { displacement: Some(&displacement), ..Default::default() };
-    let deformer = Deformer::new(&gpu.device, &model, options).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, options).map_err(text)?;
     let sources: Vec<u32> = model
         .instances
         .iter()
@@ -159,18 +159,18 @@ fn resources() -> Result<(), String> {
         displacement_layout,
         memory_limit: None,
     };
-    let error = Deformer::new(&gpu.device, &model, with(None)).err();
+    let error = Deformer::new(&gpu.pipelines, &model, with(None)).err();
     same("no layout", &[error], &[Some(DeformError::Resources)])?;
     let unasked = DeformerOptions { displacement_layout: Some(&layout), ..Default::default() };
-    let error = Deformer::new(&gpu.device, &model, unasked).err();
+    let error = Deformer::new(&gpu.pipelines, &model, unasked).err();
     same("a layout and no displacement", &[error], &[Some(DeformError::Resources)])?;
     let empty =
         gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("another"), entries: &[] });
-    match Deformer::new(&gpu.device, &model, with(Some(&empty))) {
+    match Deformer::new(&gpu.pipelines, &model, with(Some(&empty))) {
         Err(DeformError::Pipeline { .. }) => {}
         other => return Err(format!("another layout: {:?}", other.err())),
     }
-    let deformer = Deformer::new(&gpu.device, &model, with(Some(&layout))).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, with(Some(&layout))).map_err(text)?;
     gpu.submit(|encoder| {
         let error = deformer.encode(encoder, &pose, 0.0, None, None).err();
         same("no bind group", &[error], &[Some(DeformError::Resources)])?;
@@ -193,7 +193,7 @@ fn refused() -> Result<(), String> {
     let mut random = Random::new(64);
     let model = random_model(&mut random, 30);
     let pose = random_pose(&mut random, &model);
-    let deformer = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let before = deformed(gpu, &deformer, &model, &pose)?;
     let perturbations: [Perturbation; 5] = [
         (|pose| pose.instances.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
@@ -218,7 +218,7 @@ fn refused() -> Result<(), String> {
     }
     same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
-    match Deformer::new(&gpu.device, &model, limited) {
+    match Deformer::new(&gpu.pipelines, &model, limited) {
         Err(DeformError::Memory(MemoryError::Total { limit: 1000, .. })) => Ok(()),
         other => Err(format!("memory limit: {:?}", other.err())),
     }

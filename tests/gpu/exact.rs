@@ -231,7 +231,7 @@ fn every_class() -> Result<(), String> {
                 none => {
                     let mesh = Mesh::new(&batch.positions, &batch.faces, Weld::Keep).map_err(|e| e.to_string())?;
                     let extractor =
-                        Extractor::new(&gpu.device, &mesh, exact(LIGHTS)).map_err(|error| error.to_string())?;
+                        Extractor::new(&gpu.pipelines, &mesh, exact(LIGHTS)).map_err(|error| error.to_string())?;
                     none.insert((mesh, extractor))
                 }
             };

@@ -62,7 +62,7 @@ impl Scene {
     ) -> Result<Self, String> {
         let options = ExtractorOptions { max_lights: LIGHTS, lists: Some(lists), ..Default::default() };
         let mut scene = Self {
-            extractor: Extractor::new(&gpu.device, &mesh, options).map_err(text)?,
+            extractor: Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?,
             buffer: gpu.storage(&interleaved(&positions, OFFSET, STRIDE)),
             positions,
             mesh,
@@ -196,7 +196,7 @@ fn refused() -> Result<(), String> {
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
     let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     let error = |options, word, positions| {
-        let extractor = Extractor::new(&gpu.device, &mesh, options).map_err(text)?;
+        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
         Ok::<_, String>(extractor.results_bind_group(&layout, word, positions).err())
     };
     let good = ExtractorOptions::default();

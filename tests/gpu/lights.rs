@@ -57,7 +57,7 @@ fn fewer() -> Result<(), String> {
     let buffer = gpu.storage(&positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     for ordered in [false, true] {
-        let mut extractor = Extractor::new(&gpu.device, &mesh, options(100, true, ordered)).map_err(text)?;
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(100, true, ordered)).map_err(text)?;
         // First all of them, so that something could be left over.
         for count in [100, 1, 31, 32, 33, 64, 99] {
             let lights = lights(&mut random, count);
@@ -86,7 +86,7 @@ fn several_encodes() -> Result<(), String> {
     let moved: Vec<_> = positions.iter().map(|[x, y, z]| [x * 0.5, y + 0.3, *z]).collect();
     let [first_buffer, second_buffer] = [gpu.storage(&positions), gpu.storage(&moved)];
     for ordered in [false, true] {
-        let mut extractor = Extractor::new(&gpu.device, &mesh, options(40, true, ordered)).map_err(text)?;
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(40, true, ordered)).map_err(text)?;
         let runs = [(&first_buffer, &positions, 40), (&second_buffer, &moved, 7), (&first_buffer, &positions, 33)];
         let runs = runs.map(|(buffer, positions, count)| (buffer, positions, lights(&mut random, count)));
         let zeros = vec![0_u8; mesh.edges().len() * size_of::<Masks>()];
@@ -138,10 +138,10 @@ fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
     for (max_lights, expected) in [(0, LightError::None), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
-        let error = Extractor::new(&gpu.device, &mesh, options(max_lights, false, false)).err();
+        let error = Extractor::new(&gpu.pipelines, &mesh, options(max_lights, false, false)).err();
         same("max_lights", &[error], &[Some(ExtractorError::Light(expected))])?;
     }
-    let mut extractor = Extractor::new(&gpu.device, &mesh, options(2, false, false)).map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(2, false, false)).map_err(text)?;
     let good = Light::point([1.0, 2.0, 3.0]);
     let cases = [
         (vec![], LightError::None),

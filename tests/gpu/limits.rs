@@ -49,14 +49,14 @@ struct Run<'a> {
 impl Run<'_> {
     fn on(&self, gpu: &Gpu, mesh: &Mesh) -> Result<Found, String> {
         let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
-        let mut extractor = Extractor::new(&gpu.device, mesh, self.options).map_err(text)?;
+        let mut extractor = Extractor::new(&gpu.pipelines, mesh, self.options).map_err(text)?;
         let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
         gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
         read(gpu, &extractor, mesh, self.options.max_lights)
     }
 }
 
-fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
+pub(crate) fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
     same(&format!("{what}, facing"), &found.facing, &expected.facing)?;
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
@@ -157,13 +157,13 @@ fn deform_unchanged() -> Result<(), String> {
     let pose = random_pose(&mut random, &model);
     let expected = crate::deform::deformed(
         gpu,
-        &Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(text)?,
+        &Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?,
         &model,
         &pose,
     )?;
     for (binding, workgroups) in [(32 << 10, 64), (32 << 10, 2), (64 << 10, 1)] {
         let small = limited(binding, 1 << 20, workgroups)?;
-        let deformer = Deformer::new(&small.device, &model, DeformerOptions::default()).map_err(text)?;
+        let deformer = Deformer::new(&small.pipelines, &model, DeformerOptions::default()).map_err(text)?;
         let found = crate::deform::deformed(&small, &deformer, &model, &pose)?;
         check_deform(&found, &model, &pose)?;
         same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;

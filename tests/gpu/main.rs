@@ -12,6 +12,7 @@ mod facing;
 mod include;
 mod lights;
 mod limits;
+mod pipelines;
 mod positions;
 mod refusals;
 mod shadow_chain;
@@ -43,6 +44,7 @@ fn main() {
         shadow_chain::TESTS,
         clipped::TESTS,
         shadow_query::TESTS,
+        pipelines::TESTS,
     ]
     .concat();
     let name = common::device::Gpu::shared().map_or_else(|error| error, |gpu| gpu.name.clone());

@@ -45,7 +45,7 @@ fn places() -> Result<(), String> {
     for (name, positions, mesh) in topologies() {
         let expected = extract(gpu, &positions, &mesh, &lights, options())?;
         // One extractor for all, so that bind groups must follow the place.
-        let mut extractor = Extractor::new(&gpu.device, &mesh, options()).map_err(text)?;
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options()).map_err(text)?;
         for offset in [0, 4, 252, 256, 260, 1000, 65_536 + 12] {
             for stride in [12, 16, 20, 32, 48] {
                 let buffer = gpu.storage(&interleaved(&positions, offset, stride));
@@ -67,7 +67,7 @@ fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = case("cube", shapes::cube());
     let buffer = gpu.storage(&positions);
-    let mut extractor = Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let lights = lights(&mut Random::new(52), 1);
     let alignment = |offset, stride| PositionError::Alignment { offset, stride };
     let too_short = |offset, stride, needed| PositionError::TooShort { vertices: 8, offset, stride, needed, bytes: 96 };

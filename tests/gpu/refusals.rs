@@ -24,7 +24,7 @@ pub(crate) const TESTS: &[crate::Test] = &[
 
 /// The memory error of an extractor that must not come to be.
 fn refusal(gpu: &Gpu, mesh: &Mesh, options: ExtractorOptions) -> Result<MemoryError, String> {
-    match Extractor::new(&gpu.device, mesh, options) {
+    match Extractor::new(&gpu.pipelines, mesh, options) {
         Err(ExtractorError::Memory(error)) => Ok(error),
         other => Err(format!("expected a memory error, got {:?}", other.err())),
     }
@@ -85,7 +85,7 @@ fn positions_and_models_too_large() -> Result<(), String> {
     let small = limited(4 << 10, 1 << 20, 64)?;
     let shape = shape(40, 20, 0);
     let mesh = mesh_of(&shape)?;
-    let mut extractor = Extractor::new(&small.device, &mesh, options).map_err(text)?;
+    let mut extractor = Extractor::new(&small.pipelines, &mesh, options).map_err(text)?;
     let buffer = small.storage(&interleaved(&shape.positions, 0, 48));
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 48 };
     small.submit(|encoder| {
@@ -98,7 +98,7 @@ fn positions_and_models_too_large() -> Result<(), String> {
         }
     })?;
     let model = random_model(&mut Random::new(73), 500);
-    match Deformer::new(&limited(1 << 10, 1 << 20, 64)?.device, &model, DeformerOptions::default()) {
+    match Deformer::new(&limited(1 << 10, 1 << 20, 64)?.pipelines, &model, DeformerOptions::default()) {
         Err(DeformError::Memory(MemoryError::Binding { .. })) => Ok(()),
         other => Err(format!("deform: {:?}", other.err())),
     }
@@ -119,12 +119,12 @@ fn memory_limit() -> Result<(), String> {
     let expected = MemoryError::Total { bytes, limit: bytes - 1, largest };
     same("one byte less", &[one_less], &[expected])?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
-    if !matches!(Deformer::new(&gpu.device, &model, limited), Err(DeformError::Memory(MemoryError::Total { .. }))) {
+    if !matches!(Deformer::new(&gpu.pipelines, &model, limited), Err(DeformError::Memory(MemoryError::Total { .. }))) {
         return Err("deform not refused".to_owned());
     }
     same("limit", &[limit], &[1000])?;
     same("live buffers", &[gpu.live_buffers()?], &[before])?;
-    let extractor = Extractor::new(&gpu.device, &mesh, with(Some(bytes))).map_err(text)?;
+    let extractor = Extractor::new(&gpu.pipelines, &mesh, with(Some(bytes))).map_err(text)?;
     let after = gpu.live_buffers()?;
     drop(extractor);
     if after <= before {
@@ -138,7 +138,7 @@ fn include_refuses() -> Result<(), String> {
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
     let shape = shape(60, 40, 0);
     let mesh = shape.mesh().map_err(text)?;
-    let extractor = Extractor::new(&gpu.device, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     match extractor.results_bind_group(&layout, 0, bound) {

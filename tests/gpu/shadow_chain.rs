@@ -146,7 +146,7 @@ fn chain() -> Result<(), String> {
     let format = ShadowFormat::default();
     let (mut overflowed, mut doubled, mut switched, mut ended, mut bounded) = (0, 0, 0, 0, 0);
     for (counting, code) in METHODS {
-        let pipelines = ShadowPipelines::new(&gpu.device, &format, counting).map_err(text)?;
+        let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
         for number in 0..6 {
             let scene = scene(&mut random, number, LIGHTS);
             let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
@@ -154,7 +154,7 @@ fn chain() -> Result<(), String> {
             let lists = ListOptions { capacity, ordered: false, vertices_per_edge: 4 };
             // Ten more than are used.
             let options = ExtractorOptions { max_lights: LIGHTS + 10, lists: Some(lists), ..Default::default() };
-            let mut extractor = Extractor::new(&gpu.device, mesh, options).map_err(text)?;
+            let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
             let options = ShadowOptions {
                 every_face: number == 3,
                 cap_capacity: [None, Some(9)][number / 2 % 2],

@@ -39,7 +39,7 @@ fn found(
     [offset, stride]: [u64; 2],
 ) -> Result<Vec<i32>, String> {
     let mesh = mesh_of(&case.shape)?;
-    let mut query = ShadowQuery::new(&gpu.device, &mesh, options).map_err(text)?;
+    let mut query = ShadowQuery::new(&gpu.pipelines, &mesh, options).map_err(text)?;
     let positions = gpu.storage(&interleaved(&case.shape.positions, offset, stride));
     let points = gpu.storage(&interleaved(&case.points, offset, stride));
     let [positions, points] = [&positions, &points].map(|buffer| PositionBuffer { buffer, offset, stride });
@@ -132,7 +132,7 @@ fn splits() -> Result<(), String> {
     // Two encodes in one encoder, fewer points and lights than there is room for; none of a query before is left.
     let case = &larger()[0];
     let few = ShadowCase { points: case.points[..7].to_vec(), lights: case.lights[3..5].to_vec(), ..case.clone() };
-    let mut query = ShadowQuery::new(&gpu.device, &mesh_of(&case.shape)?, room(case)).map_err(text)?;
+    let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(case)).map_err(text)?;
     let buffers = [&case.shape.positions, &case.points].map(|points| gpu.storage(points));
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
     gpu.submit(|encoder| {
@@ -160,7 +160,7 @@ fn boxes() -> Result<(), String> {
     let mut random = Random::new(151);
     for case in chosen(shadow_cases(&mut random, 1, 1)).into_iter().skip(3).chain(larger()) {
         let Shape { positions, faces } = &case.shape;
-        let mut query = ShadowQuery::new(&gpu.device, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
+        let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
         let buffers = [positions, &case.points].map(|points| gpu.storage(points));
         let [bound, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
         gpu.submit(|encoder| query.encode(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
@@ -187,7 +187,7 @@ fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mesh = mesh_of(&shapes::torus(70, 50, 1.0, 0.4))?;
     let options = ShadowQueryOptions { max_points: 10, max_lights: 2, ..ShadowQueryOptions::default() };
-    let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.device, &mesh, options);
+    let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.pipelines, &mesh, options);
     expect("no lights", new(gpu, ShadowQueryOptions { max_lights: 0, ..options }), |error| {
         matches!(error, ShadowQueryError::Light(LightError::None))
     })?;

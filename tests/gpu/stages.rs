@@ -38,7 +38,7 @@ pub(crate) fn extract(
     options: ExtractorOptions,
 ) -> Result<Found, String> {
     let buffer = gpu.storage(positions);
-    let mut extractor = Extractor::new(&gpu.device, mesh, options).map_err(|error| error.to_string())?;
+    let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| error.to_string())?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
     gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| error.to_string()))?;
     read(gpu, &extractor, mesh, options.max_lights)

@@ -1,8 +1,8 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-    read_back_vec,
+    Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, read_back_vec,
 };
 use rimline::layout::{ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Mesh, RangedLight};
@@ -53,6 +53,7 @@ const WHITE: &str = "
 
 pub(crate) struct Renderer<'a> {
     pub(crate) gpu: &'a Gpu,
+    pub(crate) pipelines: Pipelines,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
     pub(crate) samples: u32,
@@ -65,6 +66,7 @@ impl<'a> Renderer<'a> {
     pub(crate) fn new(gpu: &'a Gpu) -> Self {
         Self {
             gpu,
+            pipelines: gpu.pipelines.clone(),
             format: wgpu::TextureFormat::Depth24PlusStencil8,
             depth_pass: DepthPass::Alike,
             samples: 1,
@@ -84,7 +86,8 @@ impl<'a> Renderer<'a> {
             has_far_plane: frame.eye.far.is_some(),
             ..ShadowFormat::default()
         };
-        let pipelines = ShadowPipelines::new(&gpu.device, &shadow_format, counting).map_err(|error| text(&error))?;
+        let pipelines =
+            ShadowPipelines::new(&self.pipelines, &shadow_format, counting).map_err(|error| text(&error))?;
         let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let lights: Vec<RangedLight> =
@@ -97,7 +100,7 @@ impl<'a> Renderer<'a> {
             let buffer = gpu.storage(&body.shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             let options = ExtractorOptions { max_lights: lights.len(), ..Default::default() };
-            let mut extractor = Extractor::new(&gpu.device, &mesh, options).map_err(|error| text(&error))?;
+            let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
             extractor.encode(&mut encoder, positions, &frame.lights, None).map_err(|error| text(&error))?;
             let mut volumes =
                 ShadowVolumes::new(&pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;

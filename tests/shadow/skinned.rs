@@ -19,7 +19,7 @@ fn skinned() -> Result<(), String> {
     let renderer = Renderer::new(&gpu);
     let (model, pose) = bending_tube();
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let deformer = Deformer::new(&gpu.device, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
     let mut tally = Tally::default();
     let mut shape = Shape { positions: Vec::new(), faces: model.geometries[0].faces.clone() };
     let mut noticed = 0;

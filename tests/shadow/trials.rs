@@ -1,7 +1,7 @@
 //! Each class of frames, by every method that claims to be right there; and what must be wrong.
 
 use rimline::Counting;
-use rimline::gpu::ShadowOptions;
+use rimline::gpu::{Pipelines, ShadowOptions};
 use rimline::layout::ShadowLight;
 
 use crate::classes::{CLASSES, Class};
@@ -24,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("float_depth", float_depth),
     ("lists_that_overflow", overflow),
     ("nothing_skipped_is_missed", skipped),
+    ("shared_pipelines_count_alike", shared),
 ];
 
 pub(crate) fn seed(class: &Class, number: u64) -> u64 {
@@ -250,4 +251,20 @@ fn skipped() -> Result<(), String> {
     }
     println!("skipped {skipped} pairs of caster and light");
     if skipped > 3 { Ok(()) } else { Err(format!("{skipped} pairs were skipped")) }
+}
+
+/// The same counts with pipelines that nobody shares.
+fn shared() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZPass, Counting::ZFail, Counting::ZpPlusPaper];
+    for (class, counting) in CLASSES.iter().zip(methods.into_iter().cycle()) {
+        let frame = (class.frame)(&mut Random::new(seed(class, 8)));
+        let sharing = Renderer::new(&gpu).count(&frame, counting)?;
+        let alone =
+            Renderer { pipelines: Pipelines::new(&gpu.device), ..Renderer::new(&gpu) }.count(&frame, counting)?;
+        if sharing.stencils != alone.stencils || sharing.chosen != alone.chosen {
+            return Err(format!("{}, {counting:?}: another picture", class.name));
+        }
+    }
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use rimline::gpu::Pipelines;
 use rimline::wgpu;
 use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 
@@ -68,6 +69,8 @@ pub(crate) struct Gpu {
     pub(crate) info: AdapterInfo,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    /// Shared by all meshes and methods on this device.
+    pub(crate) pipelines: Pipelines,
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -235,7 +238,8 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
             record(format!("it was lost: {message}"));
         }
     });
-    Ok(Gpu { info: adapter.get_info(), device, queue, failure })
+    let pipelines = Pipelines::new(&device);
+    Ok(Gpu { info: adapter.get_info(), device, queue, pipelines, failure })
 }
 
 impl Gpu {

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
 
     let mut extractor =
-        Extractor::new(&gpu.device, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
+        Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
     let eye = Light::point(camera.eye.into());
     extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;

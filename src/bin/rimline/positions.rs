@@ -34,7 +34,7 @@ impl Positions {
             }
             Shape::Posed { model, .. } => {
                 let options = DeformerOptions { displacement, ..DeformerOptions::default() };
-                Ok(Self::Deformed(Box::new(Deformer::new(&gpu.device, model, options)?)))
+                Ok(Self::Deformed(Box::new(Deformer::new(&gpu.pipelines, model, options)?)))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::volumes::{Buffers, ShadowOptions};
 use crate::Counting;
-use crate::gpu::pipelines::{Pipeline, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::positions::BoundPositions;
 use crate::gpu::split::binding;
 use crate::gpu::timer::StageTimer;
@@ -52,20 +52,18 @@ pub(super) struct Groups {
     pub(super) lights: u32,
 }
 
-fn pipeline(device: &wgpu::Device, stage: &Stage, slots: &[Slot]) -> Pipeline {
-    Pipeline::new(device, stage, &stage.wgsl(), stage.name, slots, None, &[])
-}
-
 impl Choice {
     pub(super) fn new(
-        device: &wgpu::Device,
+        pipelines: &Pipelines,
         buffers: &Buffers,
         results: &Results<'_>,
         counting: Counting,
         options: ShadowOptions,
     ) -> Self {
-        let choose = pipeline(device, &CHOOSE, &CHOOSE_SLOTS);
-        let arguments = pipeline(device, &SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
+        let device = pipelines.device();
+        let pipeline = |stage: &Stage, slots| pipelines.compute(stage, stage.name, slots, &[]);
+        let choose = pipeline(&CHOOSE, &CHOOSE_SLOTS);
+        let arguments = pipeline(&SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
         let whole = wgpu::Buffer::as_entire_binding;
         let choose_group = choose.bind(
             device,
@@ -89,11 +87,10 @@ impl Choice {
             ],
         );
         Self {
-            bounds: pipeline(device, &BOUNDS, &BOUNDS_SLOTS),
-            paper_cases: (counting == Counting::ZpPlusPaper)
-                .then(|| pipeline(device, &PAPER_CASES, &PAPER_CASES_SLOTS)),
-            stencil_bound: options.bound_counts.then(|| pipeline(device, &STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
-            caps: pipeline(device, &CAPS, &CAPS_SLOTS),
+            bounds: pipeline(&BOUNDS, &BOUNDS_SLOTS),
+            paper_cases: (counting == Counting::ZpPlusPaper).then(|| pipeline(&PAPER_CASES, &PAPER_CASES_SLOTS)),
+            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
+            caps: pipeline(&CAPS, &CAPS_SLOTS),
             choose,
             arguments,
             choose_group,

@@ -5,5 +5,6 @@ mod draws;
 mod pipelines;
 mod volumes;
 
+pub(super) use pipelines::VolumeKey;
 pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
 pub use volumes::{ShadowError, ShadowOptions, ShadowVolumes};

@@ -2,12 +2,13 @@
 
 use wgpu::{CompareFunction, StencilOperation};
 
-use crate::gpu::{include_wgsl, results_bind_group_layout};
+use crate::gpu::include::{include_wgsl, results_entries};
+use crate::gpu::pipelines::Pipelines;
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
 
 /// The attachments that volumes are drawn into.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment; it must have both.
     pub depth_stencil: wgpu::TextureFormat,
@@ -68,9 +69,10 @@ pub(super) struct Layouts {
     pub(super) cap_data: wgpu::BindGroupLayout,
 }
 
-/// The pipelines that one counting method draws with; casters share them.
+/// The pipelines that one counting method draws with; casters share them, and those that choose for them.
 #[derive(Debug)]
 pub struct ShadowPipelines {
+    shared: Pipelines,
     pub(super) counting: Counting,
     pub(super) layouts: Layouts,
     /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
@@ -86,14 +88,23 @@ pub struct ShadowPipelines {
 }
 
 impl ShadowPipelines {
-    /// Makes the pipelines.
+    /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that other formats, counting methods
+    /// and extractors share.
     ///
     /// # Errors
     /// [`ShadowFormatError`] when attachments or device do not serve.
-    pub fn new(device: &wgpu::Device, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        format: &ShadowFormat,
+        counting: Counting,
+    ) -> Result<Self, ShadowFormatError> {
+        Self::with(pipelines.into(), format, counting)
+    }
+
+    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
         let is_paper = counting == Counting::ZpPlusPaper;
         let is_fail = counting == Counting::ZFail || is_paper;
-        check(device, format, is_fail)?;
+        check(shared.device(), format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset: dynamic,
@@ -104,11 +115,11 @@ impl ShadowPipelines {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let frame = layout(device, "shadow frame", &[uniform(false), storage, uniform(true), storage]);
-        let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
-        let cap_data = layout(device, "shadow caps", &[storage; 5]);
-        let sides = Maker::new(device, format, &SIDES, &include_wgsl(1), [&frame, &results]);
-        let caps = Maker::new(device, format, &CAP_FACES, "", [&frame, &cap_data]);
+        let frame = shared.layout("shadow frame", entries(&[uniform(false), storage, uniform(true), storage]));
+        let results = shared.layout("rimline results", results_entries(wgpu::ShaderStages::VERTEX));
+        let cap_data = shared.layout("shadow caps", entries(&[storage; 5]));
+        let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &results] };
+        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
         let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
         // A dark cap is seen from its other side.
@@ -123,7 +134,13 @@ impl ShadowPipelines {
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
             layouts: Layouts { frame, results, cap_data },
+            shared,
         })
+    }
+
+    /// What these pipelines are of.
+    pub(super) fn shared(&self) -> &Pipelines {
+        &self.shared
     }
 
     /// The counting method these pipelines are for.
@@ -147,19 +164,18 @@ fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<
     Ok(())
 }
 
-fn layout(device: &wgpu::Device, label: &str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+fn entries(types: &[wgpu::BindingType]) -> Vec<wgpu::BindGroupLayoutEntry> {
     let entry = |(binding, &ty): (u32, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX,
         ty,
         count: None,
     };
-    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    (0..).zip(types).map(entry).collect()
 }
 
 /// Which fragments count.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Count {
     /// Those strictly nearer than the scene: fronts up, backs down.
     Visible,
@@ -169,44 +185,49 @@ enum Count {
     Always,
 }
 
-/// Makes the pipelines of one module.
-struct Maker<'a> {
-    device: &'a wgpu::Device,
-    format: &'a ShadowFormat,
-    module: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    has_classes: bool,
+/// All that a pipeline of volumes depends on.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(in crate::gpu) struct VolumeKey {
+    entry_point: &'static str,
+    /// Of cap faces: which list.
+    class: u32,
+    count: Count,
+    turned: bool,
+    format: ShadowFormat,
 }
 
-impl<'a> Maker<'a> {
-    fn new(
-        device: &'a wgpu::Device,
-        format: &'a ShadowFormat,
-        stage: &Stage,
-        further: &str,
-        groups: [&wgpu::BindGroupLayout; 2],
-    ) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(stage.name),
-            source: wgpu::ShaderSource::Wgsl(format!("{}\n{further}", stage.wgsl()).into()),
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(stage.name),
-            bind_group_layouts: &groups.map(Some),
-            immediate_size: 0,
-        });
-        Self { device, format, module, layout, has_classes: *stage == CAP_FACES }
-    }
+/// Makes the pipelines of one module.
+struct Maker<'a> {
+    shared: &'a Pipelines,
+    format: &'a ShadowFormat,
+    stage: &'static Stage,
+    groups: [&'a wgpu::BindGroupLayout; 2],
+}
 
+impl Maker<'_> {
     /// `turned` swaps what fronts and backs count; the vertex order stays, and with it the bits of depth.
     fn pipeline(&self, entry_point: &'static str, class: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
-        let format = self.format;
+        let key = VolumeKey { entry_point, class, count, turned, format: self.format.clone() };
+        self.shared.volume(&key, || self.make(&key))
+    }
+
+    fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
+        let &VolumeKey { entry_point, class, count, turned, ref format } = key;
+        let (device, stage) = (self.shared.device(), self.stage);
+        let is_caps = *stage == CAP_FACES;
+        let further = if is_caps { String::new() } else { include_wgsl(1) };
+        let module = self.shared.module(stage.name, &format!("{}\n{further}", stage.wgsl()));
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(stage.name),
+            bind_group_layouts: &self.groups.map(Some),
+            immediate_size: 0,
+        });
         let is_reversed = format.depth == DepthDirection::Reversed;
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
         let stencil = stencil(count, turned);
         let constants = [("CAP_CLASS", f64::from(class))];
-        let constants = if self.has_classes { &constants[..] } else { &[] };
+        let constants = if is_caps { &constants[..] } else { &[] };
         let targets: Vec<_> = format
             .colors
             .iter()
@@ -218,11 +239,11 @@ impl<'a> Maker<'a> {
                 })
             })
             .collect();
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(entry_point),
-            layout: Some(&self.layout),
+            layout: Some(&layout),
             vertex: wgpu::VertexState {
-                module: &self.module,
+                module: &module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
                 buffers: &[],
@@ -246,7 +267,7 @@ impl<'a> Maker<'a> {
             }),
             multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
-                module: &self.module,
+                module: &module,
                 entry_point: Some("nothing"),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &targets,

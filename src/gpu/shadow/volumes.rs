@@ -112,7 +112,8 @@ pub struct ShadowVolumes {
 }
 
 impl ShadowVolumes {
-    /// Buffers and pipelines for the mesh that `extractor` was made for.
+    /// Buffers for the mesh that `extractor` was made for, on the same device as `pipelines`; what the volumes compute with
+    /// is kept there, too.
     ///
     /// # Errors
     /// [`ShadowError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
@@ -155,7 +156,7 @@ impl ShadowVolumes {
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
         let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(device, &buffers, &results, pipelines.counting(), options);
+        let choice = Choice::new(pipelines.shared(), &buffers, &results, pipelines.counting(), options);
         Ok(Self {
             buffers,
             choice,

@@ -39,7 +39,7 @@ impl<'a> Uploaded<'a> {
         let Self { gpu, case, .. } = self;
         let options = timed(method, predicate, case.lights.len());
         let fail = |error: GpuError| error.on(gpu);
-        let mut extractor = Extractor::new(&gpu.device, case.mesh, options).map_err(|error| fail(error.into()))?;
+        let mut extractor = Extractor::new(&gpu.pipelines, case.mesh, options).map_err(|error| fail(error.into()))?;
         gpu.check()?;
         let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
         Ok(Box::new(move || {
@@ -71,7 +71,7 @@ impl<'a> Uploaded<'a> {
         let Self { gpu, case, .. } = self;
         let options = checked(method, predicate, case.lights.len());
         let read = || -> Result<CpuExtraction, GpuError> {
-            let mut extractor = Extractor::new(&gpu.device, case.mesh, options)?;
+            let mut extractor = Extractor::new(&gpu.pipelines, case.mesh, options)?;
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             extractor.encode(&mut encoder, self.buffer(), case.lights, None)?;
             gpu.queue.submit([encoder.finish()]);

@@ -51,7 +51,7 @@ impl<'s> Job<'_, 's> {
                             lists: None,
                             ..ExtractorOptions::default()
                         };
-                        Extractor::new(device, mesh, options)
+                        Extractor::new(&gpu.pipelines, mesh, options)
                     })
                     .collect::<Result<Vec<_>, _>>()?;
                 Ok((placed, extractors))

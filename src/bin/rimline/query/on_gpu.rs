@@ -32,7 +32,7 @@ impl Job<'_, '_> {
                     max_lights: self.lights.len(),
                     ..ShadowQueryOptions::default()
                 };
-                let query = ShadowQuery::new(&gpu.device, &self.scene.mesh, options)?;
+                let query = ShadowQuery::new(&gpu.pipelines, &self.scene.mesh, options)?;
                 let points = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("points"),
                     size: (slice as u64 * 12).max(16),

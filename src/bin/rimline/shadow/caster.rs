@@ -39,7 +39,7 @@ impl Caster {
         max_lights: usize,
     ) -> Result<Self, GpuError> {
         let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
-        let extractor = Extractor::new(&gpu.device, mesh, options)?;
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
         let volumes = ShadowVolumes::new(pipelines, &extractor, mesh, ShadowOptions::default())?;
         let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
         Ok(Self {

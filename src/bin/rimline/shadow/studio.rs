@@ -92,7 +92,7 @@ impl<'a> Studio<'a> {
             colors: vec![Some(target.format)],
             ..ShadowFormat::default()
         };
-        Ok(ShadowPipelines::new(&gpu.device, &format, counting)?)
+        Ok(ShadowPipelines::new(&gpu.pipelines, &format, counting)?)
     }
 }
 

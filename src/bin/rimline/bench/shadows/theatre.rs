@@ -105,9 +105,9 @@ impl<'a> Theatre<'a> {
         };
         let walls = kit.buffer(&gpu.queue, "walls", bytemuck::cast_slice(&stage.room.positions));
         let bodies = [body(stage.caster, &positions), body(stage.room, &walls)];
-        let extractor = Extractor::new(&gpu.device, stage.mesh, ExtractorOptions::default())?;
+        let extractor = Extractor::new(&gpu.pipelines, stage.mesh, ExtractorOptions::default())?;
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
-        let pipelines = ShadowPipelines::new(&gpu.device, &format, method.counting)?;
+        let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, method.counting)?;
         let volumes = ShadowVolumes::new(&pipelines, &extractor, stage.mesh, ShadowOptions::default())?;
         let size = [stage.size; 2];
         let texture = |label, format, usage| kit.target(label, size, format, 1, usage);
