@@ -1,6 +1,7 @@
 //! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
 
 use rimline::cpu::{self, End, Threads};
+use rimline::glam::Vec4;
 use rimline::gpu::include_wgsl;
 use rimline::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
 use rimline::mesh::EdgeKind;
@@ -17,8 +18,8 @@ use crate::shadow_stages::{Dispatch, uniform};
 pub(crate) const TESTS: &[crate::Test] = &[("clipped_vertices_equal_their_twins", clipped)];
 
 /// A module of vertex shaders with its entry points made functions, and a compute shader that calls one of them for each
-/// vertex of each instance.
-fn probe(source: &str, entry_point: &str) -> String {
+/// of an instance's vertices.
+fn probe(source: &str, entry_point: &str, vertices: usize) -> String {
     let mut source = source.to_owned();
     for (from, to) in [
         ("@vertex fn", "fn"),
@@ -37,35 +38,58 @@ fn probe(source: &str, entry_point: &str) -> String {
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
   if (id.x < arrayLength(&found)) {{
-    found[id.x] = {entry_point}(id.x % 5u, id.x / 5u).clip;
+    found[id.x] = {entry_point}(id.x % {vertices}u, id.x / {vertices}u).clip;
   }}
 }}
 "
     )
 }
 
-/// What a strip of five vertices draws of a polygon, by bits.
-fn strip(polygon: &[rimline::glam::Vec4]) -> [[u32; 4]; 5] {
-    let nothing = [0.0, 0.0, 0.0, 1.0];
-    [0, 1, 4, 2, 3].map(|place| {
-        let vertex = polygon.get(place).or(polygon.last());
-        vertex.map_or(nothing, rimline::glam::Vec4::to_array).map(f32::to_bits)
-    })
+/// A vertex by its bits, or what is drawn of nothing.
+pub(crate) fn bits(vertex: Option<&Vec4>) -> [u32; 4] {
+    vertex.map_or([0.0, 0.0, 0.0, 1.0], Vec4::to_array).map(f32::to_bits)
+}
+
+/// What a strip of five vertices draws of a polygon.
+fn strip(polygon: &[Vec4]) -> [[u32; 4]; 5] {
+    [0, 1, 4, 2, 3].map(|place| bits(polygon.get(place).or(polygon.last())))
+}
+
+/// The vertices of a face's cap.
+pub(crate) type Twin = fn(&ShadowView, &ShadowLight, [End; 3]) -> Vec<[u32; 4]>;
+
+/// A kind of cap.
+pub(crate) struct Cap {
+    stage: Dispatch,
+    /// Of an instance.
+    vertices: usize,
+    twin: Twin,
+}
+
+impl Cap {
+    pub(crate) fn new(gpu: &Gpu, entry_point: &str, vertices: usize, twin: Twin) -> Self {
+        let source = probe(&CAP_FACES.wgsl(), entry_point, vertices);
+        Self { stage: Dispatch::new(gpu, &source, "probe"), vertices, twin }
+    }
+
+    fn near(gpu: &Gpu) -> Self {
+        Self::new(gpu, "near_cap", 5, |view, light, face| strip(&cpu::near_cap(view, light, face)).to_vec())
+    }
 }
 
 /// A light of a scene, with all that the vertex shaders read.
-struct Drawn<'a> {
-    scene: &'a Scene,
-    view: ShadowView,
-    shape: ShadowShape,
-    lights: &'a [ShadowLight],
-    index: usize,
+pub(crate) struct Drawn<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) view: ShadowView,
+    pub(crate) shape: ShadowShape,
+    pub(crate) lights: &'a [ShadowLight],
+    pub(crate) index: usize,
     /// Of the light's word.
-    facing: &'a [u32],
+    pub(crate) facing: &'a [u32],
 }
 
 impl Drawn<'_> {
-    fn light(&self) -> &ShadowLight {
+    pub(crate) fn light(&self) -> &ShadowLight {
         &self.lights[self.index]
     }
 
@@ -134,8 +158,14 @@ impl Drawn<'_> {
         Ok([gpu.read(&found, 5 * instances)?, expected])
     }
 
-    /// Near caps of one class, likewise.
-    fn caps(&self, gpu: &Gpu, stage: &Dispatch, listed: &[u32], overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
+    /// Caps of one class, likewise.
+    pub(crate) fn caps(
+        &self,
+        gpu: &Gpu,
+        cap: &Cap,
+        listed: &[u32],
+        overflows: bool,
+    ) -> Result<[Vec<[u32; 4]>; 2], String> {
         let (_, positions, mesh) = &self.scene.caster;
         let instances = if overflows { mesh.faces().len() } else { listed.len() };
         let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
@@ -154,10 +184,11 @@ impl Drawn<'_> {
             gpu.storage(&counts),
             gpu.storage(&lists),
         ];
-        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances]);
+        let vertices = cap.vertices * instances;
+        let found = gpu.storage(&vec![[0.0_f32; 4]; vertices]);
         let faces: Vec<_> = (0..).zip(&faces).collect();
         let frame = [(0, shape), (1, view), (2, draw), (3, lights)];
-        stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], (5 * instances).div_ceil(64) as u32)?;
+        cap.stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], vertices.div_ceil(64) as u32)?;
         let mut expected = Vec::new();
         let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
         for &index in if overflows { &all } else { listed } {
@@ -171,10 +202,13 @@ impl Drawn<'_> {
                     && c != a
                     && cpu::casts(self.light(), faces_light)
                     && cpu::cap_class(self.light(), faces_light) == 0);
-            let polygon = cpu::near_cap(&self.view, self.light(), face.map(|vertex| self.end(vertex)));
-            expected.extend(strip(if is_drawn { &polygon } else { &[] }));
+            if is_drawn {
+                expected.extend((cap.twin)(&self.view, self.light(), face.map(|vertex| self.end(vertex))));
+            } else {
+                expected.extend((0..cap.vertices).map(|_| bits(None)));
+            }
         }
-        Ok([gpu.read(&found, 5 * instances)?, expected])
+        Ok([gpu.read(&found, vertices)?, expected])
     }
 }
 
@@ -183,8 +217,9 @@ fn clipped() -> Result<(), String> {
     let seed = 105;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let side = Dispatch::new(gpu, &probe(&format!("{}\n{}", SIDES.wgsl(), include_wgsl(1)), "side_clipped"), "probe");
-    let cap = Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), "near_cap"), "probe");
+    let side =
+        Dispatch::new(gpu, &probe(&format!("{}\n{}", SIDES.wgsl(), include_wgsl(1)), "side_clipped", 5), "probe");
+    let cap = Cap::near(gpu);
     let (mut sides, mut caps) = (0, 0);
     for number in 0..if is_long() { 600 } else { 24 } {
         let scene = scene(&mut random, number, 36);

@@ -5,6 +5,7 @@ mod clipped;
 mod closure;
 #[path = "../common/mod.rs"]
 mod common;
+mod dark_caps;
 mod deform;
 mod draw;
 mod exact;
@@ -43,6 +44,7 @@ fn main() {
         shadow_stages::TESTS,
         shadow_chain::TESTS,
         clipped::TESTS,
+        dark_caps::TESTS,
         shadow_query::TESTS,
         pipelines::TESTS,
     ]

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use rimline::glam::DVec2;
+
 use crate::hairlines::Hairlines;
 use crate::rays::Truth;
 use crate::scene::Frame;
@@ -13,6 +15,8 @@ const MOST_EXPLAINED: usize = 30;
 pub(crate) struct Compared<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) truths: &'a [Vec<Truth>],
+    /// Of each pixel, where the stencil counts and the rays go through.
+    pub(crate) place: DVec2,
     pub(crate) light: usize,
     /// Hairlines and slivers are looked for where a pixel is wrong. They know the frame, not `truths`.
     pub(crate) explains: bool,
@@ -86,26 +90,58 @@ impl Compared<'_> {
         self.explained(wrong, stencil, every)
     }
 
-    /// Without the pixels that are within a pixel of where their count is right, though no pixel's centre shows it, and
+    /// Each count that differs from its own ray's, whatever is around; or only those that make light of shadow or
+    /// shadow of light. A surface turned away from the light has any count.
+    pub(crate) fn each(&self, stencil: &[u8], every: &[bool], counts: bool) -> Wrong {
+        let mut wrong = Wrong::default();
+        let is_same = |count: u8, value: u8| if counts { count == value } else { (count == 0) == (value == 0) };
+        for place in self.pixels() {
+            let Truth::Surface(between) = self.truth(place) else { continue };
+            wrong.compared += 1;
+            if !is_same(between.count(every) as u8, self.value(place, stencil)) {
+                wrong.pixels.push((place.0 as u32, place.1 as u32));
+            }
+        }
+        self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
+            hairlines.is_near(pixel, hairlines.moved(pixel), |truth| match truth {
+                Truth::Surface(between) => is_same(between.count(every) as u8, value),
+                truth => truth == Truth::Averted,
+            })
+        })
+    }
+
+    /// Without the pixels that are within a pixel of where their count is right, though no pixel's ray shows it, and
     /// those whose count is off by what a hairline there can make.
-    fn explained(&self, mut wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
+    fn explained(&self, wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
+        self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
+            hairlines.is_near(pixel, 1.0, |truth| match truth {
+                Truth::Surface(between) => between.count(every) as u8 == value,
+                _ => false,
+            })
+        })
+    }
+
+    /// Without those of a hairline, and those that have the value of a place near by.
+    fn explained_by(
+        &self,
+        mut wrong: Wrong,
+        stencil: &[u8],
+        every: &[bool],
+        is_near: impl Fn(&Hairlines<'_>, (u32, u32), u8) -> bool,
+    ) -> Wrong {
         // Many have another cause.
         if !self.explains || wrong.pixels.is_empty() || wrong.pixels.len() > MOST_EXPLAINED {
             return wrong;
         }
-        let hairlines = Hairlines::new(self.frame, self.light);
+        let hairlines = Hairlines::new(self.frame, self.light, self.place);
         wrong.pixels.retain(|&(x, y)| {
             let place = (i64::from(x), i64::from(y));
             let Truth::Surface(between) = self.truth(place) else { return true };
-            let off = self.value(place, stencil).wrapping_sub(between.count(every) as u8) as i8;
+            let value = self.value(place, stencil);
+            let off = value.wrapping_sub(between.count(every) as u8) as i8;
             let [least, most] = hairlines.reach((x, y), every);
             let is_hairline = (least..=most).contains(&i64::from(off));
-            let value = u16::from(self.value(place, stencil));
-            let is_sliver = !is_hairline
-                && hairlines.is_near((x, y), |truth| match truth {
-                    Truth::Surface(between) => between.count(every) % 256 == value,
-                    _ => false,
-                });
+            let is_sliver = !is_hairline && is_near(&hairlines, (x, y), value);
             let explained = if is_hairline { &mut wrong.hairlines } else { &mut wrong.slivers };
             explained.extend((is_hairline || is_sliver).then_some((x, y)));
             !(is_hairline || is_sliver)

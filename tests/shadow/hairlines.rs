@@ -1,5 +1,5 @@
-//! Pixels with the edge that a side begins at so close to their centre that a GPU may see it on the centre's other
-//! side: NUMERICS.md, "Hairlines".
+//! Pixels with the edge that a side begins at so close to their centre, or to a sample of theirs, that a GPU may see it
+//! on the other side: NUMERICS.md, "Hairlines".
 
 use rimline::Counting;
 use rimline::glam::{DVec2, DVec3, DVec4};
@@ -9,7 +9,7 @@ use crate::common::device::Gpu;
 use crate::common::oracle;
 use crate::rays::{Face, Tracer, Truth};
 use crate::render::Renderer;
-use crate::scene::{Frame, Rays};
+use crate::scene::{Frame, Rays, SAMPLES};
 use crate::trials::{Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)];
@@ -17,8 +17,8 @@ pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)
 /// Half a step of the grid of 256 steps a pixel that rasterisers move vertices to.
 const HALF_STEP: f64 = 1.0 / 512.0;
 
-/// Rays a pixel, along either axis, that slivers are looked for with.
-const FINE: u32 = 32;
+/// Rays to either side, along either axis, that slivers are looked for with.
+const FINE: i32 = 32;
 
 /// Where the sides of one light's volumes begin.
 pub(crate) struct Hairlines<'a> {
@@ -28,6 +28,8 @@ pub(crate) struct Hairlines<'a> {
     light: DVec4,
     tracer: Tracer<Face>,
     rays: Rays,
+    /// Of each pixel, where the rays go through and a rasteriser looks.
+    place: DVec2,
 }
 
 struct Side {
@@ -41,7 +43,7 @@ struct Side {
 }
 
 impl<'a> Hairlines<'a> {
-    pub(crate) fn new(frame: &'a Frame, number: usize) -> Self {
+    pub(crate) fn new(frame: &'a Frame, number: usize, place: DVec2) -> Self {
         let mut sides = Vec::new();
         for (caster, body) in frame.bodies.iter().filter(|body| body.casts).enumerate() {
             let shape = &body.shape;
@@ -65,18 +67,19 @@ impl<'a> Hairlines<'a> {
             sides,
             light,
             tracer: Tracer::new(frame),
-            rays: Rays::new(&frame.eye.camera(), frame.size),
+            rays: Rays::new(&frame.eye.camera(), frame.size).through(place),
+            place,
         }
     }
 
     /// The least and the most that a count at a pixel may be off: the sides that begin there may count though the ray
     /// misses them, or not although it meets them. `every` says of which casters every face casts.
-    pub(crate) fn reach(&self, (x, y): (u32, u32), every: &[bool]) -> [i64; 2] {
-        let ray = self.rays.ray(x, y);
+    pub(crate) fn reach(&self, pixel: (u32, u32), every: &[bool]) -> [i64; 2] {
+        let ray = self.rays.ray(pixel.0, pixel.1);
         let surface = self.tracer.first(ray).map_or(f64::INFINITY, |(point, _)| point.distance(ray.0));
-        let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+        let at = self.at(pixel);
         let mut reach = [0, 0];
-        for side in self.sides.iter().filter(|side| side.begins_at(centre)) {
+        for side in self.sides.iter().filter(|side| side.begins_at(at)) {
             let weight = if every[side.caster] { side.multiplicity } else { side.multiplicity / 2 };
             let (distance, turned) = side.meeting(self.light, ray);
             // What is turned towards the eye counts up.
@@ -87,13 +90,30 @@ impl<'a> Hairlines<'a> {
         reach
     }
 
-    /// Whether a ray within a pixel of a pixel's centre finds what fits: what casts a shadow thinner than a pixel
-    /// may be between all centres.
-    pub(crate) fn is_near(&self, (x, y): (u32, u32), fits: impl Fn(Truth) -> bool) -> bool {
-        let rays = Rays::new(&self.frame.eye.camera(), self.frame.size * FINE);
-        let around = |at: u32| (at * FINE).saturating_sub(FINE / 2)..(at + 1) * FINE + FINE / 2;
-        let mut pixels = around(y).flat_map(|y| around(x).map(move |x| (x, y)));
-        pixels.any(|(x, y)| fits(self.tracer.pixel(rays.ray(x, y), &self.frame.lights)[self.number]))
+    fn at(&self, (x, y): (u32, u32)) -> DVec2 {
+        DVec2::new(f64::from(x), f64::from(y)) + self.place
+    }
+
+    /// Whether a ray of the picture less than `distance` pixels away along either axis finds what fits. Within a pixel:
+    /// what casts a shadow thinner than a pixel may be between all pixels' rays.
+    pub(crate) fn is_near(&self, pixel: (u32, u32), distance: f64, fits: impl Fn(Truth) -> bool) -> bool {
+        let off = |step: i32| (f64::from(step) + 0.5) / f64::from(FINE) * distance;
+        let (at, end) = (self.at(pixel), DVec2::splat(f64::from(self.frame.size)));
+        let around = (-FINE..FINE).flat_map(|y| (-FINE..FINE).map(move |x| at + DVec2::new(off(x), off(y))));
+        let mut seen = around.filter(|place| place.min_element() >= 0.0 && place.cmplt(end).all());
+        seen.any(|place| fits(self.tracer.pixel(self.rays.at(place), &self.frame.lights)[self.number]))
+    }
+
+    /// Whether an edge passes a pixel's ray on another side when its ends are on the grid.
+    fn change_sides(&self, pixel: (u32, u32)) -> bool {
+        self.sides.iter().any(|side| side.changes_sides(self.at(pixel)))
+    }
+
+    /// How far from a pixel's ray may be what is drawn there, along either axis: by what vertices are moved, and as much
+    /// again by where depths meet.
+    pub(crate) fn moved(&self, (x, y): (u32, u32)) -> f64 {
+        let point = self.tracer.first(self.rays.ray(x, y)).map(|(point, _)| point);
+        2.0 * (HALF_STEP + point.and_then(|point| picture(self.frame, point)).map_or(0.0, |(_, off)| off))
     }
 }
 
@@ -102,6 +122,8 @@ struct Found {
     class: &'static str,
     frame: u64,
     pixel: (u32, u32),
+    /// Which of four samples; the only one, at the centre, if none.
+    sample: Option<usize>,
     /// By how much.
     off: i8,
     /// Why, if not by a sliver.
@@ -109,37 +131,46 @@ struct Found {
 }
 
 const fn hairline(frame: u64, pixel: (u32, u32), off: i8) -> Found {
-    Found { class: "camera outside the shadow", frame, pixel, off, is_hairline: true }
+    Found { class: "camera outside the shadow", frame, pixel, sample: None, off, is_hairline: true }
 }
 
-const FOUND: [Found; 6] = [
+const FOUND: [Found; 7] = [
     hairline(11, (56, 22), -1),
     hairline(64, (58, 45), -1),
     hairline(93, (30, 40), 1),
     hairline(101, (64, 62), -1),
     hairline(102, (49, 50), -1),
-    Found { class: "coordinates near 1,000", frame: 75, pixel: (74, 78), off: 2, is_hairline: false },
+    Found { class: "moebius strip", sample: Some(1), ..hairline(70, (43, 49), -1) },
+    Found { class: "coordinates near 1,000", is_hairline: false, ..hairline(75, (74, 78), 2) },
 ];
 
 /// What was found is explained by vertices on the rasteriser's grid or by a sliver of that count. Other counts there
-/// are not, nor is the same at pixels all over the picture.
+/// are not, nor is the same at pixels all over the picture or at other samples of the pixel.
 fn controls() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    for Found { class, frame, pixel, off, is_hairline } in FOUND {
+    for Found { class, frame, pixel, sample, off, is_hairline } in FOUND {
         let class = CLASSES.iter().find(|known| known.name == class).ok_or("no such class")?;
-        let traced = Traced::new(class, frame);
-        let (_, counted) = traced.check(&Renderer::new(&gpu), Counting::Auto, true)?;
+        let centres = Traced::new(class, frame);
+        let (_, counted) = centres.check(&Renderer::new(&gpu), Counting::Auto, true)?;
+        let traced = match sample {
+            Some(sample) => centres.through(sample),
+            None => centres,
+        };
         let every = every(&counted, 0);
         let size = traced.frame.size;
+        let counts = traced.truths.iter().map(|truths| match truths[0] {
+            Truth::Surface(between) => between.count(&every) as u8,
+            _ => 0,
+        });
+        let right: Vec<u8> = counts.collect();
         let planted = |pixels: &[(u32, u32)], off: i8| {
-            let mut stencil = counted.stencils[0].clone();
+            let mut stencil = right.clone();
             for (x, y) in pixels {
-                let index = (y * size + x) as usize;
-                if let Truth::Surface(between) = traced.truths[index][0] {
-                    stencil[index] = (between.count(&every) as u8).wrapping_add_signed(off);
-                }
+                let value = &mut stencil[(y * size + x) as usize];
+                *value = value.wrapping_add_signed(off);
             }
-            traced.compared().counts(&stencil, &every)
+            let compared = traced.compared();
+            if sample.is_some() { compared.each(&stencil, &every, true) } else { compared.counts(&stencil, &every) }
         };
         let wrong = planted(&[pixel], off);
         let explained = if is_hairline { wrong.hairlines } else { wrong.slivers };
@@ -149,14 +180,18 @@ fn controls() -> Result<(), String> {
         }
         let lattice: Vec<_> = (0..25).map(|at| (at % 5 * 20 + 7, at / 5 * 20 + 7)).collect();
         let noticed = planted(&lattice, off).pixels.len();
-        let hairlines = Hairlines::new(&traced.frame, 0);
+        let hairlines = Hairlines::new(&traced.frame, 0, traced.compared().place);
         let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
         let reached = pixels.filter(|&pixel| hairlines.reach(pixel, &every) != [0; 2]).count();
+        let mut others = (0..SAMPLES.len()).filter(|&other| sample.is_some_and(|sample| sample != other));
+        if others.any(|other| Hairlines::new(&traced.frame, 0, SAMPLES[other]).reach(pixel, &every) != [0; 2]) {
+            return Err(format!("seed {}, {pixel:?}: a hairline at another sample", traced.seed));
+        }
         println!(
             "seed {}: {off} at {pixel:?}, noticed at {noticed} of 25 pixels; {reached} with a hairline",
             traced.seed
         );
-        if noticed < 18 || is_hairline && !hairlines.sides.iter().any(|side| side.changes_sides(pixel)) {
+        if noticed < 18 || is_hairline && !hairlines.change_sides(pixel) {
             return Err(format!("seed {}: explained too much, or by another cause", traced.seed));
         }
     }
@@ -164,20 +199,19 @@ fn controls() -> Result<(), String> {
 }
 
 impl Side {
-    /// The centre of a pixel is on another side of the edge when the edge's ends are on the grid.
-    fn changes_sides(&self, (x, y): (u32, u32)) -> bool {
-        let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
-        let is_left = |[a, b]: [DVec2; 2]| (b - a).perp_dot(centre - a) > 0.0;
+    /// A place of the picture is on another side of the edge when the edge's ends are on the grid.
+    fn changes_sides(&self, at: DVec2) -> bool {
+        let is_left = |[a, b]: [DVec2; 2]| (b - a).perp_dot(at - a) > 0.0;
         let snapped = self.pixels.map(|end| (end * 256.0).round() / 256.0);
-        self.begins_at(centre) && is_left(self.pixels) != is_left(snapped)
+        self.begins_at(at) && is_left(self.pixels) != is_left(snapped)
     }
 
-    fn begins_at(&self, centre: DVec2) -> bool {
+    fn begins_at(&self, at: DVec2) -> bool {
         let [a, b] = self.pixels;
         let along = b - a;
-        let t = ((centre - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let t = ((at - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
         let reach = self.off * (along.x.abs() + along.y.abs()) / along.length();
-        (a + along * t).distance(centre) <= reach
+        (a + along * t).distance(at) <= reach
     }
 
     /// How far off a ray meets the side, if it does, and whether it comes from the left of the edge.

@@ -38,12 +38,16 @@ fn main() {
         .chain(hairlines::TESTS)
         .chain(query::TESTS)
         .chain(cameras::TESTS)
-        .chain(samples::TESTS)
         .chain(skinned::TESTS)
     {
         trials.push(Trial::test(name, move || test().map_err(Failed::from)).with_kind("gpu"));
     }
-    println!("gpu tests: {}", trials.len());
+    for &(test_name, test) in samples::TESTS {
+        let trial = Trial::test(test_name, move || test().map_err(Failed::from)).with_kind("gpu");
+        // OpenGL reads zeros for the stencil values of several samples.
+        trials.push(trial.with_ignored_flag(name.ends_with("(Gl)")));
+    }
+    println!("gpu tests: {}", trials.iter().filter(|trial| !trial.has_ignored_flag()).count());
     let conclusion = libtest_mimic::run(&Arguments::from_args(), trials);
     Gpu::close();
     conclusion.exit();

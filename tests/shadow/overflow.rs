@@ -12,7 +12,7 @@ use crate::common::{is_long, must_fail};
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
 use crate::render::{Counted, Renderer};
-use crate::scene::{Body, Frame};
+use crate::scene::{Body, CENTRE, Frame};
 use crate::trials::{Test, seed};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -51,7 +51,7 @@ fn multiples() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     for (sheets, aliases, warns) in [(100, false, false), (256, true, true), (300, false, true)] {
         let frame = stack(sheets);
-        let truths = rays::trace(&frame);
+        let truths = rays::trace(&frame, CENTRE);
         let deepest = truths.iter().map(|truths| match truths[0] {
             Truth::Surface(between) => between.count(&[true]),
             _ => 0,
@@ -59,7 +59,7 @@ fn multiples() -> Result<(), String> {
         if deepest.max() != Some(sheets as u16) {
             return Err(format!("no point is below all of {sheets} sheets"));
         }
-        let compared = Compared { frame: &frame, truths: &truths, light: 0, explains: true };
+        let compared = Compared { frame: &frame, truths: &truths, place: CENTRE, light: 0, explains: true };
         for counting in [Counting::Auto, Counting::ZFail] {
             let counted = renderer(&gpu).count(&frame, counting)?;
             let stencil = &counted.stencils[0];
@@ -150,7 +150,7 @@ fn bound() -> Result<(), String> {
             if got != expected {
                 return Err(format!("{}, seed {seed}: {got:?}, the twin has {expected:?}", class.name));
             }
-            let truths = rays::trace(&frame);
+            let truths = rays::trace(&frame, CENTRE);
             holds(&got, &truths, &counted).map_err(|error| format!("{}, seed {seed}: {error}", class.name))?;
             let lower: Vec<u32> = got.iter().map(|_| 0).collect();
             if truths.iter().any(|truth| truth[0].is_shadowed()) {

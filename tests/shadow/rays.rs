@@ -1,7 +1,7 @@
 //! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
 
 use rimline::Light;
-use rimline::glam::DVec3;
+use rimline::glam::{DVec2, DVec3};
 
 use crate::common::oracle;
 use crate::scene::{Frame, Rays};
@@ -135,10 +135,10 @@ pub(crate) fn points(frame: &Frame) -> Vec<Option<DVec3>> {
     pixels.map(|(x, y)| tracer.first(rays.ray(x, y)).map(|(point, _)| point)).collect()
 }
 
-/// What each pixel sees, row by row, for each light.
-pub(crate) fn trace(frame: &Frame) -> Vec<Vec<Truth>> {
+/// What is seen through a place of each pixel, row by row, for each light.
+pub(crate) fn trace(frame: &Frame, place: DVec2) -> Vec<Vec<Truth>> {
     let tracer = Tracer::new(frame);
-    let rays = Rays::new(&frame.eye.camera(), frame.size);
+    let rays = Rays::new(&frame.eye.camera(), frame.size).through(place);
     let rows: Vec<u32> = (0..frame.size).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let share = rows.len().div_ceil(threads);

@@ -21,8 +21,7 @@ pub(crate) enum DepthPass {
 
 /// What the GPU counted.
 pub(crate) struct Counted {
-    /// The stencil value of each pixel, row by row, a light each. Of several samples 255 where none of them has a
-    /// count, 0 where all have, and between by how many have.
+    /// The stencil value of each pixel, row by row, a light each; of four samples four of them a light.
     pub(crate) stencils: Vec<Vec<u8>>,
     /// What was chosen, a caster and light each.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
@@ -44,11 +43,20 @@ struct Out { @invariant @builtin(position) clip: vec4<f32> }
 @fragment fn nothing() {}
 ";
 
-const WHITE: &str = "
+const SAMPLES: &str = "
+@group(0) @binding(0) var stencil: texture_multisampled_2d<u32>;
 @vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
 }
-@fragment fn white() -> @location(0) vec4<f32> { return vec4<f32>(1.0); }
+@fragment fn samples(@builtin(position) at: vec4<f32>) -> @location(0) vec4<u32> {
+  let pixel = vec2<i32>(at.xy);
+  return vec4<u32>(
+    textureLoad(stencil, pixel, 0).x,
+    textureLoad(stencil, pixel, 1).x,
+    textureLoad(stencil, pixel, 2).x,
+    textureLoad(stencil, pixel, 3).x,
+  );
+}
 ";
 
 pub(crate) struct Renderer<'a> {
@@ -56,6 +64,7 @@ pub(crate) struct Renderer<'a> {
     pub(crate) pipelines: Pipelines,
     pub(crate) format: wgpu::TextureFormat,
     pub(crate) depth_pass: DepthPass,
+    /// 1 or 4.
     pub(crate) samples: u32,
     pub(crate) options: ShadowOptions,
     /// Of every light.
@@ -110,7 +119,7 @@ impl<'a> Renderer<'a> {
             casters.push(volumes);
         }
         self.depth(&mut encoder, frame, &view);
-        let row = frame.size.next_multiple_of(256);
+        let row = (frame.size * self.samples).next_multiple_of(256);
         let bytes = u64::from(row) * u64::from(frame.size);
         let mut copies = Vec::new();
         for light in 0..lights.len() {
@@ -125,10 +134,10 @@ impl<'a> Renderer<'a> {
                 usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             });
-            let resolved = (self.samples > 1).then(|| self.uncounted(&mut encoder, frame.size, &view));
-            let aspect = if resolved.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
+            let split = (self.samples > 1).then(|| self.split(&mut encoder, &target));
+            let aspect = if split.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
             encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { aspect, ..resolved.as_ref().unwrap_or(&target).as_image_copy() },
+                wgpu::TexelCopyTextureInfo { aspect, ..split.as_ref().unwrap_or(&target).as_image_copy() },
                 wgpu::TexelCopyBufferInfo {
                     buffer: &copy,
                     layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
@@ -141,7 +150,10 @@ impl<'a> Renderer<'a> {
         let mut stencils = Vec::new();
         for copy in &copies {
             let all: Vec<u8> = read_back_vec(&gpu.device, &gpu.queue, copy).map_err(|error| text(&error))?;
-            stencils.push(all.chunks(row as usize).flat_map(|line| line[..frame.size as usize].to_vec()).collect());
+            let samples = self.samples as usize;
+            let lines = all.chunks(row as usize).map(|line| &line[..frame.size as usize * samples]);
+            let values: Vec<u8> = lines.flatten().copied().collect();
+            stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
         let mut counted = Counted { stencils, chosen: Vec::new(), statistics: Vec::new() };
         for volumes in &casters {
@@ -152,7 +164,7 @@ impl<'a> Renderer<'a> {
     }
 
     fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
-        let source = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+        let read = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::TEXTURE_BINDING };
         self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("target"),
             size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
@@ -160,24 +172,22 @@ impl<'a> Renderer<'a> {
             sample_count,
             dimension: wgpu::TextureDimension::D2,
             format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | source,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | read,
             view_formats: &[],
         })
     }
 
-    /// How many of each pixel's samples have a count of 0.
-    fn uncounted(&self, encoder: &mut wgpu::CommandEncoder, size: u32, view: &wgpu::TextureView) -> wgpu::Texture {
+    /// A texture with a channel for each sample's stencil value.
+    fn split(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) -> wgpu::Texture {
         let device = &self.gpu.device;
-        let format = wgpu::TextureFormat::R8Unorm;
-        let [several, one] = [self.samples, 1].map(|samples| self.target(size, samples, format));
+        let format = wgpu::TextureFormat::Rgba8Uint;
+        let split = self.target(target.width(), 1, format);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("white"),
-            source: wgpu::ShaderSource::Wgsl(WHITE.into()),
+            label: Some("samples"),
+            source: wgpu::ShaderSource::Wgsl(SAMPLES.into()),
         });
-        let face =
-            wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::default() };
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("white"),
+            label: Some("samples"),
             layout: None,
             vertex: wgpu::VertexState {
                 module: &module,
@@ -186,14 +196,8 @@ impl<'a> Renderer<'a> {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: self.format,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0 },
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: None,
@@ -203,24 +207,31 @@ impl<'a> Renderer<'a> {
             multiview_mask: None,
             cache: None,
         });
-        let [several, resolved] =
-            [&several, &one].map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
-        let mut counted = attachment(view, wgpu::LoadOp::Load);
-        if let Some(stencil) = counted.depth_stencil_attachment.as_mut().and_then(|both| both.stencil_ops.as_mut()) {
-            stencil.load = wgpu::LoadOp::Load;
-        }
-        let color = Some(wgpu::RenderPassColorAttachment {
-            view: &several,
-            depth_slice: None,
-            resolve_target: Some(&resolved),
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
+        let stencil = target.create_view(&wgpu::TextureViewDescriptor {
+            aspect: wgpu::TextureAspect::StencilOnly,
+            ..wgpu::TextureViewDescriptor::default()
         });
-        let mut pass =
-            encoder.begin_render_pass(&wgpu::RenderPassDescriptor { color_attachments: &[color], ..counted });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stencil) }],
+        });
+        let color = Some(wgpu::RenderPassColorAttachment {
+            view: &split.create_view(&wgpu::TextureViewDescriptor::default()),
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("samples"),
+            color_attachments: &[color],
+            ..Default::default()
+        });
         pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
-        one
+        split
     }
 
     /// Depth of every body; the stencil cleared.

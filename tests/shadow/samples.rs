@@ -1,61 +1,76 @@
-//! Several samples a pixel.
+//! Several samples a pixel, each against the ray through its place.
 
 use rimline::Counting;
 
 use crate::classes::CLASSES;
 use crate::common::device::Gpu;
 use crate::common::is_long;
-use crate::compare::{Compared, Wrong};
-use crate::hairlines::Hairlines;
+use crate::compare::Compared;
 use crate::rays::Truth;
 use crate::render::Renderer;
+use crate::scene::SAMPLES;
 use crate::trials::{Test, Traced, every};
 
 pub(crate) const TESTS: &[Test] = &[("four_samples_a_pixel", four)];
 
-/// No sample is shadowed where all is lit within a pixel, nor lit where all is in shadow.
-fn wrong(traced: &Traced, uncounted: &[u8], every: &[bool]) -> Wrong {
-    let mut wrong = Wrong::default();
-    for is_counted in [|share| share == 0, |share| share < 255] {
-        let stencil: Vec<u8> = uncounted.iter().map(|&share| u8::from(is_counted(share))).collect();
-        let mut found = Compared { explains: false, ..traced.compared() }.lit(&stencil, every);
-        // Samples are not at the centre, so they see slivers that rays through centres miss, and surfaces averted from the
-        // light, whose count means nothing.
-        if found.pixels.len() < 30 {
-            let hairlines = Hairlines::new(&traced.frame, 0);
-            found.pixels.retain(|&(x, y)| {
-                let is_lit = stencil[(y * traced.frame.size + x) as usize] == 0;
-                !hairlines.is_near((x, y), |truth| truth.is_lit() == is_lit || !matches!(truth, Truth::Surface(_)))
-            });
-        }
-        wrong.add(&found);
-    }
-    wrong
+/// Samples with another count than the ray has.
+fn differing(traced: &Traced, stencil: &[u8], every: &[bool]) -> usize {
+    let differs = |&(truths, &value): &(&Vec<Truth>, &u8)| match truths[0] {
+        Truth::Surface(between) => between.count(every) % 256 != u16::from(value),
+        _ => false,
+    };
+    traced.truths.iter().zip(stencil).filter(differs).count()
 }
 
 fn four() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let renderer = Renderer { samples: 4, ..Renderer::new(&gpu) };
-    let (mut mixed, mut compared) = (0, 0);
+    let renderer = Renderer { samples: SAMPLES.len() as u32, ..Renderer::new(&gpu) };
+    let (mut mixed, mut compared, mut hairlines, mut beside) = (0, 0, 0, 0);
+    let (mut own, mut next) = (0, 0);
     for class in CLASSES.iter().filter(|class| is_long() || class.name.contains("near rectangle")) {
         for number in 70..if is_long() { 75 } else { 71 } {
-            let traced = Traced::new(class, number);
+            let centres = Traced::new(class, number);
+            let samples = [0, 1, 2, 3].map(|sample| centres.through(sample));
             for counting in [Counting::Auto, Counting::ZFail] {
-                let counted = renderer.count(&traced.frame, counting)?;
-                let (uncounted, every) = (&counted.stencils[0], every(&counted, 0));
-                let found = wrong(&traced, uncounted, &every);
-                if let Some(pixel) = found.pixels.first() {
-                    return Err(format!("{}, seed {}, {counting:?}: {pixel:?} is wrong", class.name, traced.seed));
+                let counted = renderer.count(&centres.frame, counting)?;
+                let every = every(&counted, 0);
+                for (sample, traced) in samples.iter().enumerate() {
+                    let stencil = traced.stencil(&counted);
+                    let wrong = traced.compared().each(stencil, &every, !class.touches);
+                    if let Some((x, y)) = wrong.pixels.first() {
+                        let (name, seed) = (class.name, traced.seed);
+                        return Err(format!(
+                            "{name}, seed {seed}, {counting:?}: sample {sample} of ({x}, {y}) is wrong"
+                        ));
+                    }
+                    compared += wrong.compared;
+                    hairlines += wrong.hairlines.len();
+                    beside += wrong.slivers.len();
+                    let turned: Vec<u8> = stencil.iter().map(|&value| u8::from(value == 0)).collect();
+                    let turned = Compared { explains: false, ..traced.compared() }.lit(&turned, &every);
+                    if turned.compared > 0 && turned.pixels.is_empty() {
+                        return Err(format!("negative control: {}, shadow for light went unnoticed", class.name));
+                    }
+                    if !class.touches {
+                        own += differing(traced, stencil, &every);
+                        next += differing(&samples[(sample + 1) % samples.len()], stencil, &every);
+                    }
                 }
-                mixed += uncounted.iter().filter(|&&share| share > 0 && share < 255).count();
-                compared += found.compared / 2;
-                let turned: Vec<u8> = uncounted.iter().map(|share| 255 - share).collect();
-                if found.compared > 0 && wrong(&traced, &turned, &every).pixels.is_empty() {
-                    return Err(format!("negative control: {}, shadow for light went unnoticed", class.name));
-                }
+                let is_mixed = |at: &usize| {
+                    let lit = counted.stencils.iter().filter(|stencil| stencil[*at] == 0).count();
+                    (1..counted.stencils.len()).contains(&lit)
+                };
+                mixed += (0..centres.truths.len()).filter(is_mixed).count();
             }
         }
     }
-    println!("{compared} pixels of four samples, {mixed} of them in part in shadow");
-    if mixed > 0 { Ok(()) } else { Err("no pixel was in part in shadow".to_owned()) }
+    println!(
+        "{compared} samples compared, {hairlines} off on hairlines, {beside} as a ray beside theirs; {mixed} pixels in part in \
+         shadow; {own} samples have another count than their own ray, {next} than the next sample's"
+    );
+    match (mixed, next > 20 * own) {
+        (0, _) => Err("no pixel was in part in shadow".to_owned()),
+        (_, false) => Err("negative control: rays through other samples do as well".to_owned()),
+        (_, true) => Ok(()),
+    }
 }

@@ -1,6 +1,6 @@
 //! What is drawn and cast: casters, receivers, camera, lights.
 
-use rimline::glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use rimline::glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::shapes::Shape;
 use rimline::{DepthDirection, Light, ShadowCamera};
 
@@ -95,15 +95,24 @@ pub(crate) struct Frame {
     pub(crate) size: u32,
 }
 
+/// The middle of a pixel, in pixels from its upper left corner, right and down.
+pub(crate) const CENTRE: DVec2 = DVec2::splat(0.5);
+
+/// Where four samples of a pixel are: WebGPU's standard pattern.
+pub(crate) const SAMPLES: [DVec2; 4] =
+    [DVec2::new(0.375, 0.125), DVec2::new(0.875, 0.375), DVec2::new(0.125, 0.625), DVec2::new(0.625, 0.875)];
+
 /// The camera's rays as the GPU's matrix has them: from a point of the near plane on, in f64.
 pub(crate) struct Rays {
     inverse: DMat4,
     origin: DVec3,
     size: f64,
     near_z: f64,
+    place: DVec2,
 }
 
 impl Rays {
+    /// Rays through the centres of a picture's pixels.
     pub(crate) fn new(camera: &ShadowCamera, size: u32) -> Self {
         let matrix: Mat4 = camera.view_projection;
         Self {
@@ -111,13 +120,24 @@ impl Rays {
             origin: camera.origin.as_dvec3(),
             size: f64::from(size),
             near_z: f64::from(u8::from(camera.depth == DepthDirection::Reversed)),
+            place: CENTRE,
         }
+    }
+
+    /// Rays through another place of each pixel.
+    pub(crate) fn through(self, place: DVec2) -> Self {
+        Self { place, ..self }
     }
 
     /// Where a pixel's ray begins, on the near plane, and its direction.
     pub(crate) fn ray(&self, x: u32, y: u32) -> (DVec3, DVec3) {
-        let ndc = |pixel: u32| (f64::from(pixel) + 0.5) / self.size * 2.0 - 1.0;
-        let (x, y) = (ndc(x), -ndc(y));
+        self.at(DVec2::new(f64::from(x), f64::from(y)) + self.place)
+    }
+
+    /// The same for any place of the picture, in pixels.
+    pub(crate) fn at(&self, place: DVec2) -> (DVec3, DVec3) {
+        let ndc = place / self.size * 2.0 - 1.0;
+        let (x, y) = (ndc.x, -ndc.y);
         let near = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
         // Half way to the far plane, wherever that is.
         let beyond = self.inverse * DVec4::new(x, y, 0.5, 1.0);

@@ -11,7 +11,7 @@ use crate::common::{is_long, must_fail};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
 use crate::render::{Counted, DepthPass, Renderer};
-use crate::scene::Frame;
+use crate::scene::{CENTRE, Frame, SAMPLES};
 
 /// A test's name and body.
 pub(crate) type Test = (&'static str, fn() -> Result<(), String>);
@@ -41,6 +41,8 @@ pub(crate) struct Traced {
     pub(crate) frame: Frame,
     pub(crate) truths: Vec<Vec<Truth>>,
     pub(crate) seed: u64,
+    /// Which of four samples a pixel the rays go through; through its centre, if none.
+    pub(crate) sample: Option<usize>,
 }
 
 impl Traced {
@@ -50,12 +52,24 @@ impl Traced {
     }
 
     pub(crate) fn of(frame: Frame, seed: u64) -> Self {
-        let truths = rays::trace(&frame);
-        Self { frame, truths, seed }
+        let truths = rays::trace(&frame, CENTRE);
+        Self { frame, truths, seed, sample: None }
+    }
+
+    /// The same frame by rays through a sample.
+    pub(crate) fn through(&self, sample: usize) -> Self {
+        let truths = rays::trace(&self.frame, SAMPLES[sample]);
+        Self { frame: self.frame.clone(), truths, sample: Some(sample), ..*self }
     }
 
     pub(crate) fn compared(&self) -> Compared<'_> {
-        Compared { frame: &self.frame, truths: &self.truths, light: 0, explains: true }
+        let place = self.sample.map_or(CENTRE, |sample| SAMPLES[sample]);
+        Compared { frame: &self.frame, truths: &self.truths, place, light: 0, explains: true }
+    }
+
+    /// What the GPU counted where the rays go through.
+    pub(crate) fn stencil<'a>(&self, counted: &'a Counted) -> &'a [u8] {
+        &counted.stencils[self.sample.unwrap_or(0)]
     }
 
     /// Fails where the GPU is wrong; returns the pixels compared.
