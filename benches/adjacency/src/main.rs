@@ -21,7 +21,7 @@ const RUNS: usize = 11;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ordered = torus(1024, 512, 1.0, 0.25);
-    let shuffled = ordered.shuffled(2003_06_01);
+    let shuffled = ordered.shuffled(20_030_601);
     println!("CPU: {}", statistics::cpu_name());
     println!("{} faces, {RUNS} interleaved runs, one thread, milliseconds", ordered.faces.len());
     println!();

@@ -13,11 +13,11 @@ use rimline::{Light, wgpu};
 
 use crate::args::DrawArgs;
 use crate::device::{self, Gpu, Wanted};
-use crate::displacement;
 use crate::failure::{Failure, InputError, NoDevice, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::input::{Input, Shape};
+use crate::input::Shape;
+use crate::moment::Moment;
 use crate::output::Output;
 use crate::positions::Positions;
 use crate::progress::Progress;
@@ -35,12 +35,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         return Err(UsageError::DrawOnCpu.into());
     }
     let progress = Progress::start();
-    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
     progress.step("reading the model");
-    let input = Input::open(&args.model)?;
-    let animation = input.animation(&args.moment.pose)?;
-    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
-    let scene = input.scene(animation, args.moment.pose.time, displacement.is_some())?;
+    let moment = Moment::read(&args.moment, &args.model)?;
+    let scene = moment.scene()?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -48,9 +45,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     check_backend(&gpu)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
-    let positions = Positions::new(&gpu, &scene.shape, displacement.as_ref()).map_err(fail)?;
+    let positions = Positions::new(&gpu, &scene.shape, moment.displacement.as_ref()).map_err(fail)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    positions.encode(&mut encoder, &scene.shape, args.moment.pose.time, None).map_err(fail)?;
+    positions.encode(&mut encoder, &scene.shape, moment.time_s(), None).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     // The camera and the normals need positions here; the silhouette stays on the GPU.
     let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
@@ -65,7 +62,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
     let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-    let nothing = || Failure::input(&input.file)(InputError::NoFinitePosition);
+    let nothing = || Failure::input(&moment.input.file)(InputError::NoFinitePosition);
     let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
     let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
 

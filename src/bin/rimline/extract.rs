@@ -10,10 +10,10 @@ use rimline::layout::Masks;
 use rimline::{Light, Method, Predicate};
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
-use crate::device::{self, Device, Wanted};
-use crate::displacement;
+use crate::device::Device;
 use crate::failure::{Failure, UsageError};
-use crate::input::{Input, Scene};
+use crate::input::Scene;
+use crate::moment::Moment;
 use crate::output::{Output, print};
 use crate::progress::Progress;
 use crate::times::Times;
@@ -40,29 +40,18 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.moment.device.device);
-    if wanted == Wanted::Cpu && args.moment.displace.is_some() {
-        return Err(UsageError::DisplaceOnCpu.into());
-    }
     let (method, predicate) = way(args)?;
     let progress = Progress::start();
     let mut times = Times::default();
-    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
-
     progress.step("reading the model");
-    let input = times.measure("load", || Input::open(&args.model))?;
-    let animation = input.animation(&args.moment.pose)?;
-    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
-    let lights = input.lights(&args.lights, animation, args.moment.pose.time)?;
+    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
+    let lights = moment.lights(&args.lights)?;
     progress.step("building edge records");
-    let scene = times.measure("topology", || input.scene(animation, args.moment.pose.time, displacement.is_some()))?;
+    let scene = times.measure("topology", || moment.scene())?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
-    let device = device::open(&wanted)?;
-    if matches!(device, Device::Cpu) && displacement.is_some() {
-        return Err(UsageError::DisplaceOnCpu.into());
-    }
+    let device = moment.device()?;
     progress.step("extracting");
     let (found, adapter) = match &device {
         Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), device.name()),
@@ -72,8 +61,8 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                 lights: &lights,
                 method,
                 predicate,
-                displacement: displacement.as_ref(),
-                time_s: args.moment.pose.time,
+                displacement: moment.displacement.as_ref(),
+                time_s: moment.time_s(),
             };
             (job.run(gpu, &mut times)?, device.name())
         }

@@ -15,6 +15,7 @@ mod gpu_error;
 mod image;
 mod info;
 mod input;
+mod moment;
 mod npz;
 mod output;
 mod page;

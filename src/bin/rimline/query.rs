@@ -12,10 +12,10 @@ use rimline::cpu::{self, Threads};
 use rimline::light::{MAX_LIGHTS, check_shadow_lights};
 use rimline::{Light, Mesh};
 
-use crate::device::{self, Device, Wanted};
-use crate::displacement;
+use crate::device::{self, Device};
 use crate::failure::{Failure, InputError, UsageError};
-use crate::input::{Input, Scene, Shape};
+use crate::input::{Scene, Shape};
+use crate::moment::Moment;
 use crate::npz::{self, ElementType, NpzWriter};
 use crate::output::{Output, print};
 use crate::progress::Progress;
@@ -24,23 +24,15 @@ use args::QueryArgs;
 use report::Report;
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.moment.device.device);
-    if wanted == Wanted::Cpu && args.moment.displace.is_some() {
-        return Err(UsageError::DisplaceOnCpu.into());
-    }
     let progress = Progress::start();
     let mut times = Times::default();
-    let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
-
     progress.step("reading the model");
-    let input = times.measure("load", || Input::open(&args.model))?;
-    let animation = input.animation(&args.moment.pose)?;
-    displacement::note_idle_time(&args.moment.pose, animation, displacement.as_ref());
-    let lights = input.lights(&args.lights, animation, args.moment.pose.time)?;
+    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
+    let lights = moment.lights(&args.lights)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
     let points = times.measure("points", || read_points(&args.points))?;
-    let scene = times.measure("topology", || input.scene(animation, args.moment.pose.time, displacement.is_some()))?;
+    let scene = times.measure("topology", || moment.scene())?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
@@ -49,10 +41,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     progress.step("opening the device");
-    let device = device::open(&wanted)?;
-    if matches!(device, Device::Cpu) && displacement.is_some() {
-        return Err(UsageError::DisplaceOnCpu.into());
-    }
+    let device = moment.device()?;
     progress.step("counting");
     let adapter = match &device {
         Device::Cpu => {
@@ -64,8 +53,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
                 scene: &scene,
                 points: &points,
                 lights: &lights,
-                displacement: displacement.as_ref(),
-                time_s: args.moment.pose.time,
+                displacement: moment.displacement.as_ref(),
+                time_s: moment.time_s(),
             };
             job.run(gpu, &mut depths, &mut times)?;
             device::describe(&gpu.info)

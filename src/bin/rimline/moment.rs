@@ -1,0 +1,53 @@
+//! A model at a moment: what `extract`, `query` and `draw` read before they open a device.
+
+use rimline::{Displacement, Light};
+
+use crate::args::{ModelArgs, MomentArgs};
+use crate::device::{self, Device, Wanted};
+use crate::displacement;
+use crate::failure::{Failure, UsageError};
+use crate::input::{Input, Scene};
+use crate::spec::LightSpec;
+
+pub(crate) struct Moment<'a> {
+    args: &'a MomentArgs,
+    pub(crate) input: Input,
+    animation: Option<usize>,
+    pub(crate) displacement: Option<Displacement>,
+}
+
+impl<'a> Moment<'a> {
+    /// Reads the model and the displacement.
+    pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
+        if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {
+            return Err(UsageError::DisplaceOnCpu.into());
+        }
+        let displacement = args.displace.as_deref().map(displacement::read).transpose()?;
+        let input = Input::open(model)?;
+        let animation = input.animation(&args.pose)?;
+        displacement::note_idle_time(&args.pose, animation, displacement.as_ref());
+        Ok(Self { args, input, animation, displacement })
+    }
+
+    pub(crate) fn time_s(&self) -> f32 {
+        self.args.pose.time
+    }
+
+    pub(crate) fn lights(&self, specs: &[LightSpec]) -> Result<Vec<Light>, Failure> {
+        self.input.lights(specs, self.animation, self.time_s())
+    }
+
+    /// The mesh, its edge records, and where its vertices are.
+    pub(crate) fn scene(&self) -> Result<Scene<'_>, Failure> {
+        self.input.scene(self.animation, self.time_s(), self.displacement.is_some())
+    }
+
+    /// Opens the device, which must be a GPU to displace vertices.
+    pub(crate) fn device(&self) -> Result<Device, Failure> {
+        let device = device::open(&Wanted::parse(&self.args.device.device))?;
+        if matches!(device, Device::Cpu) && self.displacement.is_some() {
+            return Err(UsageError::DisplaceOnCpu.into());
+        }
+        Ok(device)
+    }
+}
