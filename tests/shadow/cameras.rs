@@ -10,7 +10,7 @@ use crate::common::is_long;
 use crate::common::random::Random;
 use crate::rays::Tracer;
 use crate::render::{Counted, Renderer};
-use crate::scene::{Body, Eye, Frame, Rays};
+use crate::scene::{Eye, Frame, Rays};
 use crate::trials::{Tally, Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] = &[("standard_depth", standard_depth), ("orthographic_cameras", orthographic)];
@@ -80,10 +80,10 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
     let met = Tracer::new(frame).between((from, frame.eye.forward), [0.0, f64::INFINITY], None, 0);
     let view = frame.eye.camera().view().map_err(|error| error.to_string())?;
     let casters = frame.bodies.iter().filter(|body| body.casts);
-    for (caster, Body { shape, .. }) in casters.enumerate() {
-        let end = |vertex: u32| (vertex, shape.positions[vertex as usize]);
+    for (caster, body) in casters.enumerate() {
+        let end = |vertex: u32| (vertex, body.shape.positions[vertex as usize]);
         let cap = |face: &&[u32; 3]| cpu::dark_cap(&view, &counted.chosen[caster][0], face.map(end)).is_some();
-        let (found, expected) = (shape.faces.iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
+        let (found, expected) = (body.finite_faces().iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
         if found != usize::from(expected) {
             return Err(format!("caster {caster}: {found} dark caps in sight, the ray meets {expected} faces"));
         }

@@ -198,7 +198,7 @@ impl ShadowVolumes {
         upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
         upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
         upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
-        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0]));
+        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]));
         upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)));
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);
@@ -309,7 +309,7 @@ impl Buffers {
             view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
             draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
             faces: extractor.faces().clone(),
-            bounds: buffer(device, "caster bounds", 24, storage),
+            bounds: buffer(device, "caster bounds", 28, storage),
             lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
             cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
             cap_counts: buffer(device, "cap counts", 8 * lights, storage),
