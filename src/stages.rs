@@ -140,7 +140,7 @@ pub const SIDES: Stage = Stage {
 pub const CAP_FACES: Stage = Stage {
     name: "cap_faces",
     files: files!["common", "shadow", "polygon", "paper", "side_vertices", "casting", "caster", "cap_faces"],
-    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap", "hole_side", "hole_side_clipped"],
 };
 
 /// WGSL that is part of no stage by itself: what callers include or replace.
