@@ -1,6 +1,6 @@
 //! What shadow volumes are asked for: camera, lights with a range, counting method.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
@@ -96,6 +96,17 @@ pub enum CameraError {
 }
 
 impl ShadowCamera {
+    /// The far plane is at a finite distance, as [`crate::gpu::ShadowFormat::has_far_plane`] asks. Only a matrix whose far
+    /// plane is at infinity to the last bit has none: by that plane's least slope points at infinity may be clipped.
+    pub fn has_far_plane(&self) -> bool {
+        let (depth, w) = (self.view_projection.row(2), self.view_projection.row(3));
+        let [far, opposite] = match self.depth {
+            DepthDirection::Reversed => [depth, Vec4::ZERO],
+            DepthDirection::Standard => [w, depth],
+        };
+        far.truncate() != opposite.truncate()
+    }
+
     /// What the GPU needs of it.
     ///
     /// # Errors
@@ -247,7 +258,9 @@ pub(crate) fn check_ranged_lights(lights: &[RangedLight], limit: usize) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Vec4, Vec4Swizzles};
+    use glam::Vec4Swizzles;
+    use glam::camera::rh::proj::directx::{perspective, perspective_infinite, perspective_infinite_reverse};
+    use glam::camera::rh::view::look_at_mat4;
 
     const REVERSED: DepthDirection = DepthDirection::Reversed;
     const STANDARD: DepthDirection = DepthDirection::Standard;
@@ -284,6 +297,26 @@ mod tests {
             let half = [near_w / 2.0, near_w / 4.0];
             assert_eq!(view.near_min, [-half[0], -half[1], -0.5], "{number}");
             assert_eq!(view.near_max, [half[0], half[1], -0.5], "{number}");
+        }
+    }
+
+    #[test]
+    fn far_planes_are_told_from_infinity() {
+        let expected = [false, false, true, true, true, true];
+        assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
+        // Wherever the camera stands and looks.
+        let place = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
+        let moved = cameras().map(|camera| ShadowCamera { view_projection: camera.view_projection * place, ..camera });
+        assert_eq!(moved.map(|camera| camera.has_far_plane()), expected);
+        let camera = |view_projection, depth| ShadowCamera { view_projection, origin: Vec3::ZERO, depth };
+        for (matrix, depth, expected) in [
+            (perspective(1.0, 1.5, 0.1, 100.0), STANDARD, true),
+            (perspective(1.0, 1.5, 100.0, 0.1), REVERSED, true),
+            (perspective_infinite(1.0, 1.5, 0.1), STANDARD, false),
+            (perspective_infinite_reverse(1.0, 1.5, 0.1), REVERSED, false),
+        ] {
+            assert_eq!(camera(matrix * place, depth).has_far_plane(), expected);
+            assert!(camera(matrix * place, depth).view().is_ok());
         }
     }
 

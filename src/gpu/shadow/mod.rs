@@ -7,4 +7,4 @@ mod volumes;
 
 pub(super) use pipelines::VolumeKey;
 pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
-pub use volumes::{ShadowError, ShadowOptions, ShadowVolumes};
+pub use volumes::{ShadowDrawError, ShadowError, ShadowOptions, ShadowVolumes};

@@ -69,11 +69,32 @@ pub(super) struct Layouts {
     pub(super) cap_data: wgpu::BindGroupLayout,
 }
 
+/// What volumes and the pipelines that draw them must agree on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Convention {
+    pub(super) counting: Counting,
+    pub(super) depth: DepthDirection,
+    /// z-fail draws caps that a far plane does not clip.
+    pub(super) is_unclipped: bool,
+}
+
+impl Convention {
+    /// Dark caps are drawn at infinity, where a far plane would clip them.
+    pub(super) fn needs_far_end(&self) -> bool {
+        is_fail(self.counting) && !self.is_unclipped
+    }
+}
+
+/// Whether z-fail is ever counted.
+fn is_fail(counting: Counting) -> bool {
+    matches!(counting, Counting::ZFail | Counting::ZpPlusPaper)
+}
+
 /// The pipelines that one counting method draws with; casters share them, and those that choose for them.
 #[derive(Debug)]
 pub struct ShadowPipelines {
     shared: Pipelines,
-    pub(super) counting: Counting,
+    pub(super) convention: Convention,
     pub(super) layouts: Layouts,
     /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
     pub(super) side: wgpu::RenderPipeline,
@@ -103,7 +124,7 @@ impl ShadowPipelines {
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
         let is_paper = counting == Counting::ZpPlusPaper;
-        let is_fail = counting == Counting::ZFail || is_paper;
+        let is_fail = is_fail(counting);
         check(shared.device(), format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -127,7 +148,7 @@ impl ShadowPipelines {
         let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         Ok(Self {
-            counting,
+            convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, if is_fail { Count::Hidden } else { Count::Visible }, false),
             clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
             paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
@@ -145,7 +166,7 @@ impl ShadowPipelines {
 
     /// The counting method these pipelines are for.
     pub fn counting(&self) -> Counting {
-        self.counting
+        self.convention.counting
     }
 }
 

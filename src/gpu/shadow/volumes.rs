@@ -4,19 +4,20 @@ use wgpu::BufferUsages;
 
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
-use super::pipelines::{Layouts, ShadowPipelines};
+use super::pipelines::{Convention, Layouts, ShadowPipelines};
+use crate::gpu::buffers::Shape;
 use crate::gpu::extractor::Extractor;
 use crate::gpu::frame::{UniformTable, upload};
 use crate::gpu::include::IncludeError;
 use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::pipelines::group;
 use crate::gpu::positions::{PositionBuffer, PositionError};
-use crate::gpu::split::{WORKGROUP, binding};
+use crate::gpu::split::{Split, WORKGROUP, binding};
 use crate::gpu::timer::StageTimer;
 use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 use crate::light;
 use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_ranged_lights};
-use crate::{Counting, Mesh};
+use crate::{Counting, DepthDirection, Light, Mesh};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +26,9 @@ pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
     /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
-    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces. A list that
-    /// overflows loses nothing: its draw goes over all faces.
+    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces; but never more than
+    /// fit one binding (8 bytes an entry for each of up to 32 lights) and [`Self::memory_limit`]. A list that overflows
+    /// loses nothing: its draw goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for lights whose shadow of it the camera cannot see.
     pub skip_unseen: bool,
@@ -76,6 +78,81 @@ pub enum ShadowError {
     /// The lights are refused.
     #[error(transparent)]
     Light(#[from] ShadowLightError),
+    /// The volumes read the lists of the extractor that they were made for.
+    #[error("these volumes were made for another extractor; encode them with the one given to `ShadowVolumes::new`")]
+    OtherExtractor,
+    /// The lists of some lights are not there.
+    #[error(
+        "{given} lights given, and the extractor's last encode was for {encoded}; encode the extractor for all of them \
+         before the volumes"
+    )]
+    NotExtracted {
+        /// Lights given.
+        given: usize,
+        /// Lights of the extractor's last encode.
+        encoded: usize,
+    },
+    /// The lists at a light's place are another light's.
+    #[error(
+        "light {index} is not, bit for bit, light {index} of the extractor's last encode; encode the extractor for the same \
+         lights in the same order before the volumes"
+    )]
+    OtherLight {
+        /// Position in the list.
+        index: usize,
+    },
+    /// Near and far would be taken for each other.
+    #[error(
+        "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
+         `ShadowFormat::depth` to the camera's"
+    )]
+    Depth {
+        /// Of the camera.
+        camera: DepthDirection,
+        /// Of the pipelines.
+        pipelines: DepthDirection,
+    },
+    /// Dark caps would be cut off at the camera's far plane.
+    #[error(
+        "{counting:?} with a camera that has a far plane needs `ShadowFormat::has_far_plane` (and \
+         `Features::DEPTH_CLIP_CONTROL`); set it, use an infinite far plane, or `Counting::Auto`"
+    )]
+    FarPlane {
+        /// The counting method.
+        counting: Counting,
+    },
+}
+
+/// Why volumes cannot be drawn with these pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowDrawError {
+    /// What was listed is not what the pipelines draw.
+    #[error(
+        "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
+         method given to `ShadowVolumes::new`"
+    )]
+    Counting {
+        /// Of the volumes.
+        volumes: Counting,
+        /// Of the pipelines given.
+        pipelines: Counting,
+    },
+    /// The pipelines take far for near.
+    #[error(
+        "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
+    )]
+    Depth {
+        /// Of the volumes.
+        volumes: DepthDirection,
+        /// Of the pipelines given.
+        pipelines: DepthDirection,
+    },
+    /// The pipelines clip at the far plane, unlike those that the volumes were made with.
+    #[error(
+        "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
+    )]
+    FarPlane,
 }
 
 /// What the stages and draws share.
@@ -108,6 +185,7 @@ pub struct ShadowVolumes {
     groups: Option<DrawGroups>,
     shape: ShadowShape,
     max_lights: usize,
+    convention: Convention,
     bound_to: Option<(wgpu::Buffer, u64, u64)>,
 }
 
@@ -131,8 +209,11 @@ impl ShadowVolumes {
         let face_count = extraction.faces;
         let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
-            || if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() },
-            |capacity| capacity.max(1) as usize,
+            || {
+                let wanted = if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() };
+                wanted.min(fitting_capacity(extraction, split, options.memory_limit))
+            },
+            |capacity| capacity as usize,
         );
         let cap_capacity = cap_capacity.clamp(1, face_count.max(1));
         let workgroups = device.limits().max_compute_workgroups_per_dimension;
@@ -164,14 +245,17 @@ impl ShadowVolumes {
             groups: None,
             shape,
             max_lights: extraction.max_lights,
+            convention: pipelines.convention,
             bound_to: None,
         })
     }
 
     /// Records, after the extraction's encode for the same positions and lights, what chooses and lists for `camera`.
+    /// Fewer lights than were extracted are fine: the first ones.
     ///
     /// # Errors
-    /// [`ShadowError`] when positions, camera or lights are refused; nothing is recorded then.
+    /// [`ShadowError`] when positions, camera or lights are refused, or do not go with the extractor's last encode or with
+    /// the pipelines of [`Self::new`]; nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -182,6 +266,7 @@ impl ShadowVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowError> {
         check_ranged_lights(lights, self.max_lights)?;
+        self.check(extractor, camera, lights)?;
         let view = camera.view()?;
         let (device, split, extraction) = extractor.parts();
         let bound = positions.bind(extraction.vertices, split)?;
@@ -215,10 +300,31 @@ impl ShadowVolumes {
     /// Draws the volume of light `light`, as it was encoded, into a pass whose attachments are those of `pipelines`.
     /// Counts up from whatever the stencil holds; no other state of the pass matters, and bind groups 0 and 1 and the
     /// pipeline are left changed. A light that was not encoded draws nothing.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines, light: usize) {
+    ///
+    /// `pipelines` may be others than those of [`Self::new`], for other attachments, as long as they count alike.
+    ///
+    /// # Errors
+    /// [`ShadowDrawError`] when they do not; nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ShadowPipelines,
+        light: usize,
+    ) -> Result<(), ShadowDrawError> {
+        let (ours, theirs) = (self.convention, pipelines.convention);
+        if ours.counting != theirs.counting {
+            return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });
+        }
+        if ours.depth != theirs.depth {
+            return Err(ShadowDrawError::Depth { volumes: ours.depth, pipelines: theirs.depth });
+        }
+        if ours.is_unclipped && !theirs.is_unclipped {
+            return Err(ShadowDrawError::FarPlane);
+        }
         if let Some(groups) = &self.groups {
             groups.draw(pass, pipelines, &self.buffers, light, self.shape.end_at_range != 0);
         }
+        Ok(())
     }
 
     /// A [`ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
@@ -234,6 +340,31 @@ impl ShadowVolumes {
     /// The draws of each light: [`ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.buffers.draws
+    }
+
+    /// Refuses what would draw wrong shadows: another extractor or other lights than the lists are of, another camera than
+    /// the pipelines are for.
+    fn check(&self, extractor: &Extractor, camera: &ShadowCamera, lights: &[RangedLight]) -> Result<(), ShadowError> {
+        // Each extractor has a buffer of its own.
+        if extractor.faces() != &self.buffers.faces {
+            return Err(ShadowError::OtherExtractor);
+        }
+        let Convention { counting, depth, .. } = self.convention;
+        if camera.depth != depth {
+            return Err(ShadowError::Depth { camera: camera.depth, pipelines: depth });
+        }
+        if self.convention.needs_far_end() && camera.has_far_plane() {
+            return Err(ShadowError::FarPlane { counting });
+        }
+        let encoded = extractor.encoded();
+        if lights.len() > encoded.len() {
+            return Err(ShadowError::NotExtracted { given: lights.len(), encoded: encoded.len() });
+        }
+        let bits = |light: Light| light.to_array().map(f32::to_bits);
+        match lights.iter().zip(encoded).position(|(given, encoded)| bits(given.light) != bits(*encoded)) {
+            Some(index) => Err(ShadowError::OtherLight { index }),
+            None => Ok(()),
+        }
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
@@ -277,12 +408,34 @@ impl ShadowVolumes {
     }
 }
 
+/// Bytes that an entry of both lists of cap faces takes for a light.
+const CAP_ENTRY: u64 = 8;
+
+/// What takes room besides the lists of cap faces.
+fn per_light(lights: usize) -> [(&'static str, u64); 3] {
+    let lights = lights as u64;
+    [
+        ("shadow lights", lights * size_of::<ShadowLight>() as u64),
+        ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
+        ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
+    ]
+}
+
+/// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
+fn fitting_capacity(extraction: &Shape, split: &Split, memory_limit: Option<u64>) -> usize {
+    let bound = split.binding / (CAP_ENTRY * extraction.word_lights(0) as u64);
+    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
+    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
+    let fitting = bound.min(left / (CAP_ENTRY * extraction.max_lights as u64));
+    usize::try_from(fitting).unwrap_or(usize::MAX)
+}
+
 impl Buffers {
     fn new(extractor: &Extractor, cap_capacity: usize, memory_limit: Option<u64>) -> Result<Self, MemoryError> {
         let (device, split, extraction) = extractor.parts();
         let lights = extraction.max_lights as u64;
         let words = extraction.words();
-        let list_bytes = |word: usize| 8 * cap_capacity as u64 * extraction.word_lights(word) as u64;
+        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.word_lights(word) as u64;
         let widest = list_bytes(0);
         if padded(widest) > split.binding {
             let what = "lists of cap faces";
@@ -290,11 +443,7 @@ impl Buffers {
         }
         let wanted: Vec<Allocation> = (0..words)
             .map(|word| ("lists of cap faces", list_bytes(word)))
-            .chain([
-                ("shadow lights", lights * size_of::<ShadowLight>() as u64),
-                ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
-                ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
-            ])
+            .chain(per_light(extraction.max_lights))
             .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
             .collect();
         let bytes = check(&wanted, split.buffer, memory_limit)?;
