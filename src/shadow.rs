@@ -69,6 +69,39 @@ pub enum DepthDirection {
 }
 
 /// The camera that shadow volumes are drawn for.
+///
+/// ```
+/// use rimline::glam::Vec3;
+/// use rimline::glam::camera::rh::{proj::directx, view::look_at_mat4};
+/// use rimline::gpu::ShadowFormat;
+/// use rimline::{DepthDirection, ShadowCamera};
+///
+/// let (eye, target) = (Vec3::new(0.0, 2.0, 5.0), Vec3::ZERO);
+///
+/// // Depth from 0 to 1 with a far plane, `Mat4::perspective_rh` in older versions of glam:
+/// let projection = directx::perspective(1.0, 16.0 / 9.0, 0.1, 100.0);
+/// let camera = ShadowCamera {
+///     view_projection: projection * look_at_mat4(eye, target, Vec3::Y),
+///     origin: Vec3::ZERO,
+///     depth: DepthDirection::Standard,
+/// };
+/// # camera.view()?;
+/// // What is drawn with must know; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
+/// let has_far_plane = camera.has_far_plane();
+/// let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
+/// assert!(format.has_far_plane);
+///
+/// // Reversed depth without a far plane, the default of `ShadowFormat`; positions relative to the eye:
+/// let projection = directx::perspective_infinite_reverse(1.0, 16.0 / 9.0, 0.1);
+/// let camera = ShadowCamera {
+///     view_projection: projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y),
+///     origin: eye,
+///     depth: DepthDirection::Reversed,
+/// };
+/// # camera.view()?;
+/// assert!(!camera.has_far_plane());
+/// # Ok::<(), rimline::shadow::CameraError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCamera {
     /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.

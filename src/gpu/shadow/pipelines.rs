@@ -12,7 +12,7 @@ use crate::stages::{CAP_FACES, SIDES, Stage};
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment; it must have both.
     pub depth_stencil: wgpu::TextureFormat,
-    /// Which depth is near.
+    /// Which depth is near: the cameras'.
     pub depth: DepthDirection,
     /// Samples a pixel.
     pub samples: u32,
@@ -20,7 +20,8 @@ pub struct ShadowFormat {
     pub colors: Vec<Option<wgpu::TextureFormat>>,
     /// Front faces on the screen: `Ccw` but for cameras that mirror.
     pub front_face: wgpu::FrontFace,
-    /// The far plane is at a finite distance. Only z-fail minds: it then needs `Features::DEPTH_CLIP_CONTROL`.
+    /// The far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+ as published
+    /// mind: they then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
 }
 
@@ -80,7 +81,7 @@ pub(super) struct Convention {
 
 impl Convention {
     /// Dark caps are drawn at infinity, where a far plane would clip them.
-    pub(super) fn needs_far_end(&self) -> bool {
+    pub(super) fn needs_far_end(self) -> bool {
         is_fail(self.counting) && !self.is_unclipped
     }
 }

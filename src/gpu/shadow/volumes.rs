@@ -1,23 +1,22 @@
 //! Shadow volumes of one caster.
 
-use wgpu::BufferUsages;
-
+use super::buffers::{Buffers, fitting_capacity};
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
+use super::errors::{ShadowDrawError, ShadowError};
 use super::pipelines::{Convention, Layouts, ShadowPipelines};
-use crate::gpu::buffers::Shape;
 use crate::gpu::extractor::Extractor;
-use crate::gpu::frame::{UniformTable, upload};
+use crate::gpu::frame::upload;
 use crate::gpu::include::IncludeError;
-use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::memory::MemoryError;
 use crate::gpu::pipelines::group;
-use crate::gpu::positions::{PositionBuffer, PositionError};
-use crate::gpu::split::{Split, WORKGROUP, binding};
+use crate::gpu::positions::PositionBuffer;
+use crate::gpu::split::{WORKGROUP, binding};
 use crate::gpu::timer::StageTimer;
-use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
 use crate::light;
-use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_ranged_lights};
-use crate::{Counting, DepthDirection, Light, Mesh};
+use crate::shadow::{RangedLight, ShadowCamera, check_ranged_lights};
+use crate::{Counting, Light, Mesh};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +38,9 @@ pub struct ShadowOptions {
     /// Find what no stencil count of the caster exceeds, for [`ShadowStatistics::count_bound`] and
     /// [`ShadowStatistics::may_wrap`]: a pass over the silhouettes. Counts wrap exactly at 256, so a point in a multiple of
     /// 256 volumes at once appears lit. The casters' bounds add up.
+    ///
+    /// [`ShadowStatistics::count_bound`]: crate::layout::ShadowStatistics::count_bound
+    /// [`ShadowStatistics::may_wrap`]: crate::layout::ShadowStatistics::may_wrap
     pub bound_counts: bool,
     /// As of [`crate::gpu::ExtractorOptions`].
     pub memory_limit: Option<u64>,
@@ -59,124 +61,70 @@ impl Default for ShadowOptions {
     }
 }
 
-/// Why shadow volumes cannot be made or recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowError {
-    /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
-    #[error(transparent)]
-    Include(#[from] IncludeError),
-    /// The volumes' own buffers do not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// The camera is refused.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// The lights are refused.
-    #[error(transparent)]
-    Light(#[from] ShadowLightError),
-    /// The volumes read the lists of the extractor that they were made for.
-    #[error("these volumes were made for another extractor; encode them with the one given to `ShadowVolumes::new`")]
-    OtherExtractor,
-    /// The lists of some lights are not there.
-    #[error(
-        "{given} lights given, and the extractor's last encode was for {encoded}; encode the extractor for all of them \
-         before the volumes"
-    )]
-    NotExtracted {
-        /// Lights given.
-        given: usize,
-        /// Lights of the extractor's last encode.
-        encoded: usize,
-    },
-    /// The lists at a light's place are another light's.
-    #[error(
-        "light {index} is not, bit for bit, light {index} of the extractor's last encode; encode the extractor for the same \
-         lights in the same order before the volumes"
-    )]
-    OtherLight {
-        /// Position in the list.
-        index: usize,
-    },
-    /// Near and far would be taken for each other.
-    #[error(
-        "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
-         `ShadowFormat::depth` to the camera's"
-    )]
-    Depth {
-        /// Of the camera.
-        camera: DepthDirection,
-        /// Of the pipelines.
-        pipelines: DepthDirection,
-    },
-    /// Dark caps would be cut off at the camera's far plane.
-    #[error(
-        "{counting:?} with a camera that has a far plane needs `ShadowFormat::has_far_plane` (and \
-         `Features::DEPTH_CLIP_CONTROL`); set it, use an infinite far plane, or `Counting::Auto`"
-    )]
-    FarPlane {
-        /// The counting method.
-        counting: Counting,
-    },
-}
-
-/// Why volumes cannot be drawn with these pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowDrawError {
-    /// What was listed is not what the pipelines draw.
-    #[error(
-        "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
-         method given to `ShadowVolumes::new`"
-    )]
-    Counting {
-        /// Of the volumes.
-        volumes: Counting,
-        /// Of the pipelines given.
-        pipelines: Counting,
-    },
-    /// The pipelines take far for near.
-    #[error(
-        "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
-    )]
-    Depth {
-        /// Of the volumes.
-        volumes: DepthDirection,
-        /// Of the pipelines given.
-        pipelines: DepthDirection,
-    },
-    /// The pipelines clip at the far plane, unlike those that the volumes were made with.
-    #[error(
-        "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
-    )]
-    FarPlane,
-}
-
-/// What the stages and draws share.
-#[derive(Debug)]
-pub(super) struct Buffers {
-    pub(super) shape: wgpu::Buffer,
-    pub(super) view: wgpu::Buffer,
-    pub(super) draw_lights: wgpu::Buffer,
-    pub(super) faces: wgpu::Buffer,
-    pub(super) bounds: wgpu::Buffer,
-    pub(super) lights: wgpu::Buffer,
-    pub(super) cap_dispatches: wgpu::Buffer,
-    pub(super) cap_counts: wgpu::Buffer,
-    /// One a word of lights.
-    pub(super) cap_lists: Vec<wgpu::Buffer>,
-    pub(super) draws: wgpu::Buffer,
-    pub(super) statistics: wgpu::Buffer,
-}
-
 /// The shadow volumes of one caster, for the lights of its [`Extractor`]. Records compute passes into the caller's encoder
 /// after the extraction's, and draws into the caller's render pass; nothing is read back.
 ///
 /// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
 /// the stencil is still 0. What casts must be in the depth buffer before.
+///
+/// ```no_run
+/// use rimline::gpu::{
+///     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+/// };
+/// use rimline::{Counting, Light, Mesh, RangedLight, ShadowCamera, wgpu};
+///
+/// /// The light pass's: it meets the depth pass's surfaces again, and lights them where no volume was counted.
+/// fn light_pass_depth_stencil() -> wgpu::DepthStencilState {
+///     let lit = wgpu::StencilFaceState {
+///         compare: wgpu::CompareFunction::Equal, // with `set_stencil_reference(0)`, which passes begin with
+///         ..wgpu::StencilFaceState::IGNORE
+///     };
+///     wgpu::DepthStencilState {
+///         format: wgpu::TextureFormat::Depth24PlusStencil8,
+///         depth_write_enabled: Some(false),
+///         depth_compare: Some(wgpu::CompareFunction::Equal),
+///         stencil: wgpu::StencilState { front: lit, back: lit, read_mask: 0xff, write_mask: 0 },
+///         bias: wgpu::DepthBiasState::default(),
+///     }
+/// }
+///
+/// # fn shadows(
+/// #     device: &wgpu::Device,
+/// #     encoder: &mut wgpu::CommandEncoder,
+/// #     mesh: &Mesh,
+/// #     vertices: PositionBuffer<'_>,
+/// #     camera: &ShadowCamera,
+/// #     depth_stencil: &wgpu::TextureView,
+/// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, usize),
+/// # ) -> Result<(), Box<dyn std::error::Error>> {
+/// // Once, with the format of your depth-stencil attachment and your camera's depth:
+/// let format = ShadowFormat { depth: camera.depth, ..ShadowFormat::default() };
+/// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+/// // Once a caster:
+/// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
+/// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, ShadowOptions::default())?;
+///
+/// // Every frame:
+/// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
+/// extractor.encode(encoder, vertices, &lights, None)?;
+/// volumes.encode(encoder, &extractor, vertices, camera, &lights.map(RangedLight::from), None)?;
+/// // After your depth pass, for each light; your colour attachments go here, too, and into the format:
+/// for light in 0..lights.len() {
+///     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+///         label: Some("light"),
+///         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+///             view: depth_stencil,
+///             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+///             stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+///         }),
+///         ..Default::default()
+///     });
+///     volumes.draw(&mut pass, &pipelines, light)?;
+///     draw_lit(&mut pass, light); // with a pipeline of `light_pass_depth_stencil`, blending by addition
+/// }
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct ShadowVolumes {
     buffers: Buffers,
@@ -327,7 +275,7 @@ impl ShadowVolumes {
         Ok(())
     }
 
-    /// A [`ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
+    /// A [`crate::layout::ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
         &self.buffers.statistics
     }
@@ -337,7 +285,7 @@ impl ShadowVolumes {
         &self.buffers.lights
     }
 
-    /// The draws of each light: [`ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
+    /// The draws of each light: [`crate::layout::ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.buffers.draws
     }
@@ -405,71 +353,5 @@ impl ShadowVolumes {
         self.groups = Some(DrawGroups { frame, results: groups, caps });
         self.bound_to = Some(target);
         Ok(())
-    }
-}
-
-/// Bytes that an entry of both lists of cap faces takes for a light.
-const CAP_ENTRY: u64 = 8;
-
-/// What takes room besides the lists of cap faces.
-fn per_light(lights: usize) -> [(&'static str, u64); 3] {
-    let lights = lights as u64;
-    [
-        ("shadow lights", lights * size_of::<ShadowLight>() as u64),
-        ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
-        ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
-    ]
-}
-
-/// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
-fn fitting_capacity(extraction: &Shape, split: &Split, memory_limit: Option<u64>) -> usize {
-    let bound = split.binding / (CAP_ENTRY * extraction.word_lights(0) as u64);
-    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
-    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
-    let fitting = bound.min(left / (CAP_ENTRY * extraction.max_lights as u64));
-    usize::try_from(fitting).unwrap_or(usize::MAX)
-}
-
-impl Buffers {
-    fn new(extractor: &Extractor, cap_capacity: usize, memory_limit: Option<u64>) -> Result<Self, MemoryError> {
-        let (device, split, extraction) = extractor.parts();
-        let lights = extraction.max_lights as u64;
-        let words = extraction.words();
-        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.word_lights(word) as u64;
-        let widest = list_bytes(0);
-        if padded(widest) > split.binding {
-            let what = "lists of cap faces";
-            return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
-        }
-        let wanted: Vec<Allocation> = (0..words)
-            .map(|word| ("lists of cap faces", list_bytes(word)))
-            .chain(per_light(extraction.max_lights))
-            .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
-            .collect();
-        let bytes = check(&wanted, split.buffer, memory_limit)?;
-        let mut draw_lights = UniformTable::default();
-        for light in 0..extraction.max_lights as u32 {
-            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 });
-        }
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        guarded(device, bytes, || Self {
-            shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
-            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
-            draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
-            faces: extractor.faces().clone(),
-            bounds: buffer(device, "caster bounds", 24, storage),
-            lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
-            cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
-            cap_counts: buffer(device, "cap counts", 8 * lights, storage),
-            cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
-            draws: buffer(
-                device,
-                "shadow draws",
-                lights * size_of::<ShadowDraws>() as u64,
-                storage | BufferUsages::INDIRECT,
-            ),
-            statistics: buffer(device, "shadow statistics", size_of::<ShadowStatistics>() as u64, storage),
-        })
     }
 }
