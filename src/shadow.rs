@@ -1,6 +1,6 @@
 //! What shadow volumes are asked for: camera, lights with a range, counting method.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
@@ -69,6 +69,39 @@ pub enum DepthDirection {
 }
 
 /// The camera that shadow volumes are drawn for.
+///
+/// ```
+/// use rimline::glam::Vec3;
+/// use rimline::glam::camera::rh::{proj::directx, view::look_at_mat4};
+/// use rimline::gpu::ShadowFormat;
+/// use rimline::{DepthDirection, ShadowCamera};
+///
+/// let (eye, target) = (Vec3::new(0.0, 2.0, 5.0), Vec3::ZERO);
+///
+/// // Depth from 0 to 1 with a far plane, `Mat4::perspective_rh` in older versions of glam:
+/// let projection = directx::perspective(1.0, 16.0 / 9.0, 0.1, 100.0);
+/// let camera = ShadowCamera {
+///     view_projection: projection * look_at_mat4(eye, target, Vec3::Y),
+///     origin: Vec3::ZERO,
+///     depth: DepthDirection::Standard,
+/// };
+/// # camera.view()?;
+/// // What is drawn with must know; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
+/// let has_far_plane = camera.has_far_plane();
+/// let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
+/// assert!(format.has_far_plane);
+///
+/// // Reversed depth without a far plane, the default of `ShadowFormat`; positions relative to the eye:
+/// let projection = directx::perspective_infinite_reverse(1.0, 16.0 / 9.0, 0.1);
+/// let camera = ShadowCamera {
+///     view_projection: projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y),
+///     origin: eye,
+///     depth: DepthDirection::Reversed,
+/// };
+/// # camera.view()?;
+/// assert!(!camera.has_far_plane());
+/// # Ok::<(), rimline::shadow::CameraError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCamera {
     /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.
@@ -96,6 +129,17 @@ pub enum CameraError {
 }
 
 impl ShadowCamera {
+    /// The far plane is at a finite distance, as [`crate::gpu::ShadowFormat::has_far_plane`] asks. Only a matrix whose far
+    /// plane is at infinity to the last bit has none: by that plane's least slope points at infinity may be clipped.
+    pub fn has_far_plane(&self) -> bool {
+        let (depth, w) = (self.view_projection.row(2), self.view_projection.row(3));
+        let [far, opposite] = match self.depth {
+            DepthDirection::Reversed => [depth, Vec4::ZERO],
+            DepthDirection::Standard => [w, depth],
+        };
+        far.truncate() != opposite.truncate()
+    }
+
     /// What the GPU needs of it.
     ///
     /// # Errors
@@ -247,7 +291,9 @@ pub(crate) fn check_ranged_lights(lights: &[RangedLight], limit: usize) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Vec4, Vec4Swizzles};
+    use glam::Vec4Swizzles;
+    use glam::camera::rh::proj::directx::{perspective, perspective_infinite, perspective_infinite_reverse};
+    use glam::camera::rh::view::look_at_mat4;
 
     const REVERSED: DepthDirection = DepthDirection::Reversed;
     const STANDARD: DepthDirection = DepthDirection::Standard;
@@ -284,6 +330,26 @@ mod tests {
             let half = [near_w / 2.0, near_w / 4.0];
             assert_eq!(view.near_min, [-half[0], -half[1], -0.5], "{number}");
             assert_eq!(view.near_max, [half[0], half[1], -0.5], "{number}");
+        }
+    }
+
+    #[test]
+    fn far_planes_are_told_from_infinity() {
+        let expected = [false, false, true, true, true, true];
+        assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
+        // Wherever the camera stands and looks.
+        let place = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
+        let moved = cameras().map(|camera| ShadowCamera { view_projection: camera.view_projection * place, ..camera });
+        assert_eq!(moved.map(|camera| camera.has_far_plane()), expected);
+        let camera = |view_projection, depth| ShadowCamera { view_projection, origin: Vec3::ZERO, depth };
+        for (matrix, depth, expected) in [
+            (perspective(1.0, 1.5, 0.1, 100.0), STANDARD, true),
+            (perspective(1.0, 1.5, 100.0, 0.1), REVERSED, true),
+            (perspective_infinite(1.0, 1.5, 0.1), STANDARD, false),
+            (perspective_infinite_reverse(1.0, 1.5, 0.1), REVERSED, false),
+        ] {
+            assert_eq!(camera(matrix * place, depth).has_far_plane(), expected);
+            assert!(camera(matrix * place, depth).view().is_ok());
         }
     }
 

@@ -36,7 +36,8 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
     let facing = ((facing_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
     valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
-      is_finite(caster_position(corners.x)) && is_finite(caster_position(corners.y)) && is_finite(caster_position(corners.z));
+      is_finite(caster_position(corners.x)) && is_finite(caster_position(corners.y)) &&
+      is_finite(caster_position(corners.z));
   }
   return CapFace(valid, corners);
 }
@@ -80,7 +81,9 @@ fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   let q = direction_to_clip(view, b).xy;
   let r = direction_to_clip(view, c).xy;
   let left = is_left(p, q, face.corners.x < face.corners.y);
-  if (left != is_left(q, r, face.corners.y < face.corners.z) || left != is_left(r, p, face.corners.z < face.corners.x)) {
+  let left_of_second = is_left(q, r, face.corners.y < face.corners.z);
+  let left_of_third = is_left(r, p, face.corners.z < face.corners.x);
+  if (left != left_of_second || left != left_of_third) {
     return NOTHING;
   }
   // The direction, or its opposite, is this sum of the three.

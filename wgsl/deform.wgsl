@@ -36,7 +36,8 @@ fn deform(@builtin(global_invocation_id) id: vec3<u32>) {
   var p = vec3<f32>(rest[3u * vertex], rest[3u * vertex + 1u], rest[3u * vertex + 2u]);
   for (var active_target = 0u; active_target < chunk.target_count; active_target++) {
     let word = 3u * (pose[chunk.targets + 2u * active_target] * chunk.count + vertex);
-    p += bitcast<f32>(pose[chunk.targets + 2u * active_target + 1u]) * vec3<f32>(morph[word], morph[word + 1u], morph[word + 2u]);
+    let weight = bitcast<f32>(pose[chunk.targets + 2u * active_target + 1u]);
+    p += weight * vec3<f32>(morph[word], morph[word + 1u], morph[word + 2u]);
   }
   if (chunk.skinned == 0u) {
     p = transform(0u, p);

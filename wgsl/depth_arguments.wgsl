@@ -1,4 +1,4 @@
-// Shadow arguments: the indirect dispatch that counts pairs of point and light anew, from how many are listed; and the
+// Depth arguments: the indirect dispatch that counts pairs of point and light anew, from how many are listed; and the
 // list is empty again.
 
 @group(0) @binding(0) var<uniform> range: FaceRange;

@@ -26,8 +26,9 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Returns its lowest digit. Without a loop: some software
-// GPUs end an invocation's loops after 2^16 turns, all of them together (ARCHITECTURE.md, "Decisions").
+// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Returns its lowest digit.
+// Without a loop: some software GPUs end an invocation's loops after 2^16 turns, all of them together (ARCHITECTURE.md,
+// "Decisions").
 fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
   let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));

@@ -42,6 +42,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     extractor.encode(&mut encoder, positions, &[sun], None)?;
     volumes.encode(&mut encoder, &extractor, positions, &view, &[RangedLight::from(sun)], None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "shadows_drop_in.png")
 }

@@ -50,6 +50,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     extractor.encode(&mut encoder, positions, &lights, None)?;
     let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
     volumes.encode(&mut encoder, &extractor, positions, &view, &ranged, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "soft.png")
 }

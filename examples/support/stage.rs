@@ -135,20 +135,21 @@ impl<'a> Stage<'a> {
         Body { group, corners: 3 * faces.len() as u32 }
     }
 
-    /// Draws everything. `shade` draws a light's shadow volumes into the stencil, which is 0 everywhere.
-    pub(crate) fn draw(
+    /// Draws everything. `shade` draws a light's shadow volumes into the stencil, which is 0 everywhere; its errors are
+    /// handed on.
+    pub(crate) fn draw<E>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         bodies: &[Body],
-        shade: impl Fn(&mut wgpu::RenderPass<'_>, usize),
-    ) {
+        shade: impl Fn(&mut wgpu::RenderPass<'_>, usize) -> Result<(), E>,
+    ) -> Result<(), E> {
         let sky = wgpu::Color { r: 0.62, g: 0.62, b: 0.63, a: 1.0 };
         let mut pass = self.pass(encoder, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
         self.everything(&mut pass, &self.ambient, bodies, 0);
         drop(pass);
         for lamp in 0..self.lamps {
             let mut pass = self.pass(encoder, (LoadOp::Load, LoadOp::Load));
-            shade(&mut pass, lamp);
+            shade(&mut pass, lamp)?;
             self.everything(&mut pass, &self.lit, bodies, lamp);
         }
         self.canvas.draw(encoder, |pass| {
@@ -156,6 +157,7 @@ impl<'a> Stage<'a> {
             pass.set_bind_group(0, &self.tone.1, &[]);
             pass.draw(0..3, 0..1);
         });
+        Ok(())
     }
 
     fn everything(

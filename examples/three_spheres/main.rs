@@ -70,6 +70,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
     let ranged = lights.map(RangedLight::from);
     volumes.encode(&mut encoder, &extractor, deformer.positions(), &view, &ranged, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light));
+    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "three_spheres.png")
 }

@@ -118,6 +118,8 @@ pub struct Extractor {
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
     bound_to: Option<BoundTo>,
+    /// Of the last encode; none before the first.
+    encoded: Vec<Light>,
 }
 
 /// Invocations of a workgroup of exact facing.
@@ -219,6 +221,7 @@ impl Extractor {
             from_facing,
             options,
             bound_to: None,
+            encoded: Vec::new(),
             buffers,
             pipelines,
         })
@@ -270,6 +273,8 @@ impl Extractor {
         for pass in at_last {
             pass.record(encoder, 0..used, timer.as_deref_mut());
         }
+        self.encoded.clear();
+        self.encoded.extend_from_slice(lights);
         Ok(())
     }
 
@@ -328,6 +333,11 @@ impl Extractor {
             draw_arguments,
             statistics,
         }
+    }
+
+    /// The lights of the last encode; none before the first.
+    pub(super) fn encoded(&self) -> &[Light] {
+        &self.encoded
     }
 
     /// The mesh's faces, three `u32` each.

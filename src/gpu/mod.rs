@@ -29,6 +29,8 @@ pub use pipelines::Pipelines;
 pub use positions::{PositionBuffer, PositionError};
 pub use readback::{ReadError, read_back, read_back_vec};
 pub use results::Results;
-pub use shadow::{ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes};
+pub use shadow::{
+    ShadowDrawError, ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
 pub use shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use timer::StageTimer;

@@ -18,6 +18,7 @@ mod positions;
 mod refusals;
 mod shadow_chain;
 mod shadow_query;
+mod shadow_refusals;
 mod shadow_stages;
 mod stages;
 mod stress;
@@ -46,6 +47,7 @@ fn main() {
         clipped::TESTS,
         dark_caps::TESTS,
         shadow_query::TESTS,
+        shadow_refusals::TESTS,
         pipelines::TESTS,
     ]
     .concat();

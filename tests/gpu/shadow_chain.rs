@@ -139,17 +139,19 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
 
 /// In each counting method, with lists that fit or overflow.
 fn chain() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
+    // z-fail needs depth to be unclipped where the camera has a far plane.
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
     let seed = 104;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let format = ShadowFormat::default();
     let (mut overflowed, mut doubled, mut switched, mut ended, mut bounded) = (0, 0, 0, 0, 0);
     for (counting, code) in METHODS {
-        let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
         for number in 0..6 {
             let scene = scene(&mut random, number, LIGHTS);
             let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
+            let (depth, has_far_plane) = (scene.camera.depth, scene.camera.has_far_plane());
+            let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
+            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
             let capacity = [None, Some(30)][number % 2];
             let lists = ListOptions { capacity, ordered: false, vertices_per_edge: 4 };
             // Ten more than are used.

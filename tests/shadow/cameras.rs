@@ -10,10 +10,14 @@ use crate::common::is_long;
 use crate::common::random::Random;
 use crate::rays::Tracer;
 use crate::render::{Counted, Renderer};
-use crate::scene::{Eye, Frame, Rays};
+use crate::scene::{Eye, Frame, Placed, Rays};
 use crate::trials::{Tally, Test, Traced, every, seed};
 
-pub(crate) const TESTS: &[Test] = &[("standard_depth", standard_depth), ("orthographic_cameras", orthographic)];
+pub(crate) const TESTS: &[Test] = &[
+    ("standard_depth", standard_depth),
+    ("z_fail_with_standard_depth_and_far_planes", z_fail),
+    ("orthographic_cameras", orthographic),
+];
 
 /// A frame of a class, seen by another camera.
 fn seen(class: &Class, number: u64, change: impl FnOnce(&mut Eye, &mut Random)) -> Traced {
@@ -36,6 +40,44 @@ fn standard_depth() -> Result<(), String> {
                 *eye = Eye { depth: DepthDirection::Standard, far, near: eye.near.max(0.1), ..*eye };
             });
             traced.check(&renderer, Counting::Auto, false).map_err(|error| format!("{}: {error}", class.name))?;
+        }
+    }
+    Ok(())
+}
+
+/// z-fail from perspective cameras: with standard depth, with a far plane, and with both.
+fn z_fail() -> Result<(), String> {
+    let features = wgpu::Features::DEPTH32FLOAT_STENCIL8 | wgpu::Features::DEPTH_CLIP_CONTROL;
+    let gpu = Gpu::with(features, wgpu::Limits::default())?;
+    let renderer = Renderer { format: wgpu::TextureFormat::Depth32FloatStencil8, ..Renderer::new(&gpu) };
+    for (depth, far) in [
+        (DepthDirection::Standard, None),
+        (DepthDirection::Standard, Some(60.0)),
+        (DepthDirection::Reversed, Some(60.0)),
+    ] {
+        let (mut shadowed, mut cut, mut noticed) = (0, 0, 0);
+        for class in CLASSES {
+            for number in 90..if is_long() { 100 } else { 91 } {
+                let traced = seen(class, number, |eye, _| {
+                    *eye = Eye { depth, far, near: eye.near.max(0.1), ..*eye };
+                });
+                let what =
+                    |error| format!("{depth:?}, far plane {far:?}, {}, seed {}: {error}", class.name, traced.seed);
+                let mut counted = renderer.count(&traced.frame, Counting::ZFail).map_err(what)?;
+                let specks = unequal(&traced, &counted, !class.touches).map_err(what)?;
+                if far.is_none() && specks > 0 {
+                    return Err(what(format!("{specks} wrong pixels")));
+                }
+                cut += specks;
+                let in_shadow = traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+                shadowed += in_shadow;
+                counted.stencils[0].fill(0);
+                noticed += usize::from(in_shadow > 100 && unequal(&traced, &counted, false).is_err());
+            }
+        }
+        println!("{depth:?}, far plane {far:?}: {shadowed} pixels in shadow, {cut} pixels of cut faces wrong");
+        if shadowed == 0 || noticed == 0 {
+            return Err("negative control: light for shadow went unnoticed".to_owned());
         }
     }
     Ok(())
@@ -78,10 +120,11 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
     }
     let from = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
     let met = Tracer::new(frame).between((from, frame.eye.forward), [0.0, f64::INFINITY], None, 0);
-    let view = frame.eye.camera().view().map_err(|error| error.to_string())?;
     let casters = frame.bodies.iter().filter(|body| body.casts);
     for (caster, body) in casters.enumerate() {
-        let end = |vertex: u32| (vertex, body.shape.positions[vertex as usize]);
+        let Placed { shape, camera, .. } = frame.placed(body);
+        let view = camera.view().map_err(|error| error.to_string())?;
+        let end = |vertex: u32| (vertex, shape.positions[vertex as usize]);
         let cap = |face: &&[u32; 3]| cpu::dark_cap(&view, &counted.chosen[caster][0], face.map(end)).is_some();
         let (found, expected) = (body.finite_faces().iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
         if found != usize::from(expected) {

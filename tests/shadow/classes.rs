@@ -1,6 +1,6 @@
 //! Classes of frames, by where eye, light and casters are to each other.
 
-use rimline::glam::DVec3;
+use rimline::glam::{DVec3, Vec3};
 use rimline::shapes::{self, Shape};
 use rimline::{DepthDirection, Light};
 
@@ -42,6 +42,7 @@ pub(crate) const CLASSES: &[Class] = &[
     class("faces that are not finite", not_finite),
     class("sheet with faces that are not finite", torn_sheet),
     Class { touches: true, ..class("two touching boxes", boxes) },
+    class("mirrored instance", mirrored),
 ];
 
 fn vector(random: &mut Random) -> DVec3 {
@@ -217,6 +218,20 @@ fn overlapping(random: &mut Random) -> Frame {
     bodies.push(Body::room([0.0; 3], 8.0));
     let frame = self::random(random);
     Frame { bodies, ..frame }
+}
+
+/// The second caster is an instance whose transform has a negative determinant.
+fn mirrored(random: &mut Random) -> Frame {
+    let mut frame = match random.below(5) {
+        0 => self::random(random),
+        1 => outside(random),
+        2 => inside(random, true, true),
+        3 => inside(random, false, false),
+        _ => within(random),
+    };
+    let mirrors = [Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, -1.0, 1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::NEG_ONE];
+    frame.bodies[1].mirror = Some(mirrors[random.below(4)]);
+    frame
 }
 
 pub(crate) fn with_caster(random: &mut Random, shape: shapes::Shape) -> Frame {

@@ -1,4 +1,4 @@
-//! Counts that 8 bits do not hold, and the bound that tells of them.
+//! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
 use rimline::cpu::{self, Threads};
 use rimline::gpu::ShadowOptions;
@@ -12,13 +12,15 @@ use crate::common::{is_long, must_fail};
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
 use crate::render::{Counted, Renderer};
-use crate::scene::{Body, CENTRE, Frame};
-use crate::trials::{Test, seed};
+use crate::scene::{Body, CENTRE, Frame, Placed};
+use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),
     ("stencil_bound_is_that_of_its_twin_and_holds", bound),
     ("ordinary_models_do_not_warn", ordinary),
+    ("silhouette_lists_that_overflow", silhouettes),
+    ("lists_of_cap_faces_that_a_small_device_shortens", shortened),
 ];
 
 fn renderer(gpu: &Gpu) -> Renderer<'_> {
@@ -95,11 +97,12 @@ fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
     let casters = frame.bodies.iter().filter(|body| body.casts);
     casters
         .zip(&counted.chosen)
-        .map(|(Body { shape, .. }, lights)| {
+        .map(|(body, lights)| {
+            let Placed { shape, lights: plain, .. } = frame.placed(body);
             let text = |error: &dyn std::fmt::Display| error.to_string();
             let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);
-            let found = cpu::extract(&shape.positions, &mesh, &frame.lights, method, predicate, Threads::all())
+            let found = cpu::extract(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| text(&error))?;
             let edges = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
             let edges = edges.map(|(edge, _)| {
@@ -188,4 +191,98 @@ fn ordinary() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Lists of silhouette edges with room for some, or for one: the same counts by each method, and right ones.
+fn silhouettes() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass, Counting::ZpPlusPaper];
+    let (mut compared, mut overflowed, mut doubled, mut shadowed) = (0, [0; 2], 0, 0);
+    for class in CLASSES {
+        let traced = Traced::new(class, 110);
+        let frame = &traced.frame;
+        let casters = frame.bodies.iter().filter(|body| body.casts);
+        let edges: Vec<u32> = casters
+            .map(|body| body.shape.mesh().map(|mesh| mesh.edges().len() as u32).map_err(|error| error.to_string()))
+            .collect::<Result<_, _>>()?;
+        for counting in methods {
+            let whole = Renderer::new(&gpu).count(frame, counting)?;
+            for capacity in [1, 100] {
+                let what = format!("{}, seed {}, {counting:?}, room for {capacity}", class.name, traced.seed);
+                let renderer = Renderer { list_capacity: Some(capacity), ..Renderer::new(&gpu) };
+                let counted = renderer.count(frame, counting)?;
+                // The published method sees all edges where a list overflowed, and leaves more to z-fail.
+                let is_alike = counted.chosen == whole.chosen;
+                let is_meant = is_alike || counting == Counting::ZpPlusPaper;
+                if !is_meant || (is_alike && counted.stencils != whole.stencils) {
+                    return Err(format!("{what}: another picture"));
+                }
+                for ((draws, edges), lights) in counted.draws.iter().zip(&edges).zip(&counted.chosen) {
+                    let instances =
+                        [draws[0].plain, draws[0].clipped, draws[0].switched].map(|draw| draw.instance_count);
+                    let times = if lights[0].casting == 2 { 2 } else { 1 };
+                    let all = [times * edges, 3 * times * edges];
+                    let is_all = instances.iter().any(|instances| all.contains(instances));
+                    overflowed[usize::from(capacity > 1)] += usize::from(is_all);
+                    doubled += usize::from(is_all && times == 2);
+                }
+                compared += usize::from(is_alike);
+            }
+        }
+        let renderer = Renderer { list_capacity: Some(1), ..Renderer::new(&gpu) };
+        let (_, counted) = traced.check(&renderer, Counting::Auto, !class.touches)?;
+        let is_shadowed = traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        shadowed += is_shadowed;
+        if is_shadowed > 100 {
+            let lit = vec![0; counted.stencils[0].len()];
+            let wrong = traced.compared().lit(&lit, &every(&counted, 0));
+            must_fail("light for shadow", &wrong.pixels.first().map_or(Ok(()), |pixel| Err(format!("{pixel:?}"))))?;
+        }
+    }
+    println!(
+        "{compared} pictures, {shadowed} pixels in shadow; lists of 1 and of 100 that overflowed: {overflowed:?}, {doubled} drawn twice"
+    );
+    if overflowed.contains(&0) || doubled == 0 || shadowed == 0 {
+        return Err("no list of a kind overflowed".to_owned());
+    }
+    Ok(())
+}
+
+/// Where lists of all cap faces do not fit a binding they are shorter by default, and the counts are the same.
+fn shortened() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let small = Gpu::with_limits(wgpu::Limits {
+        max_storage_buffer_binding_size: 64 << 10,
+        max_buffer_size: 4 << 20,
+        ..wgpu::Limits::default()
+    })?;
+    let mut random = Random::new(12);
+    let mut overflowed = [0; 2];
+    for class in
+        CLASSES.iter().filter(|class| class.name != "directional lights").step_by(if is_long() { 1 } else { 4 })
+    {
+        let seed = seed(class, 111);
+        let mut frame = (class.frame)(&mut Random::new(seed));
+        let [x, y, z] = frame.lights[0].xyz;
+        let about = |_| {
+            let [a, b, c] = random.direction();
+            Light::point([x + a, y + b, z + c])
+        };
+        frame.lights.extend((1..32).map(about));
+        frame.size = 48;
+        for (counting, end_at_range) in [(Counting::ZFail, false), (Counting::ZFail, true), (Counting::Auto, true)] {
+            let options = ShadowOptions { end_at_range, ..ShadowOptions::default() };
+            let count = |gpu| Renderer { options, range: 12.0, ..Renderer::new(gpu) }.count(&frame, counting);
+            let (whole, short) = (count(&gpu)?, count(&small)?);
+            let what = format!("{}, seed {seed}, {counting:?}, {end_at_range}", class.name);
+            if whole.stencils != short.stencils || whole.chosen != short.chosen {
+                return Err(format!("{what}: another picture"));
+            }
+            for (overflowed, counted) in overflowed.iter_mut().zip([&whole, &short]) {
+                *overflowed += counted.statistics.iter().map(|statistics| statistics.overflowed_caps).sum::<u32>();
+            }
+        }
+    }
+    println!("lists that overflowed: {overflowed:?}");
+    if overflowed[0] == 0 && overflowed[1] > 0 { Ok(()) } else { Err("not as meant".to_owned()) }
 }

@@ -9,7 +9,7 @@ use crate::common::device::Gpu;
 use crate::common::is_long;
 use crate::common::random::Random;
 use crate::render::Renderer;
-use crate::scene::Frame;
+use crate::scene::{Frame, Placed};
 use crate::trials::{Test, Traced, every, seed};
 
 pub(crate) const TESTS: &[Test] =
@@ -53,16 +53,16 @@ fn published() -> Result<(), String> {
 
 /// Which casters the twin leaves to z-fail.
 fn twin(frame: &Frame, chosen: &[Vec<ShadowLight>]) -> Result<Vec<u32>, String> {
-    let view = frame.eye.camera().view().map_err(|error| error.to_string())?;
     let casters = frame.bodies.iter().filter(|body| body.casts);
     casters
         .zip(chosen)
         .map(|(body, lights)| {
-            let shape = &body.shape;
+            let Placed { shape, camera, lights: plain } = frame.placed(body);
+            let view = camera.view().map_err(|error| error.to_string())?;
             let mesh =
                 Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| error.to_string())?;
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);
-            let found = cpu::extract(&shape.positions, &mesh, &frame.lights, method, predicate, Threads::all())
+            let found = cpu::extract(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| error.to_string())?;
             let silhouettes =
                 mesh.edges().vertices().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);

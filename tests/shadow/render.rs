@@ -1,14 +1,14 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
+    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
     ShadowVolumes, read_back_vec,
 };
-use rimline::layout::{ShadowLight, ShadowStatistics};
+use rimline::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Mesh, RangedLight};
 
 use crate::common::device::Gpu;
-use crate::scene::Frame;
+use crate::scene::{Frame, Placed};
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub(crate) struct Counted {
     pub(crate) stencils: Vec<Vec<u8>>,
     /// What was chosen, a caster and light each.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
+    /// Likewise.
+    pub(crate) draws: Vec<Vec<ShadowDraws>>,
     pub(crate) statistics: Vec<ShadowStatistics>,
 }
 
@@ -67,6 +69,8 @@ pub(crate) struct Renderer<'a> {
     /// 1 or 4.
     pub(crate) samples: u32,
     pub(crate) options: ShadowOptions,
+    /// Of the lists of silhouette edges.
+    pub(crate) list_capacity: Option<u32>,
     /// Of every light.
     pub(crate) range: f32,
 }
@@ -80,6 +84,7 @@ impl<'a> Renderer<'a> {
             depth_pass: DepthPass::Alike,
             samples: 1,
             options: ShadowOptions::default(),
+            list_capacity: None,
             range: f32::INFINITY,
         }
     }
@@ -87,45 +92,49 @@ impl<'a> Renderer<'a> {
     pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
         let text = |error: &dyn std::fmt::Display| error.to_string();
         let gpu = self.gpu;
-        let camera = frame.eye.camera();
-        let shadow_format = ShadowFormat {
+        let shadow_format = |front_face| ShadowFormat {
+            front_face,
             depth_stencil: self.format,
             depth: frame.eye.depth,
             samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
             ..ShadowFormat::default()
         };
-        let pipelines =
-            ShadowPipelines::new(&self.pipelines, &shadow_format, counting).map_err(|error| text(&error))?;
+        let pipelines = |front_face| {
+            ShadowPipelines::new(&self.pipelines, &shadow_format(front_face), counting).map_err(|error| text(&error))
+        };
+        let [plain, mirroring] = [pipelines(wgpu::FrontFace::Ccw)?, pipelines(wgpu::FrontFace::Cw)?];
         let target = self.target(frame.size, self.samples, self.format);
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let lights: Vec<RangedLight> =
-            frame.lights.iter().map(|&light| RangedLight { light, range: self.range }).collect();
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {
-            let mesh =
-                Mesh::from_faces(body.shape.positions.len(), body.shape.faces.clone()).map_err(|error| text(&error))?;
-            let buffer = gpu.storage(&body.shape.positions);
+            let Placed { shape, camera, lights } = frame.placed(body);
+            let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
+            let buffer = gpu.storage(&shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-            let options = ExtractorOptions { max_lights: lights.len(), ..Default::default() };
+            let lists = ListOptions { capacity: self.list_capacity, ..ListOptions::default() };
+            let options = ExtractorOptions { max_lights: lights.len(), lists: Some(lists), ..Default::default() };
             let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
-            extractor.encode(&mut encoder, positions, &frame.lights, None).map_err(|error| text(&error))?;
+            extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
+            let pipelines = if body.mirror.is_some() { &mirroring } else { &plain };
             let mut volumes =
-                ShadowVolumes::new(&pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
+                ShadowVolumes::new(pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
+            let lights: Vec<RangedLight> =
+                lights.iter().map(|&light| RangedLight { light, range: self.range }).collect();
             volumes
                 .encode(&mut encoder, &extractor, positions, &camera, &lights, None)
                 .map_err(|error| text(&error))?;
-            casters.push(volumes);
+            casters.push((volumes, pipelines));
         }
         self.depth(&mut encoder, frame, &view);
         let row = (frame.size * self.samples).next_multiple_of(256);
         let bytes = u64::from(row) * u64::from(frame.size);
         let mut copies = Vec::new();
-        for light in 0..lights.len() {
+        for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
-            for volumes in &casters {
-                volumes.draw(&mut pass, &pipelines, light);
+            for (volumes, pipelines) in &casters {
+                volumes.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
             }
             drop(pass);
             let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -155,9 +164,10 @@ impl<'a> Renderer<'a> {
             let values: Vec<u8> = lines.flatten().copied().collect();
             stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
-        let mut counted = Counted { stencils, chosen: Vec::new(), statistics: Vec::new() };
-        for volumes in &casters {
-            counted.chosen.push(gpu.read(volumes.lights(), lights.len())?);
+        let mut counted = Counted { stencils, chosen: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
+        for (volumes, _) in &casters {
+            counted.chosen.push(gpu.read(volumes.lights(), frame.lights.len())?);
+            counted.draws.push(gpu.read(volumes.draw_arguments(), frame.lights.len())?);
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
         }
         Ok(counted)

@@ -1,19 +1,30 @@
 //! What is drawn and cast: casters, receivers, camera, lights.
 
-use rimline::glam::{DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
+use rimline::glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::shapes::Shape;
 use rimline::{DepthDirection, Light, ShadowCamera};
 
 /// Triangles of one caster or receiver.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
+    /// In world space.
     pub(crate) shape: Shape,
     pub(crate) casts: bool,
+    /// The GPU gets a mesh in its own space, which is placed by a scale of 1 or -1 along each axis, of a negative
+    /// determinant. So nothing is rounded.
+    pub(crate) mirror: Option<Vec3>,
+}
+
+/// A caster as the GPU gets it, with camera and lights in its space.
+pub(crate) struct Placed {
+    pub(crate) shape: Shape,
+    pub(crate) camera: ShadowCamera,
+    pub(crate) lights: Vec<Light>,
 }
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self { shape, casts: true }
+        Self { shape, casts: true, mirror: None }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {
@@ -42,7 +53,7 @@ impl Body {
         for face in &mut shape.faces {
             face.swap(1, 2);
         }
-        Self { shape, casts: false }.scaled(half).moved(centre)
+        Self { casts: false, ..Self::caster(shape) }.scaled(half).moved(centre)
     }
 }
 
@@ -55,7 +66,7 @@ pub(crate) struct Eye {
     /// Positions are taken relative to the eye.
     pub(crate) is_relative: bool,
     pub(crate) depth: DepthDirection,
-    /// The distance of the far plane, if there is one; with reversed depth only an orthographic camera's.
+    /// The distance of the far plane, if there is one.
     pub(crate) far: Option<f64>,
     /// Of an orthographic camera, which has a far plane, half of what is seen from side to side.
     pub(crate) half_width: Option<f64>,
@@ -83,7 +94,8 @@ impl Eye {
         let z = match (self.depth, self.far, self.half_width) {
             (DepthDirection::Reversed, Some(far), Some(_)) => (unit * far - distance) / (far - self.near),
             (DepthDirection::Standard, Some(far), Some(_)) => (distance - near) / (far - self.near),
-            (DepthDirection::Reversed, ..) => near,
+            (DepthDirection::Reversed, None, _) => near,
+            (DepthDirection::Reversed, Some(far), None) => (unit * far - w) * (self.near / (far - self.near)),
             (DepthDirection::Standard, None, _) => w - near,
             (DepthDirection::Standard, Some(far), None) => (w - near) * (far / (far - self.near)),
         };
@@ -99,6 +111,26 @@ pub(crate) struct Frame {
     pub(crate) eye: Eye,
     pub(crate) lights: Vec<Light>,
     pub(crate) size: u32,
+}
+
+impl Frame {
+    /// A mirrored instance's mesh stays in its own space, with its faces as they are there; camera and lights go there.
+    pub(crate) fn placed(&self, body: &Body) -> Placed {
+        let (mut shape, mut camera, mut lights) = (body.shape.clone(), self.eye.camera(), self.lights.clone());
+        if let Some(mirror) = body.mirror {
+            for position in &mut shape.positions {
+                *position = (Vec3::from(*position) * mirror).to_array();
+            }
+            for face in &mut shape.faces {
+                face.swap(1, 2);
+            }
+            camera.view_projection *= Mat4::from_scale(mirror);
+            camera.origin *= mirror;
+            let to_world = DAffine3::from_scale(mirror.as_dvec3());
+            lights = lights.iter().filter_map(|light| light.to_mesh_space(&to_world)).collect();
+        }
+        Placed { shape, camera, lights }
+    }
 }
 
 /// The middle of a pixel, in pixels from its upper left corner, right and down.

@@ -3,7 +3,7 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
-    ShadowError, ShadowFormatError, ShadowQueryError,
+    ShadowDrawError, ShadowError, ShadowFormatError, ShadowQueryError,
 };
 
 use crate::device::{Gpu, describe};
@@ -30,6 +30,8 @@ pub(crate) enum GpuError {
     Read(#[from] ReadError),
     #[error(transparent)]
     Shadow(#[from] ShadowError),
+    #[error(transparent)]
+    ShadowDraw(#[from] ShadowDrawError),
     #[error(transparent)]
     ShadowFormat(#[from] ShadowFormatError),
 }

@@ -131,7 +131,7 @@ fn mask(
     let mut pictures = Vec::with_capacity(samples.len());
     for light in samples {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("mask") });
-        let texture = masks.record(&mut encoder, studio, &subject, light);
+        let texture = masks.record(&mut encoder, studio, &subject, light)?;
         gpu.queue.submit([encoder.finish()]);
         pictures.push(Picture::read(gpu, texture)?);
     }

@@ -1,6 +1,7 @@
 //! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`.
 
-use super::volumes::{Buffers, ShadowOptions};
+use super::buffers::Buffers;
+use super::volumes::ShadowOptions;
 use crate::Counting;
 use crate::gpu::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::positions::BoundPositions;

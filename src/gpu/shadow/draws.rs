@@ -1,7 +1,7 @@
 //! The draws of a light's volume.
 
+use super::buffers::Buffers;
 use super::pipelines::ShadowPipelines;
-use super::volumes::Buffers;
 use crate::gpu::frame::UniformTable;
 use crate::layout::{DrawArguments, ShadowDraw, ShadowDraws};
 

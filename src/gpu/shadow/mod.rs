@@ -1,10 +1,13 @@
 //! Shadow volumes: which faces cast and how is counted, chosen on the GPU; sides and caps by indirect draws.
 
+mod buffers;
 mod choice;
 mod draws;
+mod errors;
 mod pipelines;
 mod volumes;
 
+pub use errors::{ShadowDrawError, ShadowError};
 pub(super) use pipelines::VolumeKey;
 pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
-pub use volumes::{ShadowError, ShadowOptions, ShadowVolumes};
+pub use volumes::{ShadowOptions, ShadowVolumes};

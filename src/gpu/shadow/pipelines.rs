@@ -12,7 +12,7 @@ use crate::stages::{CAP_FACES, SIDES, Stage};
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment; it must have both.
     pub depth_stencil: wgpu::TextureFormat,
-    /// Which depth is near.
+    /// Which depth is near: the cameras'.
     pub depth: DepthDirection,
     /// Samples a pixel.
     pub samples: u32,
@@ -20,7 +20,8 @@ pub struct ShadowFormat {
     pub colors: Vec<Option<wgpu::TextureFormat>>,
     /// Front faces on the screen: `Ccw` but for cameras that mirror.
     pub front_face: wgpu::FrontFace,
-    /// The far plane is at a finite distance. Only z-fail minds: it then needs `Features::DEPTH_CLIP_CONTROL`.
+    /// The far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+ as published
+    /// mind: they then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
 }
 
@@ -69,11 +70,32 @@ pub(super) struct Layouts {
     pub(super) cap_data: wgpu::BindGroupLayout,
 }
 
+/// What volumes and the pipelines that draw them must agree on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Convention {
+    pub(super) counting: Counting,
+    pub(super) depth: DepthDirection,
+    /// z-fail draws caps that a far plane does not clip.
+    pub(super) is_unclipped: bool,
+}
+
+impl Convention {
+    /// Dark caps are drawn at infinity, where a far plane would clip them.
+    pub(super) fn needs_far_end(self) -> bool {
+        is_fail(self.counting) && !self.is_unclipped
+    }
+}
+
+/// Whether z-fail is ever counted.
+fn is_fail(counting: Counting) -> bool {
+    matches!(counting, Counting::ZFail | Counting::ZpPlusPaper)
+}
+
 /// The pipelines that one counting method draws with; casters share them, and those that choose for them.
 #[derive(Debug)]
 pub struct ShadowPipelines {
     shared: Pipelines,
-    pub(super) counting: Counting,
+    pub(super) convention: Convention,
     pub(super) layouts: Layouts,
     /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
     pub(super) side: wgpu::RenderPipeline,
@@ -107,7 +129,7 @@ impl ShadowPipelines {
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
         let is_paper = counting == Counting::ZpPlusPaper;
-        let is_fail = counting == Counting::ZFail || is_paper;
+        let is_fail = is_fail(counting);
         check(shared.device(), format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -132,7 +154,7 @@ impl ShadowPipelines {
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
         Ok(Self {
-            counting,
+            convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, count, false),
             hole: caps.pipeline("hole_side", 0, count, false),
             clipped_hole: is_clipped.then(|| caps.pipeline("hole_side_clipped", 0, Count::Visible, false)),
@@ -152,7 +174,7 @@ impl ShadowPipelines {
 
     /// The counting method these pipelines are for.
     pub fn counting(&self) -> Counting {
-        self.counting
+        self.convention.counting
     }
 }
 

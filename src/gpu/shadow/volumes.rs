@@ -1,22 +1,22 @@
 //! Shadow volumes of one caster.
 
-use wgpu::BufferUsages;
-
+use super::buffers::{Buffers, fitting_capacity};
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
-use super::pipelines::{Layouts, ShadowPipelines};
+use super::errors::{ShadowDrawError, ShadowError};
+use super::pipelines::{Convention, Layouts, ShadowPipelines};
 use crate::gpu::extractor::Extractor;
-use crate::gpu::frame::{UniformTable, upload};
+use crate::gpu::frame::upload;
 use crate::gpu::include::IncludeError;
-use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::memory::MemoryError;
 use crate::gpu::pipelines::group;
-use crate::gpu::positions::{PositionBuffer, PositionError};
+use crate::gpu::positions::PositionBuffer;
 use crate::gpu::split::{WORKGROUP, binding};
 use crate::gpu::timer::StageTimer;
-use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
 use crate::light;
-use crate::shadow::{CameraError, RangedLight, ShadowCamera, ShadowLightError, check_ranged_lights};
-use crate::{Counting, Mesh};
+use crate::shadow::{RangedLight, ShadowCamera, check_ranged_lights};
+use crate::{Counting, Light, Mesh};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +25,9 @@ pub struct ShadowOptions {
     /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
     pub every_face: bool,
     /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
-    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces. A list that
-    /// overflows loses nothing: its draw goes over all faces.
+    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces; but never more than
+    /// fit one binding (8 bytes an entry for each of up to 32 lights) and [`Self::memory_limit`]. A list that overflows
+    /// loses nothing: its draw goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for lights whose shadow of it the camera cannot see.
     pub skip_unseen: bool,
@@ -37,6 +38,9 @@ pub struct ShadowOptions {
     /// Find what no stencil count of the caster exceeds, for [`ShadowStatistics::count_bound`] and
     /// [`ShadowStatistics::may_wrap`]: a pass over the silhouettes. Counts wrap exactly at 256, so a point in a multiple of
     /// 256 volumes at once appears lit. The casters' bounds add up.
+    ///
+    /// [`ShadowStatistics::count_bound`]: crate::layout::ShadowStatistics::count_bound
+    /// [`ShadowStatistics::may_wrap`]: crate::layout::ShadowStatistics::may_wrap
     pub bound_counts: bool,
     /// As of [`crate::gpu::ExtractorOptions`].
     pub memory_limit: Option<u64>,
@@ -57,49 +61,70 @@ impl Default for ShadowOptions {
     }
 }
 
-/// Why shadow volumes cannot be made or recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowError {
-    /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
-    #[error(transparent)]
-    Include(#[from] IncludeError),
-    /// The volumes' own buffers do not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// The camera is refused.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// The lights are refused.
-    #[error(transparent)]
-    Light(#[from] ShadowLightError),
-}
-
-/// What the stages and draws share.
-#[derive(Debug)]
-pub(super) struct Buffers {
-    pub(super) shape: wgpu::Buffer,
-    pub(super) view: wgpu::Buffer,
-    pub(super) draw_lights: wgpu::Buffer,
-    pub(super) faces: wgpu::Buffer,
-    pub(super) bounds: wgpu::Buffer,
-    pub(super) lights: wgpu::Buffer,
-    pub(super) cap_dispatches: wgpu::Buffer,
-    pub(super) cap_counts: wgpu::Buffer,
-    /// One a word of lights.
-    pub(super) cap_lists: Vec<wgpu::Buffer>,
-    pub(super) draws: wgpu::Buffer,
-    pub(super) statistics: wgpu::Buffer,
-}
-
 /// The shadow volumes of one caster, for the lights of its [`Extractor`]. Records compute passes into the caller's encoder
 /// after the extraction's, and draws into the caller's render pass; nothing is read back.
 ///
 /// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
 /// the stencil is still 0. What casts must be in the depth buffer before.
+///
+/// ```no_run
+/// use rimline::gpu::{
+///     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+/// };
+/// use rimline::{Counting, Light, Mesh, RangedLight, ShadowCamera, wgpu};
+///
+/// /// The light pass's: it meets the depth pass's surfaces again, and lights them where no volume was counted.
+/// fn light_pass_depth_stencil() -> wgpu::DepthStencilState {
+///     let lit = wgpu::StencilFaceState {
+///         compare: wgpu::CompareFunction::Equal, // with `set_stencil_reference(0)`, which passes begin with
+///         ..wgpu::StencilFaceState::IGNORE
+///     };
+///     wgpu::DepthStencilState {
+///         format: wgpu::TextureFormat::Depth24PlusStencil8,
+///         depth_write_enabled: Some(false),
+///         depth_compare: Some(wgpu::CompareFunction::Equal),
+///         stencil: wgpu::StencilState { front: lit, back: lit, read_mask: 0xff, write_mask: 0 },
+///         bias: wgpu::DepthBiasState::default(),
+///     }
+/// }
+///
+/// # fn shadows(
+/// #     device: &wgpu::Device,
+/// #     encoder: &mut wgpu::CommandEncoder,
+/// #     mesh: &Mesh,
+/// #     vertices: PositionBuffer<'_>,
+/// #     camera: &ShadowCamera,
+/// #     depth_stencil: &wgpu::TextureView,
+/// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, usize),
+/// # ) -> Result<(), Box<dyn std::error::Error>> {
+/// // Once, with the format of your depth-stencil attachment and your camera's depth:
+/// let format = ShadowFormat { depth: camera.depth, ..ShadowFormat::default() };
+/// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
+/// // Once a caster:
+/// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
+/// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, ShadowOptions::default())?;
+///
+/// // Every frame:
+/// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
+/// extractor.encode(encoder, vertices, &lights, None)?;
+/// volumes.encode(encoder, &extractor, vertices, camera, &lights.map(RangedLight::from), None)?;
+/// // After your depth pass, for each light; your colour attachments go here, too, and into the format:
+/// for light in 0..lights.len() {
+///     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+///         label: Some("light"),
+///         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+///             view: depth_stencil,
+///             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+///             stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+///         }),
+///         ..Default::default()
+///     });
+///     volumes.draw(&mut pass, &pipelines, light)?;
+///     draw_lit(&mut pass, light); // with a pipeline of `light_pass_depth_stencil`, blending by addition
+/// }
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct ShadowVolumes {
     buffers: Buffers,
@@ -108,6 +133,7 @@ pub struct ShadowVolumes {
     groups: Option<DrawGroups>,
     shape: ShadowShape,
     max_lights: usize,
+    convention: Convention,
     bound_to: Option<(wgpu::Buffer, u64, u64)>,
 }
 
@@ -131,8 +157,11 @@ impl ShadowVolumes {
         let face_count = extraction.faces;
         let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
-            || if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() },
-            |capacity| capacity.max(1) as usize,
+            || {
+                let wanted = if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() };
+                wanted.min(fitting_capacity(extraction, split, options.memory_limit))
+            },
+            |capacity| capacity as usize,
         );
         let cap_capacity = cap_capacity.clamp(1, face_count.max(1));
         let workgroups = device.limits().max_compute_workgroups_per_dimension;
@@ -164,14 +193,17 @@ impl ShadowVolumes {
             groups: None,
             shape,
             max_lights: extraction.max_lights,
+            convention: pipelines.convention,
             bound_to: None,
         })
     }
 
     /// Records, after the extraction's encode for the same positions and lights, what chooses and lists for `camera`.
+    /// Fewer lights than were extracted are fine: the first ones.
     ///
     /// # Errors
-    /// [`ShadowError`] when positions, camera or lights are refused; nothing is recorded then.
+    /// [`ShadowError`] when positions, camera or lights are refused, or do not go with the extractor's last encode or with
+    /// the pipelines of [`Self::new`]; nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -182,6 +214,7 @@ impl ShadowVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowError> {
         check_ranged_lights(lights, self.max_lights)?;
+        self.check(extractor, camera, lights)?;
         let view = camera.view()?;
         let (device, split, extraction) = extractor.parts();
         let bound = positions.bind(extraction.vertices, split)?;
@@ -215,13 +248,34 @@ impl ShadowVolumes {
     /// Draws the volume of light `light`, as it was encoded, into a pass whose attachments are those of `pipelines`.
     /// Counts up from whatever the stencil holds; no other state of the pass matters, and bind groups 0 and 1 and the
     /// pipeline are left changed. A light that was not encoded draws nothing.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines, light: usize) {
+    ///
+    /// `pipelines` may be others than those of [`Self::new`], for other attachments, as long as they count alike.
+    ///
+    /// # Errors
+    /// [`ShadowDrawError`] when they do not; nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ShadowPipelines,
+        light: usize,
+    ) -> Result<(), ShadowDrawError> {
+        let (ours, theirs) = (self.convention, pipelines.convention);
+        if ours.counting != theirs.counting {
+            return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });
+        }
+        if ours.depth != theirs.depth {
+            return Err(ShadowDrawError::Depth { volumes: ours.depth, pipelines: theirs.depth });
+        }
+        if ours.is_unclipped && !theirs.is_unclipped {
+            return Err(ShadowDrawError::FarPlane);
+        }
         if let Some(groups) = &self.groups {
             groups.draw(pass, pipelines, &self.buffers, light, self.shape.end_at_range != 0);
         }
+        Ok(())
     }
 
-    /// A [`ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
+    /// A [`crate::layout::ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
         &self.buffers.statistics
     }
@@ -231,9 +285,34 @@ impl ShadowVolumes {
         &self.buffers.lights
     }
 
-    /// The draws of each light: [`ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
+    /// The draws of each light: [`crate::layout::ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.buffers.draws
+    }
+
+    /// Refuses what would draw wrong shadows: another extractor or other lights than the lists are of, another camera than
+    /// the pipelines are for.
+    fn check(&self, extractor: &Extractor, camera: &ShadowCamera, lights: &[RangedLight]) -> Result<(), ShadowError> {
+        // Each extractor has a buffer of its own.
+        if extractor.faces() != &self.buffers.faces {
+            return Err(ShadowError::OtherExtractor);
+        }
+        let Convention { counting, depth, .. } = self.convention;
+        if camera.depth != depth {
+            return Err(ShadowError::Depth { camera: camera.depth, pipelines: depth });
+        }
+        if self.convention.needs_far_end() && camera.has_far_plane() {
+            return Err(ShadowError::FarPlane { counting });
+        }
+        let encoded = extractor.encoded();
+        if lights.len() > encoded.len() {
+            return Err(ShadowError::NotExtracted { given: lights.len(), encoded: encoded.len() });
+        }
+        let bits = |light: Light| light.to_array().map(f32::to_bits);
+        match lights.iter().zip(encoded).position(|(given, encoded)| bits(given.light) != bits(*encoded)) {
+            Some(index) => Err(ShadowError::OtherLight { index }),
+            None => Ok(()),
+        }
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
@@ -274,53 +353,5 @@ impl ShadowVolumes {
         self.groups = Some(DrawGroups { frame, results: groups, caps });
         self.bound_to = Some(target);
         Ok(())
-    }
-}
-
-impl Buffers {
-    fn new(extractor: &Extractor, cap_capacity: usize, memory_limit: Option<u64>) -> Result<Self, MemoryError> {
-        let (device, split, extraction) = extractor.parts();
-        let lights = extraction.max_lights as u64;
-        let words = extraction.words();
-        let list_bytes = |word: usize| 8 * cap_capacity as u64 * extraction.word_lights(word) as u64;
-        let widest = list_bytes(0);
-        if padded(widest) > split.binding {
-            let what = "lists of cap faces";
-            return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
-        }
-        let wanted: Vec<Allocation> = (0..words)
-            .map(|word| ("lists of cap faces", list_bytes(word)))
-            .chain([
-                ("shadow lights", lights * size_of::<ShadowLight>() as u64),
-                ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
-                ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
-            ])
-            .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
-            .collect();
-        let bytes = check(&wanted, split.buffer, memory_limit)?;
-        let mut draw_lights = UniformTable::default();
-        for light in 0..extraction.max_lights as u32 {
-            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 });
-        }
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        guarded(device, bytes, || Self {
-            shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
-            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
-            draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
-            faces: extractor.faces().clone(),
-            bounds: buffer(device, "caster bounds", 28, storage),
-            lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
-            cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
-            cap_counts: buffer(device, "cap counts", 8 * lights, storage),
-            cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
-            draws: buffer(
-                device,
-                "shadow draws",
-                lights * size_of::<ShadowDraws>() as u64,
-                storage | BufferUsages::INDIRECT,
-            ),
-            statistics: buffer(device, "shadow statistics", size_of::<ShadowStatistics>() as u64, storage),
-        })
     }
 }

@@ -42,16 +42,16 @@ impl Masks {
         studio: &Studio<'_>,
         subject: &Subject<'_>,
         light: usize,
-    ) -> &wgpu::Texture {
+    ) -> Result<&wgpu::Texture, GpuError> {
         let Subject { casters, has_ground, .. } = *subject;
         let grey = 128.0 / 255.0;
         let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
         let mut pass = self.attachments.pass(encoder, "mask", Some(nothing), None);
         studio.select(&mut pass, light);
         self.dark.paint(&mut pass, casters, light, has_ground);
-        draw_volumes(&mut pass, &self.pipelines, casters, light);
+        draw_volumes(&mut pass, &self.pipelines, casters, light)?;
         studio.select(&mut pass, light);
         self.lit.paint(&mut pass, casters, light, has_ground);
-        &self.finished
+        Ok(&self.finished)
     }
 }

@@ -113,7 +113,7 @@ impl Pictures {
         for light in 0..samples {
             let mut pass = attachments.pass(encoder, "light", None, None);
             if self.shade.is_none() {
-                draw_volumes(&mut pass, pipelines, casters, light);
+                draw_volumes(&mut pass, pipelines, casters, light)?;
             }
             studio.select(&mut pass, light);
             self.lit.paint(&mut pass, casters, light, has_ground);
@@ -121,7 +121,7 @@ impl Pictures {
         if let Some(shade) = &self.shade {
             for light in 0..samples {
                 let mut pass = attachments.pass(encoder, "shade", None, None);
-                draw_volumes(&mut pass, pipelines, casters, light);
+                draw_volumes(&mut pass, pipelines, casters, light)?;
                 studio.select(&mut pass, light);
                 for painter in shade {
                     painter.paint(&mut pass, casters, light, has_ground);

@@ -1,6 +1,6 @@
 //! What pictures and masks with shadows share: targets, frame, lights.
 
-use rimline::gpu::{ShadowFormat, ShadowPipelines};
+use rimline::gpu::{ShadowDrawError, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, wgpu};
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
@@ -102,10 +102,8 @@ pub(super) fn draw_volumes(
     pipelines: &ShadowPipelines,
     casters: &[Caster],
     light: usize,
-) {
-    for caster in casters {
-        caster.volumes.draw(pass, pipelines, light);
-    }
+) -> Result<(), ShadowDrawError> {
+    casters.iter().try_for_each(|caster| caster.volumes.draw(pass, pipelines, light))
 }
 
 /// A colour target and its depth and stencil.

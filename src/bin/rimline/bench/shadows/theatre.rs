@@ -159,7 +159,7 @@ impl<'a> Theatre<'a> {
         let mut encoder = self.encoder();
         self.prepare(&mut encoder, camera, light, Some(timer))?;
         for pass in PASSES {
-            self.pass(&mut encoder, pass, Some(timer));
+            self.pass(&mut encoder, pass, Some(timer))?;
         }
         timer.resolve(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
@@ -177,9 +177,10 @@ impl<'a> Theatre<'a> {
             let begin = Instant::now();
             let mut encoder = self.encoder();
             match pass {
-                None => self.prepare(&mut encoder, camera, light, None).map_err(|error| error.on(gpu))?,
+                None => self.prepare(&mut encoder, camera, light, None),
                 Some(pass) => self.pass(&mut encoder, pass, None),
             }
+            .map_err(|error| error.on(gpu))?;
             gpu.queue.submit([encoder.finish()]);
             gpu.wait()?;
             let ms = begin.elapsed().as_secs_f64() * 1e3;
@@ -211,7 +212,12 @@ impl<'a> Theatre<'a> {
     }
 
     /// One of the passes that draw.
-    fn pass(&self, encoder: &mut wgpu::CommandEncoder, name: &'static str, timer: Option<&mut StageTimer>) {
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        name: &'static str,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
         let [is_first, is_stencil] = [PASSES[0], PASSES[1]].map(|pass| pass == name);
         let store = wgpu::StoreOp::Store;
         let color = Some(wgpu::RenderPassColorAttachment {
@@ -242,7 +248,7 @@ impl<'a> Theatre<'a> {
             multiview_mask: None,
         });
         if is_stencil {
-            return self.volumes.draw(&mut pass, &self.pipelines, 0);
+            return Ok(self.volumes.draw(&mut pass, &self.pipelines, 0)?);
         }
         pass.set_pipeline(if is_first { &self.depth } else { &self.light });
         pass.set_bind_group(0, &self.kit.frame_group, &[]);
@@ -250,6 +256,7 @@ impl<'a> Theatre<'a> {
             pass.set_bind_group(1, group, &[]);
             pass.draw(0..*corners, 0..1);
         }
+        Ok(())
     }
 
     /// The counts of a frame, row by row, the light pass left out.
@@ -257,8 +264,9 @@ impl<'a> Theatre<'a> {
         self.draw(camera, light)?;
         let (gpu, size) = (self.gpu, self.stage.size);
         let mut encoder = self.encoder();
-        self.pass(&mut encoder, PASSES[0], None);
-        self.pass(&mut encoder, PASSES[1], None);
+        for pass in [PASSES[0], PASSES[1]] {
+            self.pass(&mut encoder, pass, None).map_err(|error| error.on(gpu))?;
+        }
         let row = size.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("stencil"),

@@ -1,0 +1,97 @@
+//! The buffers of shadow volumes: sizes, then the buffers.
+
+use wgpu::BufferUsages;
+
+use crate::gpu::buffers::Shape;
+use crate::gpu::extractor::Extractor;
+use crate::gpu::frame::UniformTable;
+use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::split::Split;
+use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+
+/// What the stages and draws share.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    pub(super) shape: wgpu::Buffer,
+    pub(super) view: wgpu::Buffer,
+    pub(super) draw_lights: wgpu::Buffer,
+    pub(super) faces: wgpu::Buffer,
+    pub(super) bounds: wgpu::Buffer,
+    pub(super) lights: wgpu::Buffer,
+    pub(super) cap_dispatches: wgpu::Buffer,
+    pub(super) cap_counts: wgpu::Buffer,
+    /// One a word of lights.
+    pub(super) cap_lists: Vec<wgpu::Buffer>,
+    pub(super) draws: wgpu::Buffer,
+    pub(super) statistics: wgpu::Buffer,
+}
+
+/// Bytes that an entry of both lists of cap faces takes for a light.
+const CAP_ENTRY: u64 = 8;
+
+/// What takes room besides the lists of cap faces.
+fn per_light(lights: usize) -> [(&'static str, u64); 3] {
+    let lights = lights as u64;
+    [
+        ("shadow lights", lights * size_of::<ShadowLight>() as u64),
+        ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
+        ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
+    ]
+}
+
+/// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
+pub(super) fn fitting_capacity(extraction: &Shape, split: &Split, memory_limit: Option<u64>) -> usize {
+    let bound = split.binding / (CAP_ENTRY * extraction.word_lights(0) as u64);
+    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
+    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
+    let fitting = bound.min(left / (CAP_ENTRY * extraction.max_lights as u64));
+    usize::try_from(fitting).unwrap_or(usize::MAX)
+}
+
+impl Buffers {
+    pub(super) fn new(
+        extractor: &Extractor,
+        cap_capacity: usize,
+        memory_limit: Option<u64>,
+    ) -> Result<Self, MemoryError> {
+        let (device, split, extraction) = extractor.parts();
+        let lights = extraction.max_lights as u64;
+        let words = extraction.words();
+        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.word_lights(word) as u64;
+        let widest = list_bytes(0);
+        if padded(widest) > split.binding {
+            let what = "lists of cap faces";
+            return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
+        }
+        let wanted: Vec<Allocation> = (0..words)
+            .map(|word| ("lists of cap faces", list_bytes(word)))
+            .chain(per_light(extraction.max_lights))
+            .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
+            .collect();
+        let bytes = check(&wanted, split.buffer, memory_limit)?;
+        let mut draw_lights = UniformTable::default();
+        for light in 0..extraction.max_lights as u32 {
+            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 });
+        }
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        guarded(device, bytes, || Self {
+            shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
+            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
+            draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
+            faces: extractor.faces().clone(),
+            bounds: buffer(device, "caster bounds", 28, storage),
+            lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
+            cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
+            cap_counts: buffer(device, "cap counts", 8 * lights, storage),
+            cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
+            draws: buffer(
+                device,
+                "shadow draws",
+                lights * size_of::<ShadowDraws>() as u64,
+                storage | BufferUsages::INDIRECT,
+            ),
+            statistics: buffer(device, "shadow statistics", size_of::<ShadowStatistics>() as u64, storage),
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! Why shadow volumes cannot be made, recorded or drawn.
+
+use crate::gpu::include::IncludeError;
+use crate::gpu::memory::MemoryError;
+use crate::gpu::positions::PositionError;
+use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
+
+/// Why shadow volumes cannot be made or recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowError {
+    /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
+    #[error(transparent)]
+    Include(#[from] IncludeError),
+    /// The volumes' own buffers do not fit the device.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// The position buffer is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// The camera is refused.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The lights are refused.
+    #[error(transparent)]
+    Light(#[from] ShadowLightError),
+    /// The volumes read the lists of the extractor that they were made for.
+    #[error("these volumes were made for another extractor; encode them with the one given to `ShadowVolumes::new`")]
+    OtherExtractor,
+    /// The lists of some lights are not there.
+    #[error(
+        "{given} lights given, and the extractor's last encode was for {encoded}; encode the extractor for all of them \
+         before the volumes"
+    )]
+    NotExtracted {
+        /// Lights given.
+        given: usize,
+        /// Lights of the extractor's last encode.
+        encoded: usize,
+    },
+    /// The lists at a light's place are another light's.
+    #[error(
+        "light {index} is not, bit for bit, light {index} of the extractor's last encode; encode the extractor for the same \
+         lights in the same order before the volumes"
+    )]
+    OtherLight {
+        /// Position in the list.
+        index: usize,
+    },
+    /// Near and far would be taken for each other.
+    #[error(
+        "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
+         `ShadowFormat::depth` to the camera's"
+    )]
+    Depth {
+        /// Of the camera.
+        camera: DepthDirection,
+        /// Of the pipelines.
+        pipelines: DepthDirection,
+    },
+    /// Dark caps would be cut off at the camera's far plane.
+    #[error(
+        "{counting:?} with a camera that has a far plane needs `ShadowFormat::has_far_plane` (and \
+         `Features::DEPTH_CLIP_CONTROL`); set it, use an infinite far plane, or `Counting::Auto`"
+    )]
+    FarPlane {
+        /// The counting method.
+        counting: Counting,
+    },
+}
+
+/// Why volumes cannot be drawn with these pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowDrawError {
+    /// What was listed is not what the pipelines draw.
+    #[error(
+        "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
+         method given to `ShadowVolumes::new`"
+    )]
+    Counting {
+        /// Of the volumes.
+        volumes: Counting,
+        /// Of the pipelines given.
+        pipelines: Counting,
+    },
+    /// The pipelines take far for near.
+    #[error(
+        "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
+    )]
+    Depth {
+        /// Of the volumes.
+        volumes: DepthDirection,
+        /// Of the pipelines given.
+        pipelines: DepthDirection,
+    },
+    /// The pipelines clip at the far plane, unlike those that the volumes were made with.
+    #[error(
+        "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
+    )]
+    FarPlane,
+}
