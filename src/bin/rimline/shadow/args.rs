@@ -121,13 +121,15 @@ macro_rules! light_options {
 Options of a light, after its SPEC:
   color=R,G,B   linear; 1,1,1 without it. All lights together set the exposure
   intensity=I   times the color; 1 without it
-  range=R       where a light with a place ends: models farther away throw no shadow, and it fades to nothing; masks
-                are 0 from there on
+  range=R       where a light with a place ends: it fades to nothing, models farther away throw no
+                shadow, and masks are 0
   begin=D       where it begins to fade, at most R; 0 without it
-  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron 1986)
-A light of the file has the color, range and, of a spot, cone that KHR_lights_punctual gives it, and what it brings to the
-middle of the models for its intensity, where the brightest light of the file counts as 1; options go before. Of file:all
-those lights have them that can. Masks are 0 outside of the cone.
+  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron
+                1986)
+
+What the options leave open, a light of the file has as KHR_lights_punctual gives it: color, range, and a spot's cone, \
+out of which masks are 0, too. Its intensity is what arrives at the middle of the models, the brightest such light \
+counted as 1. Options of file:all are for those lights that can have them.
 "
     };
 }
