@@ -249,10 +249,17 @@ impl From<Light> for RangedLight {
 
 /// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin` (his
 /// `Dec_Begin`), none from `end` on (`Light_End`, the light's range), and between them what is left of the way to `end`
-/// to the power of `exponent` (`Decrease`; 1 is linear). An infinite `end`: all of it everywhere.
+/// to the power of `exponent` (`Decrease`; 1 is linear). An infinite `end`: all of it everywhere. A `begin` beyond `end`
+/// is never reached: a step at `end`.
 #[must_use]
 pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
-    if end == f32::INFINITY || (distance <= begin && distance < end) {
+    if end == f32::INFINITY {
+        return 1.0;
+    }
+    if distance >= end {
+        return 0.0;
+    }
+    if distance <= begin {
         return 1.0;
     }
     let left = (end - distance) / (end - begin);
@@ -437,5 +444,7 @@ mod tests {
         assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
         // No room to fall: a step.
         assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
+        // It begins beyond its end: a step, too, and dark from there on.
+        assert_eq!([2.9, 3.0, 3.5, 5.0].map(|d| falloff(d, 4.0, 3.0, 1.0)), [1.0, 0.0, 0.0, 0.0]);
     }
 }

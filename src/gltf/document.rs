@@ -159,6 +159,11 @@ pub(super) struct ChannelTarget {
 pub(super) struct PunctualLight {
     pub(super) name: Option<String>,
     pub(super) kind: super::SceneLightKind,
+    pub(super) color: [f32; 3],
+    pub(super) intensity: f32,
+    pub(super) range: Option<f32>,
+    /// Inner and outer angle of a spot's cone.
+    pub(super) cone: Option<[f32; 2]>,
 }
 
 impl Trs {

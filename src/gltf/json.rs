@@ -110,6 +110,10 @@ impl<'a> Json<'a> {
             .collect()
     }
 
+    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, GltfError> {
+        self.value(key).map(|v| v.as_f64().ok_or_else(|| wrong(self.at(key), "a number", v))).transpose()
+    }
+
     pub(super) fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>, GltfError> {
         if self.value(key).is_none() {
             return Ok(None);

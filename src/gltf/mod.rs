@@ -153,6 +153,25 @@ pub struct SceneLight {
     pub light: Light,
     /// What it is.
     pub kind: SceneLightKind,
+    /// Red, green and blue, linear.
+    pub color: [f32; 3],
+    /// Candela of a point or spot light, lux of a directional one.
+    pub intensity: f32,
+    /// The distance at which a point or spot light's light ends, in the file's unit, scaled by no node; `None`: nowhere.
+    pub range: Option<f32>,
+    /// A spot light's cone.
+    pub cone: Option<SpotCone>,
+}
+
+/// Where a spot light shines: all of it within the inner angle, none beyond the outer one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotCone {
+    /// The way it shines, in world space, at length 1: the node's −Z.
+    pub direction: [f32; 3],
+    /// From the direction to where the light begins to fade, in radians.
+    pub inner_angle: f32,
+    /// From the direction to where it has faded, in radians; at least the inner angle.
+    pub outer_angle: f32,
 }
 
 impl Asset {

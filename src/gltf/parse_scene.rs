@@ -1,5 +1,7 @@
 //! From JSON to [`Document`](super::document::Document): nodes, animations, lights.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::animation::{Interpolation, Property};
 
@@ -81,7 +83,45 @@ pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
         "spot" => SceneLightKind::Spot,
         _ => return Err(json.wrong("type", "directional, point or spot")),
     };
-    Ok(PunctualLight { name: json.name()?, kind })
+    let color = json.vector("color")?.unwrap_or([1.0; 3]);
+    let intensity = json.number("intensity")?.unwrap_or(1.0);
+    let range = json.number("range")?;
+    if color.iter().any(|&c| c < 0.0) {
+        return Err(json.wrong("color", "three numbers of 0 or more"));
+    }
+    if intensity < 0.0 {
+        return Err(json.wrong("intensity", "a number of 0 or more"));
+    }
+    if range.is_some_and(|range| range <= 0.0) {
+        return Err(json.wrong("range", "a number of more than 0"));
+    }
+    let single = |value: f64| (value as f32).min(f32::MAX);
+    Ok(PunctualLight {
+        name: json.name()?,
+        kind,
+        color: color.map(single),
+        intensity: single(intensity),
+        // Of no meaning at infinity.
+        range: range.filter(|_| kind != SceneLightKind::Directional).map(|range| single(range).max(f32::MIN_POSITIVE)),
+        cone: (kind == SceneLightKind::Spot).then(|| cone(json)).transpose()?,
+    })
+}
+
+/// Inner and outer angle of a spot's cone.
+fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
+    /// What rounding on export may add to half a turn of the whole cone.
+    const TOLERANCE: f64 = 1e-5;
+    let Some(spot) = json.object("spot")? else { return Ok([0.0, FRAC_PI_4 as f32]) };
+    let inner = spot.number("innerConeAngle")?.unwrap_or(0.0);
+    let outer = spot.number("outerConeAngle")?.unwrap_or(FRAC_PI_4);
+    if !(outer > 0.0 && outer <= FRAC_PI_2 + TOLERANCE) {
+        return Err(spot.wrong("outerConeAngle", "an angle of more than 0 and at most a quarter turn, in radians"));
+    }
+    // Cones without a soft rim have both alike, though the extension wants the inner one smaller.
+    if !(inner >= 0.0 && inner <= outer) {
+        return Err(spot.wrong("innerConeAngle", "an angle from 0 to that of the outer cone, in radians"));
+    }
+    Ok([inner, outer].map(|angle| angle.min(FRAC_PI_2) as f32))
 }
 
 pub(super) fn animation(json: &Json<'_>, lengths: Lengths) -> Result<Animation, GltfError> {

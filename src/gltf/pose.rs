@@ -8,7 +8,7 @@ use gltf::json::animation::Property;
 use super::animation::Channel;
 use super::document::Transform;
 use super::instances::{Frame, Placement};
-use super::{Asset, PoseError, SceneLight, SceneLightKind};
+use super::{Asset, PoseError, SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{Geometry, InstancePose, Matrix3x4, Pose};
 
@@ -65,10 +65,21 @@ impl Asset {
                 let place = format!("nodes[{n}]");
                 return Err(PoseError::NotFinite { place, time_s });
             }
+            let direction = (-world[n].matrix3.z_axis.normalize()).as_vec3();
+            let spot = |[inner_angle, outer_angle]: [f32; 2]| {
+                let direction = direction.to_array();
+                SpotCone { direction, inner_angle, outer_angle }
+            };
+            // A node without extent along Z turns its light no way.
+            let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
             lights.push(SceneLight {
                 name: light.name.clone().or_else(|| node.name.clone()),
                 light: Light::homogeneous([x, y, z, w]),
                 kind: light.kind,
+                color: light.color,
+                intensity: light.intensity,
+                range: light.range,
+                cone,
             });
         }
         Ok(lights)
@@ -173,4 +184,55 @@ fn is_finite(pose: &InstancePose) -> bool {
 pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
     let joints = geometry.influences.as_ref().map_or(&[][..], |influences| &influences.joints);
     joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::GltfError;
+    use crate::mesh::Weld;
+
+    /// The lights of a file that has one such, on a node that is turned about X by half a turn and stretched.
+    fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
+        let json = format!(
+            r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
+                "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
+                "nodes": [{{ "rotation": [1, 0, 0, 0], "scale": [2, 2, 2],
+                    "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
+                "scenes": [{{ "nodes": [0] }}], "scene": 0 }}"#
+        );
+        Ok(Asset::from_slice(json.as_bytes(), None, Weld::Data)?.lights(None, 0.0).expect("time 0 is a time"))
+    }
+
+    #[test]
+    fn lights_bring_colour_range_and_cone() {
+        let plain = &lights(r#"{ "type": "point" }"#).expect("a good file")[0];
+        assert_eq!((plain.color, plain.intensity, plain.range, plain.cone), ([1.0; 3], 1.0, None, None));
+        let spot = r#"{ "type": "spot", "color": [1, 0.5, 0], "intensity": 40, "range": 7,
+            "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 } }"#;
+        let spot = &lights(spot).expect("a good file")[0];
+        assert_eq!((spot.color, spot.intensity, spot.range), ([1.0, 0.5, 0.0], 40.0, Some(7.0)));
+        let cone = spot.cone.expect("it is a spot light");
+        assert_eq!((cone.inner_angle, cone.outer_angle), (0.25, 0.5));
+        assert!(cone.direction[2] > 0.999, "{:?}", cone.direction);
+        let cone = lights(r#"{ "type": "spot" }"#).expect("a good file")[0].cone.expect("it is a spot light");
+        assert_eq!((cone.inner_angle, cone.outer_angle), (0.0, std::f32::consts::FRAC_PI_4));
+        let sun = &lights(r#"{ "type": "directional", "range": 3, "intensity": 2 }"#).expect("a good file")[0];
+        assert_eq!((sun.range, sun.intensity, sun.light.w), (None, 2.0, 0.0));
+    }
+
+    #[test]
+    fn what_no_light_can_be_is_refused_by_place() {
+        for (light, place) in [
+            (r#"{ "type": "point", "range": 0 }"#, "range"),
+            (r#"{ "type": "point", "range": "far" }"#, "range"),
+            (r#"{ "type": "point", "intensity": -1 }"#, "intensity"),
+            (r#"{ "type": "point", "color": [1, -1, 0] }"#, "color"),
+            (r#"{ "type": "spot", "spot": { "outerConeAngle": 2 } }"#, "outerConeAngle"),
+            (r#"{ "type": "spot", "spot": { "innerConeAngle": 1 } }"#, "innerConeAngle"),
+        ] {
+            let error = lights(light).expect_err(light).to_string();
+            assert!(error.contains("lights[0]") && error.contains(place), "{error}");
+        }
+    }
 }

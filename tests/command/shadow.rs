@@ -20,14 +20,24 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow::ranges_end_shadows", ranges),
     ("shadow::json_says_what_was_chosen", json),
     ("shadow::wrong_options_end_with_2", wrong_options),
+    ("shadow::options_without_effect_end_with_2", idle_options),
+    ("shadow::masks_end_at_a_lights_range", mask_range),
+    ("shadow::counts_that_may_wrap_are_told", may_wrap),
+    ("shadow::result_names_that_clash_end_with_2", clash),
+    ("shadow::pictures_do_not_depend_on_scale", scale),
     ("shadow::bad_input_leaves_nothing", bad_input),
     ("shadow::unwritable_places_end_with_4", unwritable),
     ("shadow::a_film_is_numbered_and_whole", film),
+    ("shadow::a_films_folder_is_made_and_unmade", film_folder),
+    ("shadow::help_offers_no_cpu_where_pictures_are_drawn", help),
+    ("shadow::lights_of_a_file_bring_colour_range_and_cone", file_lights),
 ];
 
 /// Every good model has a picture and a mask.
 pub(crate) fn trials() -> Vec<Trial> {
-    GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect()
+    let mut trials: Vec<Trial> = GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect();
+    trials.push(on_asset("a_film_plays_the_first_animation", "Fox.glb", first_animation));
+    trials
 }
 
 /// A grey or colour PNG.
@@ -340,7 +350,6 @@ fn film() -> Outcome {
         }",
     )
     .map_err(|error| error.to_string())?;
-    std::fs::create_dir(folder.path().join("frames")).map_err(|error| error.to_string())?;
     let moving = "--displace @rise.wgsl --ground 0 --size 64x48 --fps 2";
     run(folder.path(), &format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
     let mut names: Vec<_> = std::fs::read_dir(folder.path().join("frames"))
@@ -353,8 +362,227 @@ fn film() -> Outcome {
     let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
     ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
     // The second frame by itself, with the film's camera given.
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @walk_")).expect(0, &[])?;
-    ensure!(folder.path().join("walk_0000.png").is_file(), "no file behind the prefix");
+    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(0, &[])?;
+    ensure!(frame("0000.png")?.len() == frames[0].len() && frame("0002.png")? == frames[2], "a folder that is there");
+    run(folder.path(), &format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
+}
+
+fn film_folder() -> Outcome {
+    let folder = with_cube()?;
+    let exists = |name: &str| folder.path().join(name).exists();
+    let film = |options: &str| run(folder.path(), &format!("film @cube.npz --size 16x16 {options}"));
+    film("--frames 2 --out @a").expect(0, &[])?;
+    film("--frames 2 --out @b/").expect(0, &[])?;
+    for name in ["a/0000.png", "a/0001.png", "b/0000.png", "b/0001.png"] {
+        ensure!(exists(name), "there is no {name}");
+    }
+    film("--frames 2 --out @cube.npz").expect(4, &["not a folder"])?;
+    film("--out @c").expect(2, &["--frames"])?;
+    film("--frames 2 --out @c --light point:1,2,3 --eye 0,0,0 --target 0,0,0").expect(2, &["--target"])?;
+    film("--frames 2 --out @c --device nowhere").expect(3, &["nowhere"])?;
+    ensure!(!exists("c"), "an empty folder is left");
+    Ok(())
+}
+
+fn first_animation(file: &Path) -> Outcome {
+    let folder = folder();
+    let film = |name: &str, options: &[&str]| {
+        let mut line = vec!["film".into(), file.as_os_str().to_owned()];
+        line.extend(["--size", "64x48", "--fps", "1", "--out"].map(Into::into));
+        line.push(folder.path().join(name).into_os_string());
+        line.extend(options.iter().map(Into::into));
+        rimline(line)
+    };
+    film("first", &[]).expect(0, &["0 `Survey`", "2 `Run`", "--animation"])?;
+    film("named", &["--animation", "Survey"]).expect(0, &[])?;
+    for frame in ["0000.png", "0002.png"] {
+        let [first, named] = ["first", "named"].map(|name| Image::read(&folder.path().join(name).join(frame)));
+        ensure!(first?.bytes == named?.bytes, "{frame} shows something else than the first animation");
+    }
+    Ok(())
+}
+
+fn help() -> Outcome {
+    for command in ["shadow", "film", "draw"] {
+        let run = rimline([command, "--help"]);
+        run.expect(0, &[])?;
+        ensure!(run.stdout.contains("--device <auto|gpu|NAME>"), "{}", run.stdout);
+        ensure!(!run.stdout.contains("cpu") && !run.stdout.contains("the CPU"), "{}", run.stdout);
+    }
+    // As its help shows it, but for the model.
+    let folder = with_cube()?;
+    let example = rimline(["film", "--help"]).stdout;
+    let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;
+    let out = out.lines().next().unwrap_or_default().trim();
+    run(folder.path(), &format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
+    ensure!(folder.path().join(out).join("0000.png").is_file(), "no frame in {out}");
+    Ok(())
+}
+
+fn idle_options() -> Outcome {
+    let folder = with_cube()?;
+    for (options, part) in [
+        ("--samples 4", "--area"),
+        ("--light point:1,2,3,begin=1", "range"),
+        ("--light point:1,2,3,exponent=2", "range"),
+        ("--light dir:1,2,3,range=4", "infinity"),
+        ("--light point:1,2,3,begin=4,range=3", "begin=4"),
+    ] {
+        run(folder.path(), &format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
+            .expect(2, &[part])
+            .map_err(|error| format!("{options}: {error}"))?;
+        ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
+    }
+    Ok(())
+}
+
+fn mask_range() -> Outcome {
+    let folder = with_cube()?;
+    let mask = |option: &str| {
+        let view = "--ground 0 --eye 0,40,0.01 --target 0,0,0 --fov 60 --size 101x101 --light point:0,9,0";
+        run(folder.path(), &format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
+        Image::mask(&folder.path().join("m.0.png"))
+    };
+    let (all, some, none) = (mask("")?, mask(",range=15")?, mask(",range=5")?);
+    // The ground is lit up to 12 from below the light, sqrt(15² - 9²), and 2.19 pixels are 1 there.
+    for (pixels, lit) in [(20, true), (25, true), (28, false), (45, false)] {
+        for (x, y) in [(50 + pixels, 50), (50 - pixels, 50), (50, 50 + pixels), (50, 50 - pixels)] {
+            ensure!(all.at(x, y) == 255, "without a range {x},{y} is {}", all.at(x, y));
+            ensure!((some.at(x, y) == 255) == lit, "{x},{y} is {} within a range of 15", some.at(x, y));
+        }
+    }
+    // The cube's top is 6 below the light.
+    ensure!(some.at(50, 50) == 255 && none.at(50, 50) == 0, "{} on top", none.at(50, 50));
+    ensure!(none.count(255) == 0, "{} pixels are lit out of range", none.count(255));
+    Ok(())
+}
+
+/// A stack of open sheets under a light: `layers` times the same square, one over the other.
+fn stack(layers: u16) -> Vec<u8> {
+    let mut shape = shapes::plane_grid(1, 1);
+    let (positions, faces) = (shape.positions.clone(), shape.faces.clone());
+    for layer in 1..layers {
+        let first = shape.positions.len() as u32;
+        let raised = |&[x, y, z]: &[f32; 3]| [x, y + f32::from(layer) / 256.0, z];
+        shape.positions.extend(positions.iter().map(raised));
+        shape.faces.extend(faces.iter().map(|face| face.map(|v| v + first)));
+    }
+    model(&shape, 2.0, [0.0, 2.0, 0.0])
+}
+
+fn may_wrap() -> Outcome {
+    let folder = folder();
+    let line = |files: &str, command: &str| {
+        let view = "--ground 0 --size 32x32 --light point:0,30,0";
+        run(folder.path(), &format!("{command} {files} {view}"))
+    };
+    for (name, layers) in [("few.npz", 100), ("half.npz", 160), ("many.npz", 256)] {
+        std::fs::write(folder.path().join(name), stack(layers)).map_err(|error| error.to_string())?;
+    }
+    let few = line("@few.npz", "shadow --mask @m --json");
+    ensure!(few.json()?["may_wrap"] == 0 && !few.stderr.contains("stencil"), "{} {}", few.stdout, few.stderr);
+    ensure!(few.json()?["count_bound"].as_u64().is_some_and(|bound| (100..256).contains(&bound)), "{}", few.stdout);
+    // One stack of 256 sheets, and two of 160, which share a stencil.
+    for files in ["@many.npz", "@half.npz @half.npz"] {
+        let many = line(files, "shadow --mask @m --json");
+        many.expect(0, &["8 bits of stencil", "256", "rimline query"])?;
+        let json = many.json()?;
+        ensure!(json["may_wrap"] == 1 && json["count_bound"].as_u64() > Some(255), "{json}");
+    }
+    line("@many.npz", "film --frames 1 --out @frames").expect(0, &["8 bits of stencil"])
+}
+
+fn clash() -> Outcome {
+    let folder = with_cube()?;
+    let clash = run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.0.png --mask @a");
+    clash.expect(2, &["--out", "--mask", "a.0.png"])?;
+    run(folder.path(), "shadow @cube.npz --size 16x16 --out @./b.0.png --mask @b").expect(2, &["--mask"])?;
+    for name in ["a.0.png", "b.0.png"] {
+        ensure!(!folder.path().join(name).exists(), "there is a {name}");
+    }
+    // There is only one light.
+    run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.1.png --mask @a").expect(0, &[])
+}
+
+fn scale() -> Outcome {
+    let folder = folder();
+    let mut drawn = Vec::new();
+    // Powers of two leave every position as exact as it was.
+    let scales = [1.0, 2.0_f32.powi(64), 2.0_f32.powi(-100), 2.0_f32.powi(120), 1e19, 1e-30, 1e37];
+    for scale in scales {
+        std::fs::write(folder.path().join("cube.npz"), model(&shapes::cube(), scale, [0.0, 2.0 * scale, 0.0]))
+            .map_err(|error| error.to_string())?;
+        let mut images = Vec::new();
+        let light = format!("--light point:{},{},{},range={}", 3.0 * scale, 6.0 * scale, 4.0 * scale, 9.0 * scale);
+        for (place, options) in
+            ["", &light, "--light dir:1,2,1 --volumes", "--area disc --samples 2"].iter().enumerate()
+        {
+            run(folder.path(), &format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
+                .expect(0, &[])
+                .map_err(|error| format!("{scale:e}, {place}: {error}"))?;
+            images.push(Image::read(&folder.path().join("p.png"))?.bytes);
+        }
+        drawn.push(images);
+    }
+    for (scale, images) in scales.iter().zip(&drawn) {
+        for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
+            let far = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;
+            let different = image.iter().zip(first).filter(far).count();
+            ensure!(different <= 60, "{scale:e}, {place}: {different} bytes differ");
+        }
+    }
+    // The comparison can fail.
+    let different = drawn[0][0].iter().zip(&drawn[0][1]).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    ensure!(different > 1000, "another light changes {different} bytes only");
+    Ok(())
+}
+
+/// A glTF with a triangle near the origin and this light, 4 above it, that shines down.
+fn lit_triangle(light: &str) -> String {
+    use base64::Engine as _;
+    let corners: [[f32; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+    format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
+            "buffers": [{{ "byteLength": 36, "uri": "data:application/octet-stream;base64,{data}" }}],
+            "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+            "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                "min": [0, 1, 0], "max": [1, 1, 1] }}],
+            "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }} }}] }}],
+            "nodes": [{{ "mesh": 0 }}, {{ "name": "lamp", "translation": [0, 4, 0],
+                "rotation": [-0.7071068, 0, 0, 0.7071068],
+                "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
+            "scenes": [{{ "nodes": [0, 1] }}], "scene": 0 }}"#
+    )
+}
+
+fn file_lights() -> Outcome {
+    let folder = folder();
+    let shadow = |light: &str, options: &str| {
+        std::fs::write(folder.path().join("m.gltf"), lit_triangle(light)).map_err(|error| error.to_string())?;
+        let view = "--ground 0 --eye 0,20,0.01 --target 0,0,0 --fov 60 --size 101x101 --mask @m --json";
+        let json = run(folder.path(), &format!("shadow @m.gltf {view} {options}")).json()?;
+        Ok::<_, String>((json["lights"][0].clone(), Image::mask(&folder.path().join("m.0.png"))?))
+    };
+    let point = r#"{ "type": "point", "color": [1, 0.5, 0.25], "intensity": 800, "range": 7 }"#;
+    let (light, mask) = shadow(point, "--light file:all")?;
+    // The brightest counts as 1, whatever its unit.
+    ensure!(light["color"] == serde_json::json!([1.0, 0.5, 0.25]) && light["range"] == 7.0, "{light}");
+    // The range ends on the ground 5.7 from below the light, and a unit is 4.4 pixels.
+    ensure!(mask.at(30, 50) == 255 && mask.at(22, 50) == 0, "{} and {}", mask.at(30, 50), mask.at(22, 50));
+    let (light, mask) = shadow(point, "--light file:all,color=0,1,0,intensity=0.5,range=30")?;
+    ensure!(light["color"] == serde_json::json!([0.0, 0.5, 0.0]) && light["range"] == 30.0, "{light}");
+    ensure!(mask.at(22, 50) == 255, "the file's range, in spite of the option's");
+    let begin = shadow(point, "--light file:lamp,begin=8").err().unwrap_or_default();
+    ensure!(begin.contains("exit code 2") && begin.contains("begin=8") && begin.contains("lamp"), "{begin}");
+    // A cone of half a right angle ends on the ground 4 from below the light.
+    let spot = r#"{ "type": "spot" }"#;
+    let (_, mask) = shadow(spot, "--light file:all")?;
+    ensure!(mask.at(36, 50) == 255 && mask.at(29, 50) == 0, "{} and {}", mask.at(36, 50), mask.at(29, 50));
+    let endless = shadow(spot, "--light file:all,begin=1").err().unwrap_or_default();
+    ensure!(endless.contains("exit code 2") && endless.contains("range"), "{endless}");
     Ok(())
 }
 

@@ -128,7 +128,9 @@ fn old_result() -> Outcome {
 
 fn missing_file() -> Outcome {
     for file in ["missing.glb", "missing.npz", "missing"] {
-        rimline(["info", file]).expect(1, &[file])?;
+        let run = rimline(["info", file]);
+        run.expect(1, &[file])?;
+        ensure!(run.stderr.matches(file).count() == 1, "the file is named more than once: {}", run.stderr);
     }
     Ok(())
 }

@@ -128,6 +128,14 @@ pub(crate) struct DeviceArgs {
     pub(crate) device: String,
 }
 
+/// Help of `--device` where pictures are drawn, which takes a GPU.
+pub(crate) fn drawing_device(arg: clap::Arg) -> clap::Arg {
+    arg.value_name("auto|gpu|NAME").help(
+        "`auto` or `gpu` (any wgpu adapter, Mesa's software Vulkan included), or part of an adapter's name or backend \
+         (see `rimline devices`)",
+    )
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
     /// Decide each face once; edges compare their faces' bits. Always closed
@@ -199,7 +207,7 @@ inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a numbe
 undecided_pairs and exact_zeros (pairs of face and light settled in integers), milliseconds (by stage).";
 
 #[derive(Args, Debug)]
-#[command(after_help = DRAW_EXAMPLES)]
+#[command(after_help = DRAW_EXAMPLES, mut_arg("device", drawing_device))]
 pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,

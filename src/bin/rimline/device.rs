@@ -71,6 +71,8 @@ pub(crate) struct Gpu {
     pub(crate) queue: wgpu::Queue,
     /// Shared by all meshes and methods on this device.
     pub(crate) pipelines: Pipelines,
+    /// What it is opened for can be done on the CPU as well.
+    pub(crate) cpu_would_do: bool,
     failure: Arc<Mutex<Option<String>>>,
 }
 
@@ -127,7 +129,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
         return Ok(Device::Cpu);
     }
     match open_gpu(wanted) {
-        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
+        Ok(gpu) => Ok(Device::Gpu(Box::new(Gpu { cpu_would_do: true, ..gpu }))),
         Err(reason) if *wanted == Wanted::Auto => {
             note(&format!("working on the CPU, since {}", lower_first(&reason.to_string())));
             Ok(Device::Cpu)
@@ -239,7 +241,7 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         }
     });
     let pipelines = Pipelines::new(&device);
-    Ok(Gpu { info: adapter.get_info(), device, queue, pipelines, failure })
+    Ok(Gpu { info: adapter.get_info(), device, queue, pipelines, cpu_would_do: false, failure })
 }
 
 impl Gpu {

@@ -7,6 +7,7 @@ use rimline::shadow::{CameraError, ShadowLightError};
 use rimline::{LightError, MeshError};
 
 use crate::npz::NpzError;
+use crate::spec::SpecError;
 
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
 #[derive(Debug, thiserror::Error)]
@@ -105,8 +106,16 @@ pub(crate) enum UsageError {
         "--size {width}x{height} takes {needed} MiB to draw, more than the {limit} MiB that {adapter} has for one array"
     )]
     PictureMemory { width: u32, height: u32, needed: u64, limit: u64, adapter: String },
-    #[error("nothing moves: give --animation, --displace, or how many --frames")]
+    #[error("nothing moves, since no file has an animation; give --displace, or how many --frames")]
     NoAnimation,
+    #[error(
+        "--displace has no end of its own; say how many --frames or --seconds the film has, or name an --animation"
+    )]
+    EndlessDisplacement,
+    #[error("--out and --mask would both write {}; change one of them", .file.display())]
+    SameOutput { file: PathBuf },
+    #[error("the file's light `{name}`: {problem}")]
+    LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
     #[error("there is nothing to measure; give --meshes or --scenes something other than `none`, or --frames on a GPU")]
@@ -128,10 +137,19 @@ pub(crate) enum NoDevice {
     NotNamed { name: String, adapters: Vec<String> },
     #[error("the adapter {adapter} cannot be used: it lacks {lacking}")]
     Lacks { adapter: String, lacking: String },
-    #[error("the model does not fit the adapter {adapter}: {reason}; try `--device cpu` or another adapter")]
-    TooSmall { adapter: String, reason: String },
+    #[error("the model does not fit the adapter {adapter}: {reason}; try {}", remedy(*.cpu_would_do))]
+    TooSmall { adapter: String, reason: String, cpu_would_do: bool },
     #[error("the adapter {adapter} gave no device: {source}")]
     Refused { adapter: String, source: rimline::wgpu::RequestDeviceError },
+}
+
+/// What to do about an adapter that is too small.
+fn remedy(cpu_would_do: bool) -> &'static str {
+    if cpu_would_do {
+        "`--device cpu` or another adapter"
+    } else {
+        "a smaller model or another adapter (`rimline devices` lists them)"
+    }
 }
 
 fn listed(names: &[String]) -> String {
@@ -159,5 +177,19 @@ impl Failure {
             // 128 and the number of the signal, as shells have it.
             Self::Interrupted => 130,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cpu_is_advised_only_where_it_would_do() {
+        let message = |cpu_would_do| {
+            NoDevice::TooSmall { adapter: "A".into(), reason: "too many faces".into(), cpu_would_do }.to_string()
+        };
+        assert!(message(true).contains("--device cpu"), "{}", message(true));
+        assert!(!message(false).contains("cpu") && message(false).contains("another adapter"), "{}", message(false));
     }
 }

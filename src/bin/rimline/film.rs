@@ -7,12 +7,13 @@ use rimline::wgpu;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
-use crate::output::{Output, print};
+use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
 use crate::shadow::body::Body;
 use crate::shadow::caster::Caster;
+use crate::shadow::counts::CountBound;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::set::{Props, Set, open_gpu};
 use crate::shadow::studio::Studio;
@@ -24,10 +25,14 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
     let progress = Progress::start();
     progress.step("reading the models");
-    let props = Props::read(scene)?;
+    let mut props = Props::read(scene)?;
+    if scene.moment.pose.animation.is_none() && props.displacement.is_none() {
+        props.take_first_animations();
+    }
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.moment.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
+    let _folder = Folder::create(&args.out)?;
     let mut output = Some(Output::create(&file(0))?);
 
     progress.step("opening the device");
@@ -39,15 +44,16 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     for look in 0..LOOKS.min(frames) {
         let moment = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
         bodies.iter_mut().try_for_each(|body| body.pose(&gpu, moment))?;
-        points.extend(bodies.iter().flat_map(Body::corners));
+        points.extend(bodies.iter().flat_map(Body::points));
     }
-    let mut set = Set::new(scene, bodies, points)?;
+    let mut set = Set::new(scene, bodies, &points)?;
     let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes).map_err(fail)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
     let mut casters: Vec<Caster> = Vec::new();
+    let mut bound = CountBound::default();
     let mut faces: Vec<Vec<[u32; 3]>> = Vec::new();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
@@ -67,11 +73,13 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         set.encode(&gpu, &mut encoder, &studio, &mut casters, None).map_err(fail)?;
         gpu.queue.submit([encoder.finish()]);
         let picture = shadow::picture(&gpu, &studio, &pictures, &set, &casters).map_err(fail)?;
+        bound = bound.max(CountBound::read(&gpu, &casters, set.samples()).map_err(|error| fail(error.into()))?);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         progress.picture_done();
     }
     drop(progress);
+    bound.warn();
     print(&format!("{frames} pictures, {} to {}\n", file(0).display(), file(frames - 1).display()))
 }
 
@@ -90,6 +98,7 @@ fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
     let seconds = match (args.frames, args.seconds.or(lasts)) {
         (Some(frames), _) => return Ok(frames),
         (None, Some(seconds)) => seconds,
+        (None, None) if props.displacement.is_some() => return Err(UsageError::EndlessDisplacement.into()),
         (None, None) => return Err(UsageError::NoAnimation.into()),
     };
     let frames = (f64::from(seconds) * f64::from(args.fps)).round().max(1.0);
@@ -99,16 +108,10 @@ fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
     Ok(frames as u32)
 }
 
-/// In a folder that is there or that a separator ends, else behind a prefix; four digits or as many as it takes.
-fn frame_file(out: &Path, frame: u32, frames: u32) -> PathBuf {
+/// Four digits or as many as it takes.
+fn frame_file(folder: &Path, frame: u32, frames: u32) -> PathBuf {
     let digits = (frames - 1).to_string().len().max(4);
-    let number = format!("{frame:0digits$}.png");
-    if out.is_dir() || out.as_os_str().to_string_lossy().ends_with(std::path::is_separator) {
-        return out.join(number);
-    }
-    let mut name = out.as_os_str().to_owned();
-    name.push(number);
-    name.into()
+    folder.join(format!("{frame:0digits$}.png"))
 }
 
 #[cfg(test)]
@@ -116,10 +119,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_numbered_in_folders_and_behind_prefixes() {
-        let folder = std::env::temp_dir();
-        assert_eq!(frame_file(&folder, 7, 10), folder.join("0007.png"));
-        assert_eq!(frame_file(Path::new("no/such/"), 7, 10), Path::new("no/such/0007.png"));
-        assert_eq!(frame_file(Path::new("a/walk_"), 12_345, 20_000), Path::new("a/walk_12345.png"));
+    fn frames_are_numbered_in_their_folder() {
+        for folder in ["a/frames", "a/frames/"] {
+            assert_eq!(frame_file(Path::new(folder), 7, 10), Path::new("a/frames/0007.png"));
+        }
+        assert_eq!(frame_file(Path::new("walk"), 12_345, 20_000), Path::new("walk/12345.png"));
     }
 }

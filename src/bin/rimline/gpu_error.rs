@@ -50,7 +50,10 @@ impl GpuError {
         }
         match (self.memory(), self.lights()) {
             (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
-            (Some(memory), _) => NoDevice::TooSmall { adapter: describe(&gpu.info), reason: memory.to_string() }.into(),
+            (Some(memory), _) => {
+                let (adapter, reason) = (describe(&gpu.info), memory.to_string());
+                NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
+            }
             (_, Some(lights)) => UsageError::Lights(*lights).into(),
             _ => gpu.failed(&self.to_string()),
         }

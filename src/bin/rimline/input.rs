@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use rimline::gltf::Asset;
+use rimline::gltf::{AnimationInfo, Asset, GltfError, SceneLight};
 use rimline::light::{MAX_LIGHTS, check_lights};
 use rimline::mesh::{Weld, WeldCounts};
 use rimline::model::{Geometry, Instance, InstancePose};
@@ -19,6 +19,13 @@ use crate::spec::LightSpec;
 pub(crate) struct Input {
     pub(crate) file: PathBuf,
     pub(crate) source: Source,
+}
+
+/// A light that was asked for.
+pub(crate) struct ChosenLight {
+    pub(crate) light: Light,
+    /// As the file has it, if it is the file's.
+    pub(crate) own: Option<SceneLight>,
 }
 
 /// What the file holds.
@@ -76,7 +83,7 @@ impl Input {
             return Ok(None);
         };
         let (found, there) = match &self.source {
-            Source::Gltf(asset) => (asset.animation_index(wanted), animations(asset)),
+            Source::Gltf(asset) => (asset.animation_index(wanted), listed_animations(asset)),
             Source::Npz { .. } => (None, "an .npz has none".to_owned()),
         };
         let wanted = wanted.clone();
@@ -111,30 +118,42 @@ impl Input {
         animation: Option<usize>,
         time_s: f32,
     ) -> Result<Vec<Light>, Failure> {
+        Ok(self.chosen_lights(specs, animation, time_s)?.into_iter().map(|chosen| chosen.light).collect())
+    }
+
+    /// The same, with what the file says of its own.
+    pub(crate) fn chosen_lights(
+        &self,
+        specs: &[LightSpec],
+        animation: Option<usize>,
+        time_s: f32,
+    ) -> Result<Vec<ChosenLight>, Failure> {
         let own = match &self.source {
             Source::Gltf(asset) if specs.iter().any(|spec| !matches!(spec, LightSpec::Given(_))) => {
                 asset.lights(animation, time_s).map_err(|error| Failure::input(&self.file)(error.into()))?
             }
             _ => Vec::new(),
         };
-        let mut lights = Vec::with_capacity(specs.len());
+        let of_file = |own: &SceneLight| ChosenLight { light: own.light, own: Some(own.clone()) };
+        let mut chosen = Vec::with_capacity(specs.len());
         for spec in specs {
             match spec {
-                LightSpec::Given(light) => lights.push(*light),
+                LightSpec::Given(light) => chosen.push(ChosenLight { light: *light, own: None }),
                 LightSpec::All if own.is_empty() => return Err(UsageError::NoFileLights.into()),
-                LightSpec::All => lights.extend(own.iter().map(|own| own.light)),
+                LightSpec::All => chosen.extend(own.iter().map(of_file)),
                 LightSpec::Named(wanted) => {
                     let named = own.iter().find(|own| own.name.as_ref() == Some(wanted));
                     let missing = || UsageError::FileLight {
                         wanted: wanted.clone(),
                         there: own.iter().filter_map(|own| own.name.clone()).collect(),
                     };
-                    lights.push(named.ok_or_else(missing)?.light);
+                    chosen.push(of_file(named.ok_or_else(missing)?));
                 }
             }
         }
+        let lights: Vec<Light> = chosen.iter().map(|chosen| chosen.light).collect();
         match check_lights(&lights, MAX_LIGHTS) {
-            Ok(()) => Ok(lights),
+            Ok(()) => Ok(chosen),
             Err(error @ (LightError::None | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
             // Those of the command line were checked when they were read.
             Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
@@ -143,26 +162,27 @@ impl Input {
 }
 
 /// The file's animations, for a message.
-fn animations(asset: &Asset) -> String {
+pub(crate) fn listed_animations(asset: &Asset) -> String {
     const SHOWN: usize = 20;
     let infos = asset.animations();
     if infos.is_empty() {
         return "the file has none".into();
     }
-    let name = |(index, info): (usize, &rimline::gltf::AnimationInfo)| match &info.name {
-        Some(name) => format!("{index} `{name}`"),
-        None => index.to_string(),
-    };
-    let shown: Vec<String> = infos.iter().enumerate().take(SHOWN).map(name).collect();
+    let shown: Vec<String> = infos.iter().enumerate().take(SHOWN).map(|(at, info)| animation_name(at, info)).collect();
     let more = if infos.len() > SHOWN { ", …" } else { "" };
     format!("the file has {}{more}", shown.join(", "))
+}
+
+/// An animation's number, and its name if it has one.
+pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
+    info.name.as_ref().map_or_else(|| index.to_string(), |name| format!("{index} `{name}`"))
 }
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
 fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     if let Some("gltf" | "glb") = ending.as_deref() {
-        return Ok(Source::Gltf(Box::new(Asset::open(file, weld)?)));
+        return open_gltf(file, weld);
     }
     let mut reader = BufReader::with_capacity(1 << 18, File::open(file)?);
     if ending.as_deref() == Some("npz") {
@@ -172,9 +192,18 @@ fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
     reader.by_ref().take(4).read_to_end(&mut start)?;
     reader.rewind()?;
     match start.as_slice() {
-        b"glTF" => Ok(Source::Gltf(Box::new(Asset::open(file, weld)?))),
+        b"glTF" => open_gltf(file, weld),
         b"PK\x03\x04" => open_npz(reader, weld),
         _ => Err(InputError::Format),
+    }
+}
+
+fn open_gltf(file: &Path, weld: Weld) -> Result<Source, InputError> {
+    match Asset::open(file, weld) {
+        Ok(asset) => Ok(Source::Gltf(Box::new(asset))),
+        // The file is named already; only other files that it names need to be.
+        Err(GltfError::Read { path, source }) if path == file => Err(InputError::Read(source)),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -44,9 +44,12 @@ impl<'a> Moment<'a> {
 
     /// Opens the device, which must be a GPU to displace vertices.
     pub(crate) fn device(&self) -> Result<Device, Failure> {
-        let device = device::open(&Wanted::parse(&self.args.device.device))?;
-        if matches!(device, Device::Cpu) && self.displacement.is_some() {
-            return Err(UsageError::DisplaceOnCpu.into());
+        let mut device = device::open(&Wanted::parse(&self.args.device.device))?;
+        if self.displacement.is_some() {
+            match &mut device {
+                Device::Cpu => return Err(UsageError::DisplaceOnCpu.into()),
+                Device::Gpu(gpu) => gpu.cpu_would_do = false,
+            }
         }
         Ok(device)
     }

@@ -34,12 +34,7 @@ impl Output {
             Err(error) if error.kind() == io::ErrorKind::NotFound => target.to_owned(),
             Err(error) => return Err(error),
         };
-        if let Some(folder) = target.parent()
-            && !folder.as_os_str().is_empty()
-            && !folder.is_dir()
-        {
-            return Err(io::Error::other("its folder does not exist; make it first"));
-        }
+        check_parent(&target)?;
         let name = target.file_name().ok_or_else(|| io::Error::other("it is not the name of a file"))?;
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
@@ -79,6 +74,68 @@ impl Drop for Output {
     }
 }
 
+/// A folder for results: made where it is not there, and removed again if it was and nothing was finished in it.
+#[derive(Debug)]
+pub(crate) struct Folder(PathBuf);
+
+/// The folders made, for the handler of Ctrl-C to remove where they are empty.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+impl Folder {
+    /// Its parent must be there.
+    pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
+        let start = || match std::fs::metadata(path) {
+            Ok(there) if there.is_dir() => Ok(()),
+            Ok(_) => Err(io::Error::other("it exists and is not a folder; choose another name")),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                check_parent(path)?;
+                remove_at_interrupt();
+                let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+                std::fs::create_dir(path)?;
+                made.push(path.to_owned());
+                Ok(())
+            }
+            Err(error) => Err(error),
+        };
+        start().map_err(|source| Failure::Output { file: path.to_owned(), source })?;
+        Ok(Self(path.to_owned()))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        remove_empty(|path| *path == self.0);
+    }
+}
+
+/// Removes those of the folders made that are empty; the system keeps the others.
+fn remove_empty(is_meant: impl Fn(&PathBuf) -> bool) {
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in made.extract_if(.., |path| is_meant(path)) {
+        let _ = std::fs::remove_dir(path);
+    }
+}
+
+/// Whether both name one file, be it there or not.
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let named = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+        path.canonicalize().ok().or_else(named)
+    };
+    a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
+/// Where a result goes to must be there.
+fn check_parent(target: &Path) -> io::Result<()> {
+    match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(io::Error::other("its folder does not exist; make it first"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Removes those of the files being written. That it fails can have no remedy here.
 fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -111,6 +168,7 @@ fn remove_at_interrupt() {
                 return;
             }
             remove_unfinished(|_| true);
+            remove_empty(|_| true);
             // 128 and the number of the signal, as shells have it.
             std::process::exit(130);
         };

@@ -3,6 +3,7 @@
 pub(crate) mod camera;
 pub(crate) mod kit;
 pub(crate) mod normals;
+pub(crate) mod support;
 
 use rimline::mesh::Bounds;
 

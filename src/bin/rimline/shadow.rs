@@ -3,6 +3,7 @@
 pub(crate) mod args;
 pub(crate) mod body;
 pub(crate) mod caster;
+pub(crate) mod counts;
 pub(crate) mod frame;
 mod glass;
 mod lamps;
@@ -18,10 +19,10 @@ use rimline::wgpu;
 
 use crate::device::Gpu;
 use crate::displacement;
-use crate::failure::Failure;
+use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::output::{Output, print};
+use crate::output::{Output, is_same_file, print};
 use crate::progress::Progress;
 use crate::times::Times;
 use args::ShadowArgs;
@@ -48,12 +49,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let fail = |error: GpuError| error.on(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.moment.pose.time))?;
-    let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::corners).collect();
-    let set = Set::new(scene, bodies, points)?;
+    let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::points).collect();
+    let set = Set::new(scene, bodies, &points)?;
     let mask_files: Vec<_> = match &args.mask {
         None => Vec::new(),
         Some(prefix) => (0..set.lamps.len()).map(|light| mask_file(prefix, light)).collect(),
     };
+    if let Some(out) = args.out.as_deref().filter(|out| mask_files.iter().any(|file| is_same_file(out, file))) {
+        return Err(UsageError::SameOutput { file: out.to_owned() }.into());
+    }
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
 
     progress.step("drawing");
@@ -100,6 +104,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let report = Report::read(&gpu, &set, &casters).map_err(|error| fail(error.into()))?;
     gpu.check()?;
     drop(progress);
+    report.bound.warn();
     let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
     print(&if args.json { report.json(scene, &times) } else { report.text(&written, &times) })
 }

@@ -18,13 +18,13 @@ pub(crate) enum LightSpec {
 pub(crate) struct LampSpec {
     pub(crate) light: LightSpec,
     /// Red, green and blue of its light, linear.
-    pub(crate) color: [f32; 3],
-    pub(crate) intensity: f32,
+    pub(crate) color: Option<[f32; 3]>,
+    pub(crate) intensity: Option<f32>,
     /// Where its light ends.
-    pub(crate) range: f32,
+    pub(crate) range: Option<f32>,
     /// Where its light begins to fall off towards the range, and how.
-    pub(crate) begin: f32,
-    pub(crate) exponent: f32,
+    pub(crate) begin: Option<f32>,
+    pub(crate) exponent: Option<f32>,
 }
 
 /// A light's shape of `--area`; without sizes they are chosen by the scene.
@@ -64,6 +64,15 @@ pub(crate) enum SpecError {
     LampOption(String),
     #[error("{option}={value}: it must be {needed}")]
     LampValue { option: &'static str, value: f32, needed: &'static str },
+    #[error(
+        "begin={begin} lies beyond the range {range}: the light would end before it begins to fade; give it a smaller \
+         begin or a larger range"
+    )]
+    BeginBeyondRange { begin: f32, range: f32 },
+    #[error("{0}= says how a light fades towards its range, but it has none; give range=R, too, or leave {0}= out")]
+    NoRange(&'static str),
+    #[error("range= is a distance from a light's place, but it is at infinity; leave range= out, or write point:x,y,z")]
+    RangeAtInfinity,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
     #[error("a light's size must be more than 0")]
@@ -103,14 +112,8 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
 /// A light with its options, `SPEC[,option=value]…`.
 pub(crate) fn lamp(text: &str) -> Result<LampSpec, SpecError> {
     let (place, options) = split_options(text);
-    let mut lamp = LampSpec {
-        light: light(place)?,
-        color: [1.0; 3],
-        intensity: 1.0,
-        range: f32::INFINITY,
-        begin: 0.0,
-        exponent: 1.0,
-    };
+    let mut lamp =
+        LampSpec { light: light(place)?, color: None, intensity: None, range: None, begin: None, exponent: None };
     let at_least_0 = |option, value: f32| {
         let needed = "0 or more";
         if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
@@ -119,25 +122,46 @@ pub(crate) fn lamp(text: &str) -> Result<LampSpec, SpecError> {
         let (name, value) = option.split_once('=').unwrap_or((option, ""));
         match name {
             "range" => {
-                lamp.range = number(value)?;
-                if lamp.range <= 0.0 {
+                let range = number(value)?;
+                if range <= 0.0 {
                     let needed = "more than 0";
-                    return Err(SpecError::LampValue { option: "range", value: lamp.range, needed });
+                    return Err(SpecError::LampValue { option: "range", value: range, needed });
                 }
+                lamp.range = Some(range);
             }
-            "begin" => lamp.begin = at_least_0("begin", number(value)?)?,
-            "exponent" => lamp.exponent = at_least_0("exponent", number(value)?)?,
-            "intensity" => lamp.intensity = at_least_0("intensity", number(value)?)?,
+            "begin" => lamp.begin = Some(at_least_0("begin", number(value)?)?),
+            "exponent" => lamp.exponent = Some(at_least_0("exponent", number(value)?)?),
+            "intensity" => lamp.intensity = Some(at_least_0("intensity", number(value)?)?),
             "color" => {
-                lamp.color = numbers(value)?;
-                for component in lamp.color {
+                let color: [f32; 3] = numbers(value)?;
+                for component in color {
                     at_least_0("color", component)?;
                 }
+                lamp.color = Some(color);
             }
             _ => return Err(SpecError::LampOption(name.to_owned())),
         }
     }
+    if let LightSpec::Given(light) = lamp.light {
+        // What a light of the file has of its own is known once the file is read.
+        lamp.check(light, None)?;
+    }
     Ok(lamp)
+}
+
+impl LampSpec {
+    /// Its options fit together and to the light, which may have a range of its own.
+    pub(crate) fn check(&self, light: Light, own_range: Option<f32>) -> Result<(), SpecError> {
+        if light.w == 0.0 && self.range.is_some() {
+            return Err(SpecError::RangeAtInfinity);
+        }
+        match (self.range.or(own_range), self.begin, self.exponent) {
+            (None, Some(_), _) => Err(SpecError::NoRange("begin")),
+            (None, None, Some(_)) => Err(SpecError::NoRange("exponent")),
+            (Some(range), Some(begin), _) if begin > range => Err(SpecError::BeginBeyondRange { begin, range }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// The part before the first `,name=`, and the options after it, whose values may hold commas.
@@ -178,9 +202,12 @@ pub(crate) fn area(text: &str) -> Result<AreaSpec, SpecError> {
     }
 }
 
+/// At most so many lights stand for one.
+pub(crate) const MOST_SAMPLES: u32 = 32;
+
 /// Samples of a light with an area.
 pub(crate) fn samples(text: &str) -> Result<usize, SpecError> {
-    const LIMIT: u32 = 32;
+    const LIMIT: u32 = MOST_SAMPLES;
     match text.trim().parse::<u32>() {
         Ok(count @ 1..=LIMIT) => Ok(count as usize),
         Ok(given) => Err(SpecError::SampleCount { given, limit: LIMIT }),
@@ -297,18 +324,27 @@ mod tests {
     fn lamps_and_their_options() {
         let lamp = |text: &str| lamp(text).expect(text);
         let plain = lamp("point:1,2,3");
-        assert_eq!((plain.color, plain.intensity, plain.range), ([1.0; 3], 1.0, f32::INFINITY));
-        let full = lamp("dir:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
-        assert_eq!((full.color, full.intensity, full.range), ([1.0, 0.5, 0.0], 0.5, 7.0));
-        assert_eq!((full.begin, full.exponent), (2.0, 3.0));
+        assert_eq!((plain.color, plain.intensity, plain.range), (None, None, None));
+        let full = lamp("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
+        assert_eq!((full.color, full.intensity, full.range), (Some([1.0, 0.5, 0.0]), Some(0.5), Some(7.0)));
+        assert_eq!((full.begin, full.exponent), (Some(2.0), Some(3.0)));
         let named = lamp("file:Lamp, big,range=2");
-        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), 2.0));
+        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), Some(2.0)));
+        // It may have a range of its own.
+        assert_eq!(lamp("file:Lamp,begin=2").begin, Some(2.0));
+        assert_eq!(lamp("point:1,2,3,range=4,begin=4").begin, Some(4.0));
         let error = |text: &str| super::lamp(text).expect_err(text);
         assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));
         assert_eq!(error("point:1,2,3,color=1,1"), SpecError::Count { wanted: 3, given: 2 });
         assert!(matches!(error("point:1,2,3,range=0"), SpecError::LampValue { option: "range", .. }));
         assert!(matches!(error("point:1,2,3,color=1,-1,0"), SpecError::LampValue { option: "color", .. }));
         assert_eq!(error("point:1,2,range=3"), SpecError::Count { wanted: 3, given: 2 });
+        let beyond = SpecError::BeginBeyondRange { begin: 4.0, range: 3.0 };
+        assert_eq!(error("point:1,2,3,begin=4,range=3"), beyond);
+        assert_eq!(error("point:1,2,3,begin=4"), SpecError::NoRange("begin"));
+        assert_eq!(error("point:1,2,3,exponent=2"), SpecError::NoRange("exponent"));
+        assert_eq!(error("dir:1,2,3,range=3"), SpecError::RangeAtInfinity);
+        assert_eq!(error("hom:1,2,3,0,range=3"), SpecError::RangeAtInfinity);
     }
 
     #[test]

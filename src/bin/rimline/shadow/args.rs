@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 
-use crate::args::{MomentArgs, ViewArgs, WeldArgs};
+use crate::args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::spec::{self, AreaSpec, LampSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -90,14 +90,14 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_enum, default_value_t = ModeArg::Additive)]
     pub(crate) mode: ModeArg,
 
-    /// Soft shadows: every light has this shape; for lights at infinity sizes are at distance 1. Without sizes they
-    /// are chosen by the scene
+    /// Soft shadows: every light has this shape; for lights at infinity sizes are at distance 1. Without sizes their
+    /// radius is 0.04 of the distance to the middle of the models
     #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
     pub(crate) area: Option<AreaSpec>,
 
-    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction
-    #[arg(long, value_name = "N", default_value = "32", allow_hyphen_values = true, value_parser = spec::samples)]
-    pub(crate) samples: usize,
+    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 32]
+    #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
+    pub(crate) samples: Option<usize>,
 
     /// Draw the shadow volumes, too, translucent and with their edges
     #[arg(long)]
@@ -107,6 +107,13 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) moment: MomentArgs,
 }
 
+impl ShadowSceneArgs {
+    /// Lights that stand for one.
+    pub(crate) fn samples(&self) -> usize {
+        self.area.map_or(1, |_| self.samples.unwrap_or(spec::MOST_SAMPLES as usize))
+    }
+}
+
 /// Help that both commands end with.
 macro_rules! light_options {
     () => {
@@ -114,15 +121,21 @@ macro_rules! light_options {
 Options of a light, after its SPEC:
   color=R,G,B   linear; 1,1,1 without it. All lights together set the exposure
   intensity=I   times the color; 1 without it
-  range=R       where the light ends: models farther away throw no shadow, and it fades to nothing
-  begin=D       where it begins to fade; 0 without it
-  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron 1986)
+  range=R       where a light with a place ends: it fades to nothing, models farther away throw no
+                shadow, and masks are 0
+  begin=D       where it begins to fade, at most R; 0 without it
+  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron
+                1986)
+
+What the options leave open, a light of the file has as KHR_lights_punctual gives it: color, range, and a spot's cone, \
+out of which masks are 0, too. Its intensity is what arrives at the middle of the models, the brightest such light \
+counted as 1. Options of file:all are for those lights that can have them.
 "
     };
 }
 
 #[derive(Args, Debug)]
-#[command(after_help = SHADOW_EXAMPLES)]
+#[command(after_help = SHADOW_EXAMPLES, mut_arg("device", drawing_device))]
 pub(crate) struct ShadowArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
@@ -131,8 +144,8 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "FILE.png", required_unless_present = "mask")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Write PREFIX.<light>.png, too, for each light: 255 lit, 0 in shadow or averted from the light, 128 background;
-    /// exact at each pixel's centre (with --area the share of samples that reach it, times 255)
+    /// Write PREFIX.<light>.png, too, for each light: 255 lit, 0 in shadow, averted from the light or out of its range or
+    /// cone, 128 background; exact at each pixel's centre (with --area the share of samples that reach it, times 255)
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
@@ -152,14 +165,15 @@ Examples:
 
 World space is right-handed with +Y up.
 
-Keys of --json: adapter, method, mode, files, faces, samples (of a light), lights (a list of light, range, \
-color and casters, a list of file, casting, counting, silhouette_edges, each of them a value a sample with \
---area), statistics (a list, one a file, of skipped, every_face, capped, overflowed_caps, undecided_pairs, \
-overflowed_lists), milliseconds (by stage)."
+Keys of --json: adapter, method, mode, files, faces, samples (of a light), count_bound (no stencil count of all \
+files together exceeds it), may_wrap (lights, or samples, for which that may be more than the 255 that the stencil \
+holds: places in shadow may look lit), lights (a list of light, range, color and casters, a list of file, casting, \
+counting, silhouette_edges, each of them a value a sample with --area), statistics (a list, one a file, of skipped, \
+every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), milliseconds (by stage)."
 );
 
 #[derive(Args, Debug)]
-#[command(after_help = FILM_EXAMPLES)]
+#[command(after_help = FILM_EXAMPLES, mut_arg("device", drawing_device), mut_arg("animation", film_animation))]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
@@ -176,18 +190,25 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::positive)]
     pub(crate) seconds: Option<f32>,
 
-    /// Where to write: a folder, for 0000.png, 0001.png and so on in it, or how the files' names begin
-    #[arg(long, value_name = "DIR|PREFIX")]
+    /// The folder to write 0000.png, 0001.png and so on into; made if it is not there
+    #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+}
+
+/// Help of `--animation` where something should move.
+fn film_animation(arg: clap::Arg) -> clap::Arg {
+    arg.help(
+        "The animation to play, by name or by number from 0; without it, and without --displace, each file's first one",
+    )
 }
 
 const FILM_EXAMPLES: &str = concat!(
     light_options!(),
     "
 Example:
-  rimline film fox.glb --animation Run --fps 30 --out frames/
+  rimline film fox.glb --animation Run --fps 30 --out frames
 
-Each file is complete as soon as it is there; Ctrl-C keeps those that are done. The camera stands still."
+Each file is complete as soon as it is there; Ctrl-C keeps those that are done. Camera and lights stand still."
 );
 
 /// Five digits of frames.

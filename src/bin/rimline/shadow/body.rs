@@ -63,10 +63,14 @@ impl<'a> Body<'a> {
         self.animation
     }
 
-    /// The corners of the faces that are drawn: those with finite positions.
-    pub(crate) fn corners(&self) -> impl Iterator<Item = [f32; 3]> + Clone + '_ {
+    /// The vertices of the faces that are drawn, those with finite positions; each once.
+    pub(crate) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
         let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(self.world[v as usize]));
-        self.scene.mesh.faces().iter().filter(is_drawn).flatten().map(|&v| self.world[v as usize])
+        let mut is_used = vec![false; self.world.len()];
+        for &v in self.scene.mesh.faces().iter().filter(is_drawn).flatten() {
+            is_used[v as usize] = true;
+        }
+        self.world.iter().zip(is_used).filter_map(|(&position, is_used)| is_used.then_some(position))
     }
 }
 

@@ -40,7 +40,8 @@ impl Caster {
     ) -> Result<Self, GpuError> {
         let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
         let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
-        let volumes = ShadowVolumes::new(pipelines, &extractor, mesh, ShadowOptions::default())?;
+        let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+        let volumes = ShadowVolumes::new(pipelines, &extractor, mesh, options)?;
         let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
         Ok(Self {
             extractor,

@@ -25,6 +25,8 @@ pub(crate) struct Frame {
     fade_end: f32,
     size: [f32; 2],
     centre: [f32; 2],
+    per_unit: f32,
+    reserved: [f32; 3],
 }
 
 /// Ambient light: of all lights' together, and what the ground throws back.
@@ -39,6 +41,8 @@ impl Frame {
         let ([x, _, z], ground) = (stage.centre, stage.ground);
         let under = Vec3::new(x, ground, z);
         let far = 4.6 * stage.extent;
+        let unit = unit(camera, stage);
+        let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // As bright as the lit ground, so that it fades into the backdrop unseen.
         let lit = |lamp: &Lamp| {
@@ -46,10 +50,12 @@ impl Frame {
             share * Vec3::from(lamp.color)
         };
         let backdrop = GROUND * (ambient + lamps.iter().map(lit).sum::<Vec3>());
+        let mut view_projection = shadow_camera(camera).view_projection;
+        view_projection.w_axis *= unit.recip();
         Self {
-            view_projection: shadow_camera(camera).view_projection.to_cols_array_2d(),
+            view_projection: view_projection.to_cols_array_2d(),
             eye: camera.eye.into(),
-            ground: ground - camera.eye.y,
+            ground: in_units(ground - camera.eye.y),
             right: camera.right.into(),
             scale_x: camera.scale[0],
             up: camera.up.into(),
@@ -57,11 +63,13 @@ impl Frame {
             forward: camera.forward.into(),
             exposure: 1.12 / ((1.0 + AMBIENT) * brightest),
             ambient: ambient.into(),
-            fade_begin: 1.8 * stage.extent,
+            fade_begin: 1.8 * in_units(stage.extent),
             backdrop: backdrop.into(),
-            fade_end: 6.0 * stage.extent,
+            fade_end: 6.0 * in_units(stage.extent),
             size: size.map(|pixels| pixels as f32),
-            centre: [x - camera.eye.x, z - camera.eye.z],
+            centre: [x - camera.eye.x, z - camera.eye.z].map(in_units),
+            per_unit: unit.recip(),
+            reserved: [0.0; 3],
         }
     }
 
@@ -69,6 +77,16 @@ impl Frame {
     pub(crate) fn sees_ground(&self) -> bool {
         self.ground < 0.0
     }
+}
+
+/// What distances are measured in where light is computed: a power of two of about the scene's size, so that squares of
+/// distances stay within the range of floats, however large or small the models are.
+pub(crate) fn unit(camera: &Camera, stage: &Stage) -> f32 {
+    let from_centre = (camera.eye - Vec3::from(stage.centre)).abs().max_element();
+    let size = stage.extent.max(from_centre).max((camera.eye.y - stage.ground).abs());
+    // Its reciprocal is a normal number, too.
+    let most = 2.0_f32.powi(126);
+    f32::from_bits(size.to_bits() & 0x7f80_0000).clamp(most.recip(), most)
 }
 
 /// The camera with positions relative to the eye, so that models far from the origin keep their precision.
@@ -84,5 +102,33 @@ pub(crate) fn shadow_camera(camera: &Camera) -> ShadowCamera {
         view_projection: Mat4::from_cols(x, y, z, w).transpose(),
         origin: camera.eye,
         depth: DepthDirection::Reversed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rimline::mesh::Bounds;
+
+    #[test]
+    fn units_are_powers_of_two_of_about_the_scenes_size() {
+        let camera =
+            |eye: Vec3| Camera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, scale: [1.0; 2], near: 1.0 };
+        let stage = |extent| Stage {
+            centre: [0.0; 3],
+            extent,
+            ground: 0.0,
+            bounds: Bounds { min: [0.0; 3], max: [extent; 3] },
+        };
+        for (extent, eye, expected) in [
+            (3.0, 0.0, 2.0),
+            (3.0, 9.0, 8.0),
+            (1e-30, 0.0, 2.0_f32.powi(-100)),
+            (3e38, 0.0, 2.0_f32.powi(126)),
+            (1e-42, 0.0, 2.0_f32.powi(-126)),
+        ] {
+            let found = unit(&camera(Vec3::new(eye, 0.0, 0.0)), &stage(extent));
+            assert_eq!(found, expected, "{extent:e}, {eye}");
+        }
     }
 }

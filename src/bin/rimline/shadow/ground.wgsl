@@ -12,7 +12,7 @@
 }
 
 struct Place {
-  // Relative to the eye.
+  // Relative to the eye, in units.
   q: vec3<f32>,
   // How much of it the backdrop has taken.
   faded: f32,
@@ -21,11 +21,11 @@ struct Place {
 fn place(pixel: vec2<f32>) -> Place {
   let ndc = pixel / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
   let ray = ndc.x / frame.scale_x * frame.right + ndc.y / frame.scale_y * frame.up + frame.forward;
+  let q = ray * (frame.ground / min(ray.y, -1e-6));
   if (ray.y > -1e-6) {
-    return Place(vec3<f32>(0.0, frame.ground, 0.0), 1.0);
+    return Place(q, 1.0);
   }
-  let q = ray * (frame.ground / ray.y);
-  return Place(q, smoothstep(frame.fade_begin, frame.fade_end, distance(q.xz, frame.centre)));
+  return Place(q, smoothstep(frame.fade_begin, frame.fade_end, length_of(vec3<f32>(q.xz - frame.centre, 0.0))));
 }
 
 const ALBEDO = vec3<f32>(0.80, 0.79, 0.77);
@@ -68,8 +68,8 @@ fn is_lit() -> bool {
   return vec4<f32>(0.0);
 }
 
-@fragment fn mask_fragment() -> @location(0) vec4<f32> {
-  if (!is_lit()) {
+@fragment fn mask_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+  if (!is_lit() || !arriving(place(at.xy).q).reached) {
     discard;
   }
   return vec4<f32>(1.0);

@@ -9,6 +9,7 @@ use rimline::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS}
 use serde_json::{Value, json};
 
 use super::caster::Caster;
+use super::counts::{self, CountBound};
 use super::set::Set;
 use crate::device::{Gpu, describe};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
@@ -31,6 +32,7 @@ pub(super) struct Report {
     /// Of each light, as given.
     lights: Vec<([f32; 4], f32, [f32; 3])>,
     samples: usize,
+    pub(super) bound: CountBound,
 }
 
 fn casting(light: &ShadowLight) -> &'static str {
@@ -55,23 +57,23 @@ impl Report {
         let mut found = Vec::new();
         for (caster, body) in casters.iter().zip(&set.bodies) {
             let results = caster.extractor.results();
-            let mut lights: Vec<ShadowLight> = read_back_vec(device, queue, caster.volumes.lights())?;
+            let (lights, shadow) = counts::read(gpu, caster, samples)?;
             let mut silhouettes: Vec<u32> = read_back_vec(device, queue, results.counts)?;
-            lights.truncate(samples);
             silhouettes.truncate(samples);
-            let shadow: Vec<ShadowStatistics> = read_back_vec(device, queue, caster.volumes.statistics())?;
             let extraction: Vec<Statistics> = read_back_vec(device, queue, results.statistics)?;
             found.push(Found {
                 file: body.input.file.display().to_string(),
                 faces: body.scene.mesh.faces().len(),
                 lights,
                 silhouettes,
-                shadow: shadow.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()),
+                shadow,
                 extraction: extraction.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()),
             });
         }
+        let bounds: Vec<_> = found.iter().map(|found| (found.lights.as_slice(), found.shadow)).collect();
         Ok(Self {
             adapter: describe(&gpu.info),
+            bound: CountBound::new(&bounds),
             found,
             lights: set.lamps.iter().map(|lamp| (lamp.light.to_array(), lamp.range, lamp.color)).collect(),
             samples: samples / set.lamps.len().max(1),
@@ -109,6 +111,8 @@ impl Report {
                 "skipped": shadow.skipped,
                 "every_face": shadow.every_face,
                 "capped": shadow.capped,
+                "count_bound": shadow.count_bound,
+                "may_wrap": shadow.may_wrap,
                 "overflowed_caps": shadow.overflowed_caps,
                 "undecided_pairs": extraction.undecided_pairs,
                 "overflowed_lists": extraction.overflowed_lists,
@@ -121,6 +125,8 @@ impl Report {
             "files": self.found.iter().map(|found| &found.file).collect::<Vec<_>>(),
             "faces": self.found.iter().map(|found| found.faces).collect::<Vec<_>>(),
             "samples": self.samples,
+            "count_bound": self.bound.count_bound,
+            "may_wrap": self.bound.may_wrap,
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
             "statistics": self.found.iter().map(statistics).collect::<Vec<_>>(),
             "milliseconds": times.json(),
@@ -136,11 +142,14 @@ impl Report {
         line("adapter", &self.adapter);
         for Found { file, faces, lights, silhouettes, shadow, .. } in &self.found {
             line("caster", &format!("{file}, {faces} faces"));
-            let edges: u32 = silhouettes.iter().sum();
+            let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             line("silhouette edges", &format!("{edges}{sum}"));
             let ShadowStatistics { skipped, capped, .. } = shadow;
-            line("", &format!("near caps for {capped}, no shadow in sight for {skipped} of the lights"));
+            line(
+                "",
+                &format!("near caps for {capped} of the lights, no shadow drawn for {skipped}: out of range or sight"),
+            );
         }
         line("milliseconds", &times.text());
         for file in written {

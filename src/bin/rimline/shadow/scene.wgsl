@@ -2,10 +2,11 @@
 // to the eye; depth is reversed, near / distance. Light is linear.
 
 struct Frame {
-  // From positions less the eye to clip space; the shadow volumes' camera.
+  // From positions less the eye, in units, to clip space. The shadow volumes' camera, whose clip space is a unit times as
+  // large: a power of two, so that depths are the same to the bit.
   view_projection: mat4x4<f32>,
   eye: vec3<f32>,
-  // The ground's height over the eye; negative, since it is seen from above.
+  // The ground's height over the eye, in units; negative, since it is seen from above.
   ground: f32,
   right: vec3<f32>,
   // Clip units per unit of view space at distance 1.
@@ -15,38 +16,49 @@ struct Frame {
   forward: vec3<f32>,
   exposure: f32,
   ambient: vec3<f32>,
-  // From the centre, where the ground begins to fade into the backdrop, and where it has.
+  // From the centre, where the ground begins to fade into the backdrop, and where it has; in units.
   fade_begin: f32,
   backdrop: vec3<f32>,
   fade_end: f32,
   // Width and height in pixels.
   size: vec2<f32>,
-  // Below the models, (x, z), relative to the eye.
+  // Below the models, (x, z), relative to the eye, in units.
   centre: vec2<f32>,
+  // One over the unit, a power of two of about the scene's size: squares of distances are floats then, and so is what
+  // rasterisers divide by w.
+  per_unit: f32,
 }
 
 // A light, or a sample of one with an area.
 struct Lamp {
-  // Homogeneous, relative to the eye.
+  // Homogeneous, relative to the eye, in units.
   light: vec4<f32>,
   color: vec3<f32>,
-  // Where it ends; 0: nowhere.
+  // Where it ends, in units times the light's w; 0: nowhere.
   range: f32,
-  // Where it begins to fade, and how.
+  // Where it begins to fade, in the same, and how.
   begin: f32,
   exponent: f32,
   // Its bit in the word of facing masks that is bound.
   bit: u32,
   // How dense its volume is drawn.
   density: f32,
+  // The way a spot shines, and how the share of its light follows from the cosine there; else 0, 0 and 1.
+  axis: vec3<f32>,
+  cone_scale: f32,
+  cone_offset: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<uniform> lamp: Lamp;
 
+fn from_eye(position: vec3<f32>) -> vec3<f32> {
+  return frame.per_unit * (position - frame.eye);
+}
+
 // As `rimline_clip` of the library's include has it.
 fn to_clip(position: vec3<f32>) -> vec4<f32> {
-  let q = position - frame.eye;
+  let q = from_eye(position);
   return frame.view_projection[0] * q.x + frame.view_projection[1] * q.y + frame.view_projection[2] * q.z +
     frame.view_projection[3];
 }
@@ -55,23 +67,53 @@ fn direction_to_clip(d: vec3<f32>) -> vec4<f32> {
   return frame.view_projection[0] * d.x + frame.view_projection[1] * d.y + frame.view_projection[2] * d.z;
 }
 
-// What comes of a light at a place relative to the eye, on a surface across its rays; xyz points to the light.
+fn largest(v: vec3<f32>) -> f32 {
+  return max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-37));
+}
+
+// As `normalize` and `length`, whose squares leave the range of floats sooner.
+fn direction_of(v: vec3<f32>) -> vec3<f32> {
+  return normalize(v / largest(v));
+}
+
+fn length_of(v: vec3<f32>) -> f32 {
+  let scale = largest(v);
+  return scale * length(v / scale);
+}
+
+// What comes of a light at a place relative to the eye, in units, on a surface across its rays.
 struct Arriving {
+  // To the light.
   towards: vec3<f32>,
   color: vec3<f32>,
+  // The place is within the light's range and cone.
+  reached: bool,
+}
+
+// Bergeron's falloff, as `rimline::shadow::falloff`.
+fn falloff(distance: f32) -> f32 {
+  if (distance >= lamp.range) {
+    return 0.0;
+  }
+  if (distance <= lamp.begin) {
+    return 1.0;
+  }
+  let left = saturate((lamp.range - distance) / (lamp.range - lamp.begin));
+  return select(0.0, pow(left, lamp.exponent), left > 0.0);
 }
 
 fn arriving(q: vec3<f32>) -> Arriving {
   let l = lamp.light.xyz - lamp.light.w * q;
-  var share = 1.0;
-  if (lamp.range > 0.0 && lamp.light.w > 0.0) {
-    // Bergeron's falloff, as `rimline::shadow::falloff`.
-    let distance = length(l) / lamp.light.w;
-    let left = saturate((lamp.range - distance) / max(lamp.range - lamp.begin, 1e-30));
-    share = select(select(0.0, pow(left, lamp.exponent), left > 0.0), 1.0,
-      distance <= lamp.begin && distance < lamp.range);
+  let towards = direction_of(l);
+  let cone = saturate(lamp.cone_offset - lamp.cone_scale * dot(lamp.axis, towards));
+  var share = cone * cone;
+  var reached = cone > 0.0;
+  if (lamp.range > 0.0) {
+    let distance = length_of(l);
+    share *= falloff(distance);
+    reached = reached && distance < lamp.range;
   }
-  return Arriving(normalize(l), lamp.color * share);
+  return Arriving(towards, lamp.color * share, reached);
 }
 
 // A triangle that covers the target.

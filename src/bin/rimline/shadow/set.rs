@@ -9,15 +9,17 @@ use rimline::{Displacement, MAX_LIGHTS};
 
 use super::body::{Body, animations};
 use super::caster::Caster;
-use super::frame::{Frame, shadow_camera};
+use super::frame::{Frame, shadow_camera, unit};
 use super::lamps::{Lamp, LampData, Stage};
 use super::studio::{Studio, Subject};
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::input::Input;
+use crate::input::{Input, Source, animation_name, listed_animations};
+use crate::output::note;
 use crate::render::camera::Camera;
+use crate::render::support::outermost;
 use crate::render::{centre, check_size, extent};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 
@@ -44,6 +46,18 @@ impl Props {
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.moment.pose)?;
         Ok(Self { inputs, animations, displacement })
+    }
+
+    /// Plays each file's first animation, and says which that is.
+    pub(crate) fn take_first_animations(&mut self) {
+        for (input, animation) in self.inputs.iter().zip(&mut self.animations) {
+            let Source::Gltf(asset) = &input.source else { continue };
+            let Some(first) = asset.animations().first() else { continue };
+            *animation = Some(0);
+            let (file, name) = (input.file.display(), animation_name(0, first));
+            let there = if asset.animations().len() > 1 { listed_animations(asset) } else { "it has no other".into() };
+            note(&format!("{file}: taking animation {name}, since no --animation is named; {there}"));
+        }
     }
 
     pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<Body<'_>>, Failure> {
@@ -78,33 +92,30 @@ pub(crate) struct Set<'a> {
 
 impl<'a> Set<'a> {
     /// `points` are those that the camera must see, if it is not given.
-    pub(crate) fn new(
-        args: &'a ShadowSceneArgs,
-        bodies: Vec<Body<'a>>,
-        mut points: Vec<[f32; 3]>,
-    ) -> Result<Self, Failure> {
+    pub(crate) fn new(args: &'a ShadowSceneArgs, bodies: Vec<Body<'a>>, points: &[[f32; 3]]) -> Result<Self, Failure> {
         let first = &bodies[0];
         let nothing = || Failure::input(&first.input.file)(InputError::NoFinitePosition);
-        let bounds = Bounds::of(&points).ok_or_else(nothing)?;
+        let bounds = Bounds::of(points).ok_or_else(nothing)?;
         let stage = Stage {
             centre: centre(&bounds),
             extent: extent(&bounds),
             ground: args.ground.unwrap_or_else(|| ground(&bounds)),
+            bounds,
         };
         let lamps = Lamp::all(args, first, &stage)?;
-        let samples = args.area.map_or(1, |_| args.samples);
+        let samples = args.samples();
         if lamps.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (lamps.len(), MAX_LIGHTS);
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
-        let nearest_to = points.clone();
+        let mut shadows: Vec<[f32; 3]> = Vec::new();
         if args.view.eye.is_none() {
-            let shadows: Vec<[f32; 3]> =
-                lamps.iter().flat_map(|lamp| nearest_to.iter().map(|&point| lamp.shadow_of(point, &stage))).collect();
-            points.extend(shadows);
+            let outermost = outermost(points, stage.centre);
+            shadows.extend(lamps.iter().flat_map(|lamp| outermost.iter().map(|&point| lamp.shadow_of(point, &stage))));
         }
-        let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, points.iter().copied())?;
-        camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, &nearest_to));
+        let seen = points.iter().chain(&shadows).copied();
+        let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, seen)?;
+        camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
         Ok(Self { args, bodies, stage, lamps, camera })
     }
 
@@ -128,7 +139,7 @@ impl<'a> Set<'a> {
     pub(crate) fn lamp_data(&self) -> Vec<LampData> {
         let mut data = Vec::new();
         for lamp in &self.lamps {
-            data.extend(lamp.data(&self.camera, data.len(), self.lamps.len()));
+            data.extend(lamp.data(&self.camera, unit(&self.camera, &self.stage), data.len(), self.lamps.len()));
         }
         data
     }

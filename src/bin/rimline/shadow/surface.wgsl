@@ -16,7 +16,7 @@ struct Clay {
 struct Surface {
   @invariant @builtin(position) clip: vec4<f32>,
   @location(0) normal: vec3<f32>,
-  // From the eye.
+  // From the eye, in units.
   @location(1) q: vec3<f32>,
   // The face's side faces the light.
   @location(2) @interpolate(flat) faces_light: u32,
@@ -50,7 +50,7 @@ fn is_finite(p: vec3<f32>) -> bool {
     return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u);
   }
   let p = position(faces[corner]);
-  return Surface(to_clip(p), unfold(normals[corner]), p - frame.eye, (facing[face] >> lamp.bit) & 1u);
+  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[face] >> lamp.bit) & 1u);
 }
 
 // Towards the eye; interpolated normals may lean away from it at the rim.
@@ -64,7 +64,7 @@ fn albedo(front: bool) -> vec3<f32> {
 }
 
 @fragment fn ambient_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-  let to_eye = normalize(-in.q);
+  let to_eye = direction_of(-in.q);
   let n = shading_normal(in, front, to_eye);
   // More from above; and a little from the eye and its right, so that what is in shadow keeps its shape.
   let around = mix(0.5, 1.0, 0.5 + 0.5 * n.y) * mix(0.55, 1.05, saturate(dot(n, to_eye))) *
@@ -81,7 +81,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
   if (!is_lit(in, front)) {
     discard;
   }
-  let to_eye = normalize(-in.q);
+  let to_eye = direction_of(-in.q);
   let n = shading_normal(in, front, to_eye);
   let light = arriving(in.q);
   // Flat faces turn from the light one at a time, smooth normals do not: the light fades before the first face turns.
@@ -114,7 +114,7 @@ fn is_lit(in: Surface, front: bool) -> bool {
 }
 
 @fragment fn mask_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-  if (!is_lit(in, front)) {
+  if (!is_lit(in, front) || !arriving(in.q).reached) {
     discard;
   }
   return vec4<f32>(1.0);

@@ -32,7 +32,7 @@ fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
   }
   let p = select(a, b, second);
   if (far) {
-    return direction_to_clip(lamp.light.w * (p - frame.eye) - lamp.light.xyz);
+    return direction_to_clip(lamp.light.w * from_eye(p) - lamp.light.xyz);
   }
   return to_clip(p);
 }
