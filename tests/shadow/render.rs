@@ -306,7 +306,11 @@ impl<'a> Renderer<'a> {
         let corners: Vec<[f32; 3]> = frame
             .bodies
             .iter()
-            .flat_map(|body| body.shape.faces.iter().flatten().map(|&v| body.shape.positions[v as usize]))
+            .flat_map(|body| {
+                // In the order that caps are drawn in, which the last bits of depth depend on.
+                let faces = frame.placed(body).shape.faces;
+                faces.into_iter().flatten().map(|v| body.shape.positions[v as usize])
+            })
             .collect();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("corners"),
