@@ -8,7 +8,7 @@ use rimline::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Mesh, RangedLight};
 
 use crate::common::device::Gpu;
-use crate::scene::{Frame, Placed};
+use crate::scene::{Body, Frame, Placed};
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -306,7 +306,11 @@ impl<'a> Renderer<'a> {
         let corners: Vec<[f32; 3]> = frame
             .bodies
             .iter()
-            .flat_map(|body| body.finite_faces().into_iter().flatten().map(|v| body.shape.positions[v as usize]))
+            .flat_map(|body| {
+                // In the order that caps are drawn in, which the last bits of depth depend on.
+                let faces = Body::caster(frame.placed(body).shape).finite_faces();
+                faces.into_iter().flatten().map(|v| body.shape.positions[v as usize])
+            })
             .collect();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("corners"),

@@ -18,7 +18,8 @@ pub struct ShadowFormat {
     pub samples: u32,
     /// Formats of the pass's colour attachments, which are left as they are. Empty: a pass without any.
     pub colors: Vec<Option<wgpu::TextureFormat>>,
-    /// Front faces on the screen: `Ccw` but for cameras that mirror.
+    /// Front faces on the screen: `Ccw`, but `Cw` for cameras that mirror, and for mirrored instances whose positions stay in
+    /// the mesh's space (the camera's matrix then has the instance's transform in it).
     pub front_face: wgpu::FrontFace,
     /// The far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+ as published
     /// mind: they then need `Features::DEPTH_CLIP_CONTROL`.
