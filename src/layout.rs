@@ -261,10 +261,10 @@ shared_structs! {
         frustum_near: f32,
         /// Where the volume ends: a lower bound of the caster's distance from the light, over the range. 0: at infinity.
         end: f32,
+        /// 1: the caster has faces with a corner that is not finite, and so sides of holes.
+        holed: u32,
         /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
+        reserved: u32,
         /// Row x of that frustum's matrix, from (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.
@@ -329,6 +329,10 @@ shared_structs! {
         far_front: DrawArguments,
         /// Of the second.
         far_back: DrawArguments,
+        /// Sides of holes, beside `plain` or `switched`.
+        holes: DrawArguments,
+        /// Sides of holes, clipped at the near plane, beside `clipped`.
+        clipped_holes: DrawArguments,
     }
 
     /// What an encode of shadow volumes counts, a light at a time.

@@ -37,7 +37,7 @@ pub enum Counting {
     ZpPlus,
     /// ZP+ as Hornus et al. published it in 2005, to compare with: near caps by a matrix of the light's own, side vertices
     /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
-    /// near plane cuts both ends of a side (its case D). Not right from every camera; for perspective ones only. Never
+    /// near plane cuts both ends of a side (its case D) or where it has faces that are not finite. Not right from every camera; for perspective ones only. Never
     /// chosen by [`Self::Auto`]. Needs what z-fail needs.
     ZpPlusPaper,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far

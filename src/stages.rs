@@ -133,14 +133,14 @@ pub const STAGES: [Stage; 17] = [
 /// Vertex shaders of the sides of shadow volumes; [`crate::gpu::include_wgsl`] on group 1 comes after.
 pub const SIDES: Stage = Stage {
     name: "sides",
-    files: files!["common", "shadow", "polygon", "paper", "sides"],
+    files: files!["common", "shadow", "polygon", "paper", "side_vertices", "sides"],
     entry_points: &["side", "side_clipped", "paper_side"],
 };
 /// Vertex shaders of the caps of shadow volumes.
 pub const CAP_FACES: Stage = Stage {
     name: "cap_faces",
-    files: files!["common", "shadow", "polygon", "paper", "casting", "caster", "cap_faces"],
-    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap"],
+    files: files!["common", "shadow", "polygon", "paper", "side_vertices", "casting", "caster", "cap_faces"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap", "hole_side", "hole_side_clipped"],
 };
 
 /// WGSL that is part of no stage by itself: what callers include or replace.

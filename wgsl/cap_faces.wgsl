@@ -1,5 +1,5 @@
 // Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
-// lies between the light and the near plane and projected onto that.
+// lies between the light and the near plane and projected onto that; and the sides of holes.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -143,6 +143,52 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
     return CapVertex(NOTHING);
   }
   return CapVertex(frustum_to_clip(view, light, caster_position(face.corners[vertex])));
+}
+
+// The edge of a face with one corner that is not finite which has finite ends, in the face's order.
+struct HoleEdge {
+  valid: bool,
+  first: u32,
+  second: u32,
+}
+
+fn hole_edge(face: u32) -> HoleEdge {
+  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  let x = is_finite(caster_position(corners.x));
+  let y = is_finite(caster_position(corners.y));
+  let z = is_finite(caster_position(corners.z));
+  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
+  var ends = corners.xy;
+  if (!x) {
+    ends = corners.yz;
+  } else if (!y) {
+    ends = corners.zx;
+  }
+  return HoleEdge(!is_degenerate && u32(x) + u32(y) + u32(z) == 2u, ends.x, ends.y);
+}
+
+// A face that is not finite casts nothing, yet counts as averted in the silhouettes: its own side takes that back. It has
+// the vertices of the side that the edge may have in their list, its first one twice, so that the strip is turned over.
+@vertex fn hole_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let edge = hole_edge(instance);
+  if (!edge.valid) {
+    return CapVertex(NOTHING);
+  }
+  let place = max(vertex, 1u) - 1u;
+  return CapVertex(side_vertex(light, caster_position(edge.first), caster_position(edge.second), place));
+}
+
+@vertex fn hole_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let light = shadow_lights[draw.light];
+  let edge = hole_edge(instance);
+  if (!edge.valid) {
+    return CapVertex(NOTHING);
+  }
+  let first = caster_position(edge.first);
+  let second = caster_position(edge.second);
+  let place = max(vertex, 1u) - 1u;
+  return CapVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, place));
 }
 
 // For passes with colour attachments, which stay as they are.

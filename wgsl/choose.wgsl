@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
-@group(0) @binding(2) var<storage, read> box: array<u32, 6>;
+@group(0) @binding(2) var<storage, read> box: array<u32, 7>;
 @group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
 // Three numbers of workgroups a word of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
@@ -119,14 +119,20 @@ fn choose_light(index: u32) {
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
+  light.holed = 0u;
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
-    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !boxes_meet(low, high));
+    light.holed = box[6];
+    // With holes no caster is closed.
+    light.casting =
+      select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && !boxes_meet(low, high));
     light.counting = shape.counting;
     if (shape.counting == COUNT_ZP_PAPER) {
       light.frustum_near = frustum_near(light, low, high);
+      // What was published knows no holes.
+      light.counting = select(COUNT_ZP_PAPER, COUNT_Z_FAIL, light.holed != 0u);
     }
     if (shape.counting == COUNT_AUTO) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));

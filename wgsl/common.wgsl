@@ -160,6 +160,9 @@ struct ShadowDraws {
   // Their light and dark caps; or with z-pass the dark caps of volumes that end.
   far_front: DrawArguments,
   far_back: DrawArguments,
+  // Sides of holes, of which `plain` or `switched` and `clipped` have none.
+  holes: DrawArguments,
+  clipped_holes: DrawArguments,
 }
 
 struct ShadowStatistics {

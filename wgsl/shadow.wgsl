@@ -37,8 +37,9 @@ struct ShadowLight {
   // Where the volume ends: the caster's distance over the range, so that every far vertex, (position - light) / end from
   // the light, is out of range. 0: at infinity.
   end: f32,
-  reserved_0: u32,
-  reserved_1: u32,
+  // 1: the caster has faces that are not finite, and so sides of holes.
+  holed: u32,
+  reserved: u32,
   // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,

@@ -21,6 +21,8 @@ fn write_arguments(index: u32) {
   var sides = select(silhouette_counts[index], shape.edges, silhouette_counts[index] > shape.capacity);
   // Weight 2: drawn twice.
   sides *= select(1u, 2u, light.casting == CAST_EVERY);
+  // Sides of holes count where every face casts, as it does then.
+  let holes = select(0u, shape.faces, light.casting == CAST_EVERY && light.holed != 0u);
   var front = cap_counts[2u * index];
   var back = cap_counts[2u * index + 1u];
   if (light.casting == CAST_NOTHING) {
@@ -67,6 +69,8 @@ fn write_arguments(index: u32) {
       draws.back = arguments(cap_vertices, back);
     }
   }
+  draws.holes = arguments(5u, select(holes, 0u, is_clipped));
+  draws.clipped_holes = arguments(6u, select(0u, holes, is_clipped));
   shadow_draws[index] = draws;
 }
 

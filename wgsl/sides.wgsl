@@ -35,16 +35,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   if (!edge.valid || !is_finite(first) || !is_finite(second)) {
     return SideVertex(NOTHING);
   }
-  let position = select(first, second, (vertex & 1u) != 0u);
-  if (vertex < 2u) {
-    return SideVertex(to_clip(view, position));
-  }
-  return SideVertex(far_end(view, light, position));
-}
-
-// Depth that rounding may have put before the near plane.
-fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
-  return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
+  return SideVertex(side_vertex(light, first, second, vertex));
 }
 
 @vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
@@ -55,35 +46,7 @@ fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
   if (!edge.valid || !is_finite(first) || !is_finite(second)) {
     return SideVertex(NOTHING);
   }
-  let p = corner(view, light, first);
-  let q = corner(view, light, second);
-  let p_near = p.height >= 0.0;
-  let q_near = q.height >= 0.0;
-  let p_far = p.rise >= 0.0;
-  let q_far = q.rise >= 0.0;
-  let is_ordered = edge.first < edge.second;
-  var picked = pick(vertex);
-  picked = offer(picked, behind_near_plane(p.near), p_near);
-  if (p_near != q_near) {
-    if (is_ordered) {
-      picked = offer(picked, on_near_plane(view, p, q), true);
-    } else {
-      picked = offer(picked, on_near_plane(view, q, p), true);
-    }
-  }
-  picked = offer(picked, behind_near_plane(q.near), q_near);
-  picked = offer(picked, star(view, light, q), q_near != q_far);
-  picked = offer(picked, q.far, q_far);
-  if (p_far != q_far) {
-    if (is_ordered) {
-      picked = offer(picked, parallel_to_near_plane(p, q), true);
-    } else {
-      picked = offer(picked, parallel_to_near_plane(q, p), true);
-    }
-  }
-  picked = offer(picked, p.far, p_far);
-  picked = offer(picked, star(view, light, p), p_near != p_far);
-  return SideVertex(picked.clip);
+  return SideVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, vertex));
 }
 
 // Three quads an edge: the side with clipped vertices moved to their counterparts in the near cap, and two that fill what

@@ -6,7 +6,7 @@
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this word.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> box: array<u32, 6>;
+@group(0) @binding(2) var<storage, read> box: array<u32, 7>;
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
 @group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
@@ -78,7 +78,8 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let by = pencil(light, low, high);
-  let has_pencil = any(by.forward != vec3<f32>(0.0));
+  // Sides of holes are in no list.
+  let has_pencil = any(by.forward != vec3<f32>(0.0)) && light.holed == 0u;
   var first = half_plane(by, low);
   var last = first;
   for (var corner = 1u; corner < 8u; corner++) {

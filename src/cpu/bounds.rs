@@ -1,6 +1,7 @@
-//! Bounds: the box of a caster's finite faces.
+//! Bounds: the box of a caster's finite faces, and whether there are others.
 
 use super::is_finite;
+use crate::mesh::is_degenerate;
 
 /// A float's bits, ordered as the floats are.
 const fn ordered(bits: u32) -> u32 {
@@ -13,12 +14,15 @@ pub(super) const fn unordered(bits: u32) -> f32 {
 }
 
 /// The box of the faces whose corners are finite, as ordered bits: lowest x, y, z, then highest. Without such a face the
-/// lowest are above the highest. Faces that name a missing vertex are passed over.
-pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 6] {
-    let mut found = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0];
+/// lowest are above the highest. At last 1 where a face has a corner that is not finite or that is missing, and names no
+/// vertex twice; else 0.
+pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
+    let mut found = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
     for face in faces {
         let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
+        let [.., has_holes] = &mut found;
         if !corners.iter().all(|&corner| is_finite(corner)) {
+            *has_holes |= u32::from(!is_degenerate(*face));
             continue;
         }
         for corner in corners {

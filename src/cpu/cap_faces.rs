@@ -1,14 +1,16 @@
-//! Cap faces: the vertices of light caps, dark caps and near caps.
+//! Cap faces: the vertices of light caps, dark caps and near caps, and of the sides of holes.
 
 use glam::{Vec2, Vec4, Vec4Swizzles};
 
+use super::facing::{is_finite, position};
 use super::paper::frustum_to_clip;
 use super::shadow::{
     away, corner, direction_to_clip, dot_3, far_end, is_orthographic, light_side, near_plane, on_near_plane,
     parallel_to_near_plane, star, to_clip,
 };
-use super::sides::End;
+use super::sides::{End, side, side_clipped};
 use crate::layout::{ShadowLight, ShadowView};
+use crate::mesh::is_degenerate;
 
 /// A face at its place, in clip space.
 pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
@@ -72,4 +74,30 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
 /// The near cap of ZP+ as published: the face by the matrix of the light's frustum, for the hardware to clip.
 pub fn paper_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| frustum_to_clip(view, light, position))
+}
+
+/// The edge, in the face's order, of a face with one corner that is not finite which has finite ends; `None` for all
+/// other faces. Such a face casts nothing, yet counts as averted among the silhouettes: the side of a hole takes that back.
+pub fn hole_edge(positions: &[[f32; 3]], face: [u32; 3]) -> Option<[End; 2]> {
+    let [a, b, c] = face.map(|vertex| (vertex, position(positions, vertex)));
+    match [a, b, c].map(|(_, position)| is_finite(position)) {
+        _ if is_degenerate(face) => None,
+        [false, true, true] => Some([b, c]),
+        [true, false, true] => Some([c, a]),
+        [true, true, false] => Some([a, b]),
+        _ => None,
+    }
+}
+
+/// The side of a hole from the ends of its [`hole_edge`], in clip space: a strip, that of [`side`] turned over.
+pub fn hole_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Vec4; 5] {
+    let [first, second, first_far, second_far] = side(view, light, ends);
+    [first, first, second, first_far, second_far]
+}
+
+/// The polygon that the near plane leaves of the side of a hole: that of [`side_clipped`] the other way round.
+pub fn hole_side_clipped(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> Vec<Vec4> {
+    let mut polygon = side_clipped(view, light, ends);
+    polygon.reverse();
+    polygon
 }

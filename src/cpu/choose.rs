@@ -27,7 +27,7 @@ impl Bounds {
 
 /// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
 /// [`super::bounds`]). Returns the caps stage's workgroups, along x, y and z for each word of lights.
-pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
+pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
     let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
     for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
         for light in word {
@@ -40,9 +40,9 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], lights: 
     dispatches
 }
 
-fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light: &mut ShadowLight) {
-    (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
-    let [low_x, low_y, low_z, high_x, high_y, high_z] = bounds;
+fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light: &mut ShadowLight) {
+    (light.casting, light.counting, light.end, light.holed) = (CAST_NOTHING, COUNT_Z_PASS, 0.0, 0);
+    let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
     if low_x > high_x {
         return;
     }
@@ -53,13 +53,18 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 6], light:
     if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
         return;
     }
-    light.casting = if shape.averted != 0 && !boxes_meet(view, caster) { CAST_AVERTED } else { CAST_EVERY };
+    light.holed = has_holes;
+    // With holes no caster is closed.
+    let averted_suffice = shape.averted != 0 && has_holes == 0 && !boxes_meet(view, caster);
+    light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
     if shape.counting == COUNT_ZP_PAPER {
         light.frustum_near = frustum_near(view, light, caster);
     }
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
+        // What was published knows no holes.
+        COUNT_ZP_PAPER if has_holes != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
     let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);

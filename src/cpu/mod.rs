@@ -36,7 +36,7 @@ mod stencil_bound;
 
 pub use arguments::arguments;
 pub use bounds::bounds;
-pub use cap_faces::{dark_cap, light_cap, near_cap, paper_cap};
+pub use cap_faces::{dark_cap, hole_edge, hole_side, hole_side_clipped, light_cap, near_cap, paper_cap};
 pub use caps::caps;
 pub use casting::{cap_class, casts};
 pub use choose::choose;

@@ -31,7 +31,14 @@ pub fn shadow_arguments(
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        let none = ShadowDraws::zeroed();
+        // Sides of holes count where every face casts, as it does then.
+        let holes = if is_doubled && light.holed != 0 { shape.faces } else { 0 };
+        let [plain_holes, clipped_holes] = if is_clipped { [0, holes] } else { [holes, 0] };
+        let none = ShadowDraws {
+            holes: arguments(5, plain_holes),
+            clipped_holes: arguments(6, clipped_holes),
+            ..ShadowDraws::zeroed()
+        };
         match (shape.counting, light.counting) {
             (COUNT_ZP_PAPER, COUNT_ZP_PAPER) => {
                 ShadowDraws { clipped: arguments(4, 3 * sides), front: cap(3, front), back: cap(3, back), ..none }

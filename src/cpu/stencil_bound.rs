@@ -22,6 +22,10 @@ pub fn stencil_bound(
         return 0;
     }
     let Some(pencil) = Pencil::new(light, Vec3::from(low), Vec3::from(high)) else { return faces };
+    // Sides of holes are in no list.
+    if light.holed != 0 {
+        return faces;
+    }
     let corner =
         |number: u32| Vec3::from_array(std::array::from_fn(|axis| [low, high][(number >> axis & 1) as usize][axis]));
     let places = (0..8).map(|number| pencil.half_plane(corner(number)));

@@ -13,9 +13,10 @@ use crate::common::device::Gpu;
 use crate::common::random::Random;
 use crate::common::scenes::{Scene, scene};
 use crate::common::{is_long, must_fail, same};
-use crate::shadow_stages::{Dispatch, uniform};
+use crate::shadow_stages::{Dispatch, spoil, uniform};
 
-pub(crate) const TESTS: &[crate::Test] = &[("clipped_vertices_equal_their_twins", clipped)];
+pub(crate) const TESTS: &[crate::Test] =
+    &[("clipped_vertices_equal_their_twins", clipped), ("sides_of_holes_equal_their_twins", holes)];
 
 /// A module of vertex shaders with its entry points made functions, and a compute shader that calls one of them for each
 /// of an instance's vertices.
@@ -210,6 +211,66 @@ impl Drawn<'_> {
         }
         Ok([gpu.read(&found, vertices)?, expected])
     }
+}
+
+/// The sides of holes of a caster, of `vertices` each: as the GPU has them, and by `twin`.
+fn hole_sides(
+    gpu: &Gpu,
+    drawn: &Drawn<'_>,
+    stage: &Dispatch,
+    vertices: usize,
+    twin: impl Fn([End; 2]) -> Vec<[u32; 4]>,
+) -> Result<[Vec<[u32; 4]>; 2], String> {
+    let (_, positions, mesh) = &drawn.scene.caster;
+    let [shape, view, draw, lights] = &drawn.frame(gpu);
+    let found = gpu.storage(&vec![[0.0_f32; 4]; vertices * mesh.faces().len()]);
+    let faces = [gpu.storage(positions), gpu.storage(mesh.faces())];
+    let groups =
+        [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &[(0, &faces[0]), (1, &faces[1])], &[(0, &found)]];
+    stage.run_bound(gpu, &groups, (vertices * mesh.faces().len()).div_ceil(64) as u32)?;
+    let side = |&face| cpu::hole_edge(positions, face).map_or_else(|| vec![bits(None); vertices], &twin);
+    Ok([gpu.read(&found, vertices * mesh.faces().len())?, mesh.faces().iter().flat_map(side).collect()])
+}
+
+/// Casters with vertices that are not finite.
+fn holes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 106;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let stage = |entry_point, vertices| Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), entry_point, vertices), "probe");
+    let [plain, clipped] = [stage("hole_side", 5), stage("hole_side_clipped", 6)];
+    let mut sides = 0;
+    for number in 0..if is_long() { 300 } else { 24 } {
+        let mut scene = scene(&mut random, number, 8);
+        spoil(&mut random, &mut scene.caster.1, 6);
+        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        let (_, positions, mesh) = &scene.caster;
+        sides += mesh.faces().iter().filter(|&&face| cpu::hole_edge(positions, face).is_some()).count();
+        for index in 0..lights.len() {
+            let shape = ShadowShape { position_stride: 3, ..bytemuck::Zeroable::zeroed() };
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing: &[] };
+            let light = drawn.light();
+            let [found, expected] = hole_sides(gpu, &drawn, &plain, 5, |ends| {
+                cpu::hole_side(&view, light, ends).iter().map(|vertex| bits(Some(vertex))).collect()
+            })?;
+            same(&format!("{}, light {index} {light:?}", scene.name), &found, &expected)?;
+            let [mut found, expected] = hole_sides(gpu, &drawn, &clipped, 6, |ends| {
+                let mut polygon = cpu::hole_side_clipped(&view, light, ends);
+                polygon.reverse();
+                let strip = strip(&polygon);
+                [&strip[..1], &strip].concat()
+            })?;
+            same(&format!("{}, light {index} {light:?}, clipped", scene.name), &found, &expected)?;
+            if let Some(vertex) = found.iter_mut().find(|vertex| vertex[0] != 0) {
+                vertex[0] ^= 1;
+                must_fail("a moved vertex", &same(&scene.name, &found, &expected))?;
+            }
+        }
+    }
+    println!("{sides} sides of holes, for 8 lights each");
+    if sides < 100 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 fn clipped() -> Result<(), String> {

@@ -123,14 +123,14 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize, (position_offset, position_strid
 }
 
 /// Makes some coordinates infinite or NaN.
-fn spoil(random: &mut Random, positions: &mut [[f32; 3]], count: usize) {
+pub(crate) fn spoil(random: &mut Random, positions: &mut [[f32; 3]], count: usize) {
     for _ in 0..count {
         let vertex = random.below(positions.len());
         positions[vertex][random.below(3)] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][random.below(3)];
     }
 }
 
-const EMPTY: [u32; 6] = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0];
+const EMPTY: [u32; 7] = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
 
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -150,13 +150,14 @@ fn bounds() -> Result<(), String> {
             let shape = uniform(gpu, &shape(&mesh, 1, place));
             let buffers = [&shape, &placed(gpu, &positions, place), &faces, &found];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
-            let mut found: Vec<u32> = gpu.read(&found, 6)?;
+            let mut found: Vec<u32> = gpu.read(&found, 7)?;
             let twin = cpu::bounds(&positions, mesh.faces());
             same(&format!("{name}, round {round}"), &found, &twin)?;
-            found[random.below(6)] ^= 1;
+            found[random.below(7)] ^= 1;
             must_fail("a moved bound", &same(&name, &found, &twin))?;
         }
-        same(&format!("{name}, nothing finite"), &cpu::bounds(&positions, mesh.faces()), &EMPTY)?;
+        let with_holes = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 1];
+        same(&format!("{name}, nothing finite"), &cpu::bounds(&positions, mesh.faces()), &with_holes)?;
     }
     Ok(())
 }
@@ -170,7 +171,7 @@ struct Staged {
     facing: Vec<u32>,
     positions: wgpu::Buffer,
     faces: wgpu::Buffer,
-    bounds: [u32; 6],
+    bounds: [u32; 7],
 }
 
 impl Staged {
@@ -296,6 +297,7 @@ fn shadow_arguments() -> Result<(), String> {
                 casting: random.below(3) as u32,
                 counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PAPER][random.below(4)],
                 end: [0.0, 0.5][random.below(2)],
+                holed: random.below(2) as u32,
                 ..bytemuck::Zeroable::zeroed()
             })
             .collect();

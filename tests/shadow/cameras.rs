@@ -126,7 +126,7 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
         let view = camera.view().map_err(|error| error.to_string())?;
         let end = |vertex: u32| (vertex, shape.positions[vertex as usize]);
         let cap = |face: &&[u32; 3]| cpu::dark_cap(&view, &counted.chosen[caster][0], face.map(end)).is_some();
-        let (found, expected) = (shape.faces.iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
+        let (found, expected) = (body.finite_faces().iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());
         if found != usize::from(expected) {
             return Err(format!("caster {caster}: {found} dark caps in sight, the ray meets {expected} faces"));
         }

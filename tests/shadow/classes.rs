@@ -1,7 +1,7 @@
 //! Classes of frames, by where eye, light and casters are to each other.
 
 use rimline::glam::{DVec3, Vec3};
-use rimline::shapes;
+use rimline::shapes::{self, Shape};
 use rimline::{DepthDirection, Light};
 
 use crate::common::random::Random;
@@ -39,6 +39,8 @@ pub(crate) const CLASSES: &[Class] = &[
     class("open sheet", sheet),
     class("moebius strip", moebius),
     class("three sheets on an edge", sheets),
+    class("faces that are not finite", not_finite),
+    class("sheet with faces that are not finite", torn_sheet),
     Class { touches: true, ..class("two touching boxes", boxes) },
     class("mirrored instance", mirrored),
 ];
@@ -264,6 +266,27 @@ fn sheet(random: &mut Random) -> Frame {
 
 fn moebius(random: &mut Random) -> Frame {
     with_caster(random, shapes::moebius(48, 4))
+}
+
+/// A few vertices are infinite or NaN, so that closed casters have holes.
+fn spoil(random: &mut Random, shape: &mut Shape) {
+    for _ in 0..=random.below(6) {
+        let vertex = random.below(shape.positions.len());
+        shape.positions[vertex][random.below(3)] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][random.below(3)];
+    }
+}
+
+fn not_finite(random: &mut Random) -> Frame {
+    let kinds: [fn(&mut Random) -> Frame; 3] = [self::random, within, light_within];
+    let mut frame = kinds[random.below(3)](random);
+    frame.bodies.iter_mut().filter(|body| body.casts).for_each(|body| spoil(random, &mut body.shape));
+    frame
+}
+
+fn torn_sheet(random: &mut Random) -> Frame {
+    let mut frame = sheet(random);
+    frame.bodies.iter_mut().filter(|body| body.casts).for_each(|body| spoil(random, &mut body.shape));
+    frame
 }
 
 fn sheets(random: &mut Random) -> Frame {

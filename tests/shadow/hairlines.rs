@@ -47,9 +47,10 @@ impl<'a> Hairlines<'a> {
         let mut sides = Vec::new();
         for (caster, body) in frame.bodies.iter().filter(|body| body.casts).enumerate() {
             let shape = &body.shape;
-            let facing = oracle::facing(&shape.positions, &shape.faces, &frame.lights);
-            let edges = oracle::edge_faces(&shape.faces);
-            for ((a, b), multiplicity) in oracle::multiplicities(&edges, &facing, shape.faces.len(), number) {
+            let faces = body.finite_faces();
+            let facing = oracle::facing(&shape.positions, &faces, &frame.lights);
+            let edges = oracle::edge_faces(&faces);
+            for ((a, b), multiplicity) in oracle::multiplicities(&edges, &facing, faces.len(), number) {
                 if multiplicity == 0 {
                     continue;
                 }

@@ -23,8 +23,9 @@ fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
     let mut traced = Traced::new(class, number);
     let light = place(traced.frame.lights[0]);
     let casters = traced.frame.bodies.iter().filter(|body| body.casts);
-    let corners = casters.flat_map(|body| &body.shape.positions);
-    let distances: Vec<f64> = corners.map(|&p| DVec3::from(p.map(f64::from)).distance(light)).collect();
+    let corners = casters
+        .flat_map(|body| body.finite_faces().into_iter().flatten().map(|vertex| body.shape.positions[vertex as usize]));
+    let distances: Vec<f64> = corners.map(|p| DVec3::from(p.map(f64::from)).distance(light)).collect();
     let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
     let farthest = distances.iter().copied().fold(0.0, f64::max);
     // From some of the casters to a good way behind them.

@@ -70,7 +70,7 @@ impl Tracer<Face> {
         for body in &frame.bodies {
             let caster = body.casts.then_some(casters);
             casters += usize::from(body.casts);
-            for &face in &body.shape.faces {
+            for face in body.finite_faces() {
                 let corners = face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
                 let exact = oracle::ExactFace::new(&body.shape.positions, face);
                 let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));

@@ -307,9 +307,11 @@ impl<'a> Renderer<'a> {
             .bodies
             .iter()
             .flat_map(|body| {
-                // In the order that caps are drawn in, which the last bits of depth depend on.
-                let faces = frame.placed(body).shape.faces;
-                faces.into_iter().flatten().map(|v| body.shape.positions[v as usize])
+                // In the order that caps are drawn in, which the last bits of depth depend on: a mirrored mesh's own.
+                let [second, third] = if body.mirror.is_some() { [2, 1] } else { [1, 2] };
+                let faces = body.finite_faces().into_iter();
+                let corners = faces.flat_map(move |face| [face[0], face[second], face[third]]);
+                corners.map(|v| body.shape.positions[v as usize])
             })
             .collect();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {

@@ -41,6 +41,12 @@ impl Body {
         self
     }
 
+    /// Those with corners that are all finite; the others are holes.
+    pub(crate) fn finite_faces(&self) -> Vec<[u32; 3]> {
+        let is_finite = |v: u32| self.shape.positions[v as usize].iter().all(|c| c.is_finite());
+        self.shape.faces.iter().filter(|face| face.iter().all(|&v| is_finite(v))).copied().collect()
+    }
+
     /// A closed room around what casts, seen from inside.
     pub(crate) fn room(centre: [f32; 3], half: f32) -> Self {
         let mut shape = rimline::shapes::cube();

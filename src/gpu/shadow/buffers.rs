@@ -80,7 +80,7 @@ impl Buffers {
             view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
             draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
             faces: extractor.faces().clone(),
-            bounds: buffer(device, "caster bounds", 24, storage),
+            bounds: buffer(device, "caster bounds", 28, storage),
             lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
             cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
             cap_counts: buffer(device, "cap counts", 8 * lights, storage),

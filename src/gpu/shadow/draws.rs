@@ -29,6 +29,8 @@ const CAPS: u64 = 2;
 const SWITCHED: u64 = 4;
 /// The first of the two lists of their cap faces, or of the dark caps of z-pass.
 const FAR_CAPS: u64 = 5;
+const HOLES: u64 = 7;
+const CLIPPED_HOLES: u64 = 8;
 
 impl DrawGroups {
     /// Draws the volume of `light`.
@@ -49,6 +51,10 @@ impl DrawGroups {
             for (class, pipeline) in (0..).zip(near_caps) {
                 pass.set_pipeline(pipeline);
                 pass.draw_indirect(draws, offset(light, CAPS + class));
+            }
+            if let Some(hole) = &pipelines.clipped_hole {
+                pass.set_pipeline(hole);
+                pass.draw_indirect(draws, offset(light, CLIPPED_HOLES));
             }
             pass.set_bind_group(1, results, &[]);
             pass.set_pipeline(clipped);
@@ -81,6 +87,9 @@ impl DrawGroups {
                 }
             }
         }
+        pass.set_bind_group(1, caps, &[]);
+        pass.set_pipeline(&pipelines.hole);
+        pass.draw_indirect(draws, offset(light, HOLES));
         pass.set_bind_group(1, results, &[]);
         pass.set_pipeline(&pipelines.side);
         pass.draw_indirect(draws, offset(light, side_kind));

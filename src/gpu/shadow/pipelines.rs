@@ -100,6 +100,10 @@ pub struct ShadowPipelines {
     pub(super) layouts: Layouts,
     /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
     pub(super) side: wgpu::RenderPipeline,
+    /// Sides of holes, likewise.
+    pub(super) hole: wgpu::RenderPipeline,
+    /// With ZP+: clipped sides of holes.
+    pub(super) clipped_hole: Option<wgpu::RenderPipeline>,
     /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
     pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// With z-pass: dark caps of volumes that end, of the two lists.
@@ -149,9 +153,12 @@ impl ShadowPipelines {
         let dark = |class, count| caps.pipeline("dark_cap", class, count, class != 1);
         let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
+        let count = if is_fail { Count::Hidden } else { Count::Visible };
         Ok(Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
-            side: sides.pipeline("side", 0, if is_fail { Count::Hidden } else { Count::Visible }, false),
+            side: sides.pipeline("side", 0, count, false),
+            hole: caps.pipeline("hole_side", 0, count, false),
+            clipped_hole: is_clipped.then(|| caps.pipeline("hole_side_clipped", 0, Count::Visible, false)),
             clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
             paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),

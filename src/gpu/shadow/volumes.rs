@@ -231,7 +231,7 @@ impl ShadowVolumes {
         upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
         upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
         upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
-        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0]));
+        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]));
         upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)));
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);

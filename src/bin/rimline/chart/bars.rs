@@ -53,7 +53,9 @@ pub(crate) struct Value {
 
 const WIDTH: f64 = 960.0;
 const BAR: f64 = 17.0;
-const DOTS: f64 = 19.0;
+/// From a dot of a group to the next, and what lies between groups beside that.
+const DOT: f64 = 5.0;
+const DOTS_GAP: f64 = 9.0;
 const GAP: f64 = 10.0;
 const HEADING: f64 = 24.0;
 
@@ -62,7 +64,7 @@ impl Bars {
         match self.kind {
             BarsKind::Grouped => self.keys.len() as f64 * BAR + GAP,
             BarsKind::Stacked => 26.0 + GAP,
-            BarsKind::Dots => DOTS,
+            BarsKind::Dots => self.keys.len() as f64 * DOT + DOTS_GAP,
         }
     }
 
@@ -150,7 +152,7 @@ impl Bars {
                 }
                 BarsKind::Dots => {
                     // A little apart, so that equal values show both.
-                    let y = middle + 5.0 * (index as f64 - 0.5 * (self.keys.len() - 1) as f64);
+                    let y = middle + DOT * (index as f64 - 0.5 * (self.keys.len() - 1) as f64);
                     draw_spread(svg, value, Ink::Key(key.colour), y, at);
                     svg.mark([at(value.length), y], key, 4.5, &value.tip);
                 }

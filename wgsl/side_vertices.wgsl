@@ -1,0 +1,53 @@
+// The vertices of a side, the quad from an edge away from the light, as it is and clipped at the near plane.
+
+// Strip of four: first and second, then their far vertices.
+fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
+  let position = select(first, second, (vertex & 1u) != 0u);
+  if (vertex < 2u) {
+    return to_clip(view, position);
+  }
+  return far_end(view, light, position);
+}
+
+// Depth that rounding may have put before the near plane.
+fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
+  return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
+}
+
+// Strip of five; `is_ordered`: the first end has the lower vertex index.
+fn clipped_side_vertex(
+  light: ShadowLight,
+  first: vec3<f32>,
+  second: vec3<f32>,
+  is_ordered: bool,
+  vertex: u32,
+) -> vec4<f32> {
+  let p = corner(view, light, first);
+  let q = corner(view, light, second);
+  let p_near = p.height >= 0.0;
+  let q_near = q.height >= 0.0;
+  let p_far = p.rise >= 0.0;
+  let q_far = q.rise >= 0.0;
+  var picked = pick(vertex);
+  picked = offer(picked, behind_near_plane(p.near), p_near);
+  if (p_near != q_near) {
+    if (is_ordered) {
+      picked = offer(picked, on_near_plane(view, p, q), true);
+    } else {
+      picked = offer(picked, on_near_plane(view, q, p), true);
+    }
+  }
+  picked = offer(picked, behind_near_plane(q.near), q_near);
+  picked = offer(picked, star(view, light, q), q_near != q_far);
+  picked = offer(picked, q.far, q_far);
+  if (p_far != q_far) {
+    if (is_ordered) {
+      picked = offer(picked, parallel_to_near_plane(p, q), true);
+    } else {
+      picked = offer(picked, parallel_to_near_plane(q, p), true);
+    }
+  }
+  picked = offer(picked, p.far, p_far);
+  picked = offer(picked, star(view, light, p), p_near != p_far);
+  return picked.clip;
+}
