@@ -8,7 +8,7 @@ use crate::classes::{CLASSES, Class};
 use crate::common::device::Gpu;
 use crate::common::is_long;
 use crate::common::random::Random;
-use crate::rays::Tracer;
+use crate::rays::{Tracer, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Eye, Frame, Placed, Rays};
 use crate::trials::{Tally, Test, Traced, every, seed};
@@ -55,7 +55,7 @@ fn z_fail() -> Result<(), String> {
         (DepthDirection::Standard, Some(60.0)),
         (DepthDirection::Reversed, Some(60.0)),
     ] {
-        let (mut shadowed, mut cut, mut noticed) = (0, 0, 0);
+        let (mut shadowed, mut cut, mut noticed, mut imprecise) = (0, 0, 0, 0);
         for class in CLASSES {
             for number in 90..if is_long() { 100 } else { 91 } {
                 let traced = seen(class, number, |eye, _| {
@@ -64,7 +64,14 @@ fn z_fail() -> Result<(), String> {
                 let what =
                     |error| format!("{depth:?}, far plane {far:?}, {}, seed {}: {error}", class.name, traced.seed);
                 let mut counted = renderer.count(&traced.frame, Counting::ZFail).map_err(what)?;
-                let specks = unequal(&traced, &counted, !class.touches).map_err(what)?;
+                let (wrong, specks) = wrong_pixels(&traced, &counted, !class.touches);
+                if let Some(&pixel) = wrong.first() {
+                    let is_alone = wrong.len() == 1 && depth == DepthDirection::Standard;
+                    if !is_alone || !is_right_reversed(&renderer, &traced, pixel)? {
+                        return Err(what(format!("{wrong:?} are wrong")));
+                    }
+                    imprecise += 1;
+                }
                 if far.is_none() && specks > 0 {
                     return Err(what(format!("{specks} wrong pixels")));
                 }
@@ -75,7 +82,10 @@ fn z_fail() -> Result<(), String> {
                 noticed += usize::from(in_shadow > 100 && unequal(&traced, &counted, false).is_err());
             }
         }
-        println!("{depth:?}, far plane {far:?}: {shadowed} pixels in shadow, {cut} pixels of cut faces wrong");
+        println!(
+            "{depth:?}, far plane {far:?}: {shadowed} pixels in shadow, {cut} pixels of cut faces wrong, {imprecise} by depth's \
+             precision"
+        );
         if shadowed == 0 || noticed == 0 {
             return Err("negative control: light for shadow went unnoticed".to_owned());
         }
@@ -138,6 +148,25 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
 /// not have the bits of a depth pass that is clipped. Fails where another pixel is wrong; returns how many of these
 /// are.
 fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, String> {
+    match wrong_pixels(traced, counted, counts) {
+        (wrong, cut) if wrong.is_empty() => Ok(cut),
+        (wrong, _) => Err(format!("z-fail: {:?} is wrong", wrong[0])),
+    }
+}
+
+/// Whether a pixel has its count if nothing but depth is reversed, and so more precise: NUMERICS.md, "Hairlines".
+fn is_right_reversed(renderer: &Renderer<'_>, traced: &Traced, (x, y): (u32, u32)) -> Result<bool, String> {
+    let mut frame = traced.frame.clone();
+    frame.eye = Eye { depth: DepthDirection::Reversed, far: None, ..frame.eye };
+    let counted = renderer.count(&frame, Counting::ZFail)?;
+    let at = (y * frame.size + x) as usize;
+    let every = every(&counted, 0);
+    Ok(matches!(traced.truths[at][0], Truth::Surface(between)
+        if between.count(&every) % 256 == u16::from(counted.stencils[0][at])))
+}
+
+/// Pixels that are wrong, and how many of cut faces are, likewise.
+fn wrong_pixels(traced: &Traced, counted: &Counted, counts: bool) -> (Vec<(u32, u32)>, usize) {
     let every = every(counted, 0);
     let mut wrong = traced.compared().lit(&counted.stencils[0], &every);
     if counts {
@@ -154,8 +183,9 @@ fn unequal(traced: &Traced, counted: &Counted, counts: bool) -> Result<usize, St
             before.contains(&true) && before.contains(&false)
         })
     };
-    match wrong.pixels.iter().find(|pixel| !is_cut(pixel)) {
-        Some(pixel) => Err(format!("z-fail: {pixel:?} is wrong")),
-        None => Ok(wrong.pixels.len()),
-    }
+    let (cut, mut others): (Vec<_>, Vec<_>) = wrong.pixels.iter().partition(|pixel| is_cut(pixel));
+    // Told by both comparisons.
+    others.sort_unstable();
+    others.dedup();
+    (others, cut.len())
 }

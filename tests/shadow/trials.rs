@@ -102,7 +102,7 @@ impl Traced {
     }
 }
 
-/// Frames of a class: 8, or 105 in a long run, which makes 160 in all, or 2,100.
+/// Frames of a class: 8, or 105 in a long run, which makes some 180 in all, or 2,400.
 pub(crate) fn frames() -> u64 {
     if is_long() { 105 } else { 8 }
 }
