@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --example shape -- blob OUT.glb`
 
-#[path = "common/glb.rs"]
+#[path = "support/glb.rs"]
 mod glb;
 
 use std::process::ExitCode;
 
-use rimline::shapes::{self, Shape};
+use rimline_measure::shapes::{self, Shape};
 use serde_json::json;
 
 fn main() -> ExitCode {

@@ -105,7 +105,7 @@ impl Displacement {
 
 /// The deform stage's module without any displacement.
 pub fn plain_deform_wgsl() -> String {
-    let identity = INCLUDES.iter().find(|(name, _)| *name == "displace").map_or("", |(_, source)| source);
+    let identity = INCLUDES.iter().find(|(name, _)| *name == "deform/displace").map_or("", |(_, source)| source);
     format!("{identity}\n{}", DEFORM.wgsl())
 }
 

@@ -409,6 +409,6 @@ impl ScaledLight {
 }
 
 /// The lowest `count` bits of a word, `count` up to 32.
-pub(crate) const fn live_bits(count: usize) -> u32 {
+pub const fn live_bits(count: usize) -> u32 {
     if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }

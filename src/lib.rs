@@ -14,7 +14,6 @@
 //! * [`gpu::ShadowQuery`]: how many faces lie between points and lights;
 //! * [`area`]: lights with an area, as samples that share one extraction;
 //! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
-//! * [`stress`], [`score`]: scenes that are hard on floating-point arithmetic, and how wrong a method is on them;
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
 //!
 //! ```no_run
@@ -49,16 +48,15 @@ pub mod displace;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod gpu;
-pub mod layout;
+mod layout;
 pub mod light;
 pub mod mesh;
-pub mod method;
+mod method;
 pub mod model;
-pub mod score;
+#[cfg(feature = "reference")]
+pub mod reference;
 pub mod shadow;
-pub mod shapes;
-pub mod stages;
-pub mod stress;
+mod stages;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};

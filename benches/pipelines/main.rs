@@ -8,7 +8,8 @@ use rimline::glam::{Mat4, Vec3, Vec4};
 use rimline::gpu::{
     Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, shapes, wgpu};
+use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, wgpu};
+use rimline_measure::shapes;
 
 const ROUNDS: usize = 15;
 

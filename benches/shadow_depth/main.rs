@@ -3,10 +3,10 @@
 
 use std::time::Instant;
 
-use rimline::cpu::{Threads, shadow_depth};
 use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions, read_back_vec};
-use rimline::shapes::{self, Shape};
+use rimline::reference::cpu::{Threads, shadow_depth};
 use rimline::{Light, wgpu};
+use rimline_measure::shapes::{self, Shape};
 
 const ROUNDS: usize = 5;
 

@@ -5,7 +5,8 @@
 mod support;
 
 use rimline::gpu::{self, Extractor, ExtractorOptions, ListOptions, PositionBuffer, Results};
-use rimline::{Light, Mesh, mesh::Weld, shapes, wgpu};
+use rimline::{Light, Mesh, mesh::Weld, wgpu};
+use rimline_measure::shapes;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Yours: a device, and a buffer in any layout that has three floats a vertex; here they are 16 bytes apart.

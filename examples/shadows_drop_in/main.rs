@@ -11,7 +11,8 @@ use rimline::glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes, wgpu};
+use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, wgpu};
+use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

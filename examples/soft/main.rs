@@ -11,8 +11,9 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::{
-    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, shapes, wgpu,
+    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, wgpu,
 };
+use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 /// One word of lights: the extraction decides them together.

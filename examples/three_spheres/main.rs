@@ -13,9 +13,9 @@ use rimline::gpu::{
 };
 use rimline::model::InstancePose;
 use rimline::{
-    Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, RangedLight, ShadowCamera, shapes,
-    wgpu,
+    Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, RangedLight, ShadowCamera, wgpu,
 };
+use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 /// Where the spheres are; `noise.wgsl` knows it, too.

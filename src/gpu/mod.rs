@@ -1,36 +1,23 @@
 //! The stages on the GPU, recorded into the caller's encoder. Nothing here reads back but [`read_back`] itself and
 //! [`StageTimer::read`].
 
-mod binder;
-mod buffers;
-mod cache;
-mod deformer;
-mod extractor;
-mod frame;
-mod include;
-mod memory;
-mod model_data;
-mod pass;
-mod pipelines;
-mod positions;
-mod readback;
-mod results;
+mod common;
+mod deform;
+mod extract;
+mod query;
 mod shadow;
-mod shadow_plan;
-mod shadow_query;
-mod split;
-mod timer;
 
-pub use deformer::{DeformError, Deformer, DeformerOptions};
-pub use extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
-pub use include::{IncludeError, include_wgsl, results_bind_group_layout};
-pub use memory::{Allocation, MemoryError};
-pub use pipelines::Pipelines;
-pub use positions::{PositionBuffer, PositionError};
-pub use readback::{ReadError, read_back, read_back_vec};
-pub use results::Results;
+pub use crate::layout::{DrawArguments, Masks, ShadowStatistics, Statistics};
+pub use common::memory::{Allocation, MemoryError};
+pub use common::pipelines::Pipelines;
+pub use common::positions::{PositionBuffer, PositionError};
+pub use common::readback::{ReadError, read_back, read_back_vec};
+pub use common::timer::StageTimer;
+pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use extract::extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
+pub use extract::include::{IncludeError, include_wgsl, results_bind_group_layout};
+pub use extract::results::Results;
+pub use query::shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use shadow::{
     ShadowDrawError, ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-pub use shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
-pub use timer::StageTimer;

@@ -1,17 +1,17 @@
 //! Other cameras than a perspective one with reversed depth and without a far plane.
 
-use rimline::cpu;
 use rimline::glam::DVec3;
+use rimline::reference::cpu;
 use rimline::{Counting, DepthDirection};
 
 use crate::classes::{CLASSES, Class};
-use crate::common::device::Gpu;
-use crate::common::is_long;
-use crate::common::random::Random;
 use crate::rays::{Tracer, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Eye, Frame, Placed, Rays};
 use crate::trials::{Tally, Test, Traced, every, seed};
+use rimline_measure::device::Gpu;
+use rimline_measure::is_long;
+use rimline_measure::random::Random;
 
 pub(crate) const TESTS: &[Test] = &[
     ("standard_depth", standard_depth),

@@ -1,11 +1,11 @@
 //! Classes of frames, by where eye, light and casters are to each other.
 
 use rimline::glam::{DVec3, Vec3};
-use rimline::shapes::{self, Shape};
 use rimline::{DepthDirection, Light};
+use rimline_measure::shapes::{self, Shape};
 
-use crate::common::random::Random;
 use crate::scene::{Body, Eye, Frame};
+use rimline_measure::random::Random;
 
 /// A class of frames.
 pub(crate) struct Class {

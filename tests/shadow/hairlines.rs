@@ -5,12 +5,12 @@ use rimline::Counting;
 use rimline::glam::{DVec2, DVec3, DVec4};
 
 use crate::classes::CLASSES;
-use crate::common::device::Gpu;
-use crate::common::oracle;
-use crate::rays::{Face, Tracer, Truth};
+use crate::rays::{Tracer, Truth};
 use crate::render::Renderer;
 use crate::scene::{Frame, Rays, SAMPLES};
 use crate::trials::{Test, Traced, every};
+use rimline_measure::device::Gpu;
+use rimline_measure::oracle;
 
 pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)];
 
@@ -26,7 +26,7 @@ pub(crate) struct Hairlines<'a> {
     number: usize,
     sides: Vec<Side>,
     light: DVec4,
-    tracer: Tracer<Face>,
+    tracer: Tracer,
     rays: Rays,
     /// Of each pixel, where the rays go through and a rasteriser looks.
     place: DVec2,

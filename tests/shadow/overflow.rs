@@ -1,19 +1,19 @@
 //! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
-use rimline::cpu::{self, Threads};
 use rimline::gpu::ShadowOptions;
-use rimline::shapes::{self, Shape};
+use rimline::reference::cpu::{self, Threads};
 use rimline::{Counting, Light, Mesh, Method, Predicate};
+use rimline_measure::shapes::{self, Shape};
 
 use crate::classes::CLASSES;
-use crate::common::device::Gpu;
-use crate::common::random::Random;
-use crate::common::{is_long, must_fail};
 use crate::compare::Compared;
 use crate::rays::{self, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Body, CENTRE, Frame, Placed};
 use crate::trials::{Test, Traced, every, seed};
+use rimline_measure::device::Gpu;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[
     ("counts_that_are_multiples_of_256_are_warned_of", multiples),

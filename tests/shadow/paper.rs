@@ -1,16 +1,16 @@
 //! ZP+ as published: right where its authors had no trouble, and how wrong it is elsewhere.
 
-use rimline::cpu::{self, Threads};
-use rimline::layout::ShadowLight;
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::ShadowLight;
 use rimline::{Counting, Mesh, Method, Predicate};
 
 use crate::classes::CLASSES;
-use crate::common::device::Gpu;
-use crate::common::is_long;
-use crate::common::random::Random;
 use crate::render::Renderer;
 use crate::scene::{Frame, Placed};
 use crate::trials::{Test, Traced, every, seed};
+use rimline_measure::device::Gpu;
+use rimline_measure::is_long;
+use rimline_measure::random::Random;
 
 pub(crate) const TESTS: &[Test] =
     &[("published_zp_plus", published), ("case_d_goes_over_to_z_fail", switches), ("auto_never_takes_published", auto)];

@@ -1,18 +1,18 @@
 //! A stencil count is not zero exactly where the shadow depth query is not, at what the pixels see.
 
-use rimline::cpu::{self, Threads};
 use rimline::glam::DVec3;
-use rimline::shapes::Shape;
+use rimline::reference::cpu::{self, Threads};
 use rimline::{Counting, Light};
+use rimline_measure::shapes::Shape;
 
 use crate::classes::CLASSES;
-use crate::common::device::Gpu;
-use crate::common::{is_long, oracle};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{Between, MOST_CASTERS, Tracer, Triangle, Truth};
 use crate::render::{Counted, Renderer};
 use crate::scene::{Frame, Rays};
 use crate::trials::{Test, Traced, every};
+use rimline_measure::device::Gpu;
+use rimline_measure::{is_long, oracle};
 
 pub(crate) const TESTS: &[Test] = &[("stencil_and_shadow_depth_query_agree", agree)];
 

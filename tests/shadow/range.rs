@@ -4,13 +4,13 @@ use rimline::gpu::ShadowOptions;
 use rimline::{Counting, Light, glam::DVec3};
 
 use crate::classes::{CLASSES, Class};
-use crate::common::device::Gpu;
-use crate::common::random::Random;
-use crate::common::{is_long, must_fail};
 use crate::rays::{self, Truth};
 use crate::render::Renderer;
 use crate::scene::{Body, Frame};
 use crate::trials::{Test, Traced};
+use rimline_measure::device::Gpu;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
 
 pub(crate) const TESTS: &[Test] = &[("volumes_end_at_the_range", ended), ("casters_out_of_range_are_skipped", skipped)];
 
@@ -101,7 +101,7 @@ fn skipped() -> Result<(), String> {
     for (light, distance) in [([3.5, 0.1, -0.2], 3.0_f32), ([-0.1, 4.5, -3.5], 5.0), ([1.5, -2.5, 2.5], 3.0)] {
         for (range, casts) in [(distance * 0.999, false), (distance * 1.001, true), (distance * 1.3, true)] {
             let mut frame: Frame = (class.frame)(&mut Random::new(1));
-            frame.bodies = vec![Body::caster(rimline::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
+            frame.bodies = vec![Body::caster(rimline_measure::shapes::cube()).scaled(0.5), Body::room([0.0; 3], 8.0)];
             // Another w is the same place.
             for w in [1.0, 0.3] {
                 let [x, y, z] = light;

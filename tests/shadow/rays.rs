@@ -3,14 +3,13 @@
 use rimline::Light;
 use rimline::glam::{DVec2, DVec3};
 
-use crate::common::oracle;
 use crate::scene::{Frame, Rays};
+use rimline_measure::oracle;
 
-#[path = "../../src/bin/rimline/rays.rs"]
-mod casting;
+pub(crate) type Triangle = rimline_measure::rays::Triangle<Face>;
 
-pub(crate) use casting::Tracer;
-pub(crate) type Triangle = casting::Triangle<Face>;
+/// The frame's triangles in a tree of boxes.
+pub(crate) struct Tracer(rimline_measure::rays::Tracer<Face>);
 
 /// What is known of a triangle.
 pub(crate) struct Face {
@@ -63,7 +62,7 @@ impl Truth {
     }
 }
 
-impl Tracer<Face> {
+impl Tracer {
     pub(crate) fn new(frame: &Frame) -> Self {
         let mut triangles = Vec::new();
         let mut casters = 0;
@@ -78,7 +77,12 @@ impl Tracer<Face> {
                 triangles.push((corners, Face { sides, caster }));
             }
         }
-        Self::build(triangles)
+        Self(rimline_measure::rays::Tracer::build(triangles))
+    }
+
+    /// Where a ray first meets a triangle, and which.
+    pub(crate) fn first(&self, ray: (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
+        self.0.first(ray)
     }
 
     /// Casting faces but `own` on a part of a ray, by how they are turned to a light.
@@ -90,7 +94,7 @@ impl Tracer<Face> {
         light: usize,
     ) -> Between {
         let mut between = Between::default();
-        for (t, triangle) in self.meetings(ray) {
+        for (t, triangle) in self.0.meetings(ray) {
             let is_own = own.is_some_and(|own| std::ptr::eq(triangle, own));
             let Some(caster) = triangle.of.caster.filter(|_| !is_own) else { continue };
             if t > begin && t < end {
@@ -114,7 +118,7 @@ impl Tracer<Face> {
 
     /// What a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
-        let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
+        let Some((point, own)) = self.0.first(ray) else { return vec![Truth::Background; lights.len()] };
         let is_front = own.is_front(ray.1);
         let truth = |(number, light): (usize, &Light)| {
             let side = own.of.sides[number];

@@ -4,11 +4,11 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
     ShadowVolumes, read_back_vec,
 };
-use rimline::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
+use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Mesh, RangedLight};
 
-use crate::common::device::Gpu;
 use crate::scene::{Body, Frame, Placed};
+use rimline_measure::device::Gpu;
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

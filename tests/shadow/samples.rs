@@ -3,13 +3,13 @@
 use rimline::Counting;
 
 use crate::classes::CLASSES;
-use crate::common::device::Gpu;
-use crate::common::is_long;
 use crate::compare::Compared;
 use crate::rays::Truth;
 use crate::render::Renderer;
 use crate::scene::SAMPLES;
 use crate::trials::{Test, Traced, every};
+use rimline_measure::device::Gpu;
+use rimline_measure::is_long;
 
 pub(crate) const TESTS: &[Test] = &[("four_samples_a_pixel", four)];
 

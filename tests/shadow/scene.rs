@@ -1,8 +1,8 @@
 //! What is drawn and cast: casters, receivers, camera, lights.
 
 use rimline::glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
-use rimline::shapes::Shape;
 use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_measure::shapes::Shape;
 
 /// Triangles of one caster or receiver.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ impl Body {
 
     /// A closed room around what casts, seen from inside.
     pub(crate) fn room(centre: [f32; 3], half: f32) -> Self {
-        let mut shape = rimline::shapes::cube();
+        let mut shape = rimline_measure::shapes::cube();
         for face in &mut shape.faces {
             face.swap(1, 2);
         }

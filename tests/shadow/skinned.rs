@@ -2,14 +2,14 @@
 
 use rimline::Counting;
 use rimline::gpu::{Deformer, DeformerOptions};
-use rimline::shapes::Shape;
+use rimline_measure::shapes::Shape;
 
 use crate::classes::with_caster;
-use crate::common::device::Gpu;
-use crate::common::models::bending_tube;
-use crate::common::random::Random;
 use crate::render::Renderer;
 use crate::trials::{RIGHT, Tally, Test, Traced, every, frames};
+use rimline_measure::device::Gpu;
+use rimline_measure::models::bending_tube;
+use rimline_measure::random::Random;
 
 pub(crate) const TESTS: &[Test] = &[("skinned_figure_in_motion", skinned)];
 

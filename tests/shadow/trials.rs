@@ -2,16 +2,16 @@
 
 use rimline::Counting;
 use rimline::gpu::{Pipelines, ShadowOptions};
-use rimline::layout::ShadowLight;
+use rimline::reference::layout::ShadowLight;
 
 use crate::classes::{CLASSES, Class};
-use crate::common::device::Gpu;
-use crate::common::random::Random;
-use crate::common::{is_long, must_fail};
 use crate::compare::{Compared, Wrong};
 use crate::rays::{self, Truth};
 use crate::render::{Counted, DepthPass, Renderer};
 use crate::scene::{CENTRE, Frame, SAMPLES};
+use rimline_measure::device::Gpu;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
 
 /// A test's name and body.
 pub(crate) type Test = (&'static str, fn() -> Result<(), String>);

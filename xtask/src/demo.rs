@@ -51,7 +51,8 @@ const PICTURES: [Picture; 5] = [
 /// Makes the models, draws the pictures, and names them at the end.
 pub(crate) fn run() -> Result<(), String> {
     vulkan::ensure()?;
-    let mut build = process::cargo(["build", "--release", "--features", "cli", "--bin", "rimline"]);
+    let mut build =
+        process::cargo(["build", "--release", "--package", "rimline-cli", "--package", "rimline", "--bin", "rimline"]);
     for (_, example, _) in MODELS {
         build.args(["--example", example]);
     }

@@ -3,7 +3,8 @@
 use crate::process;
 
 /// Dependencies that only the command may have.
-const OF_THE_COMMAND: [&str; 7] = ["clap", "epaint_default_fonts", "indicatif", "npyz", "png", "resvg", "zip"];
+const OF_THE_COMMAND: [&str; 8] =
+    ["clap", "epaint_default_fonts", "indicatif", "num-bigint", "png", "resvg", "rimline-measure", "zip"];
 
 pub(crate) fn library_alone() -> Result<(), String> {
     process::run(&mut process::cargo(["build", "--package", "rimline", "--lib", "--no-default-features"]))

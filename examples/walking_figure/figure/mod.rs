@@ -5,7 +5,7 @@
 
 mod body;
 pub(crate) mod glb;
-#[path = "../../common/glb.rs"]
+#[path = "../../support/glb.rs"]
 mod glb_file;
 pub(crate) mod skeleton;
 mod skin;

@@ -2,11 +2,11 @@
 
 use wgpu::BufferUsages;
 
-use crate::gpu::buffers::Shape;
-use crate::gpu::extractor::Extractor;
-use crate::gpu::frame::UniformTable;
-use crate::gpu::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
-use crate::gpu::split::Split;
+use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::extract::buffers::Shape;
+use crate::gpu::extract::extractor::Extractor;
 use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 
 /// What the stages and draws share.

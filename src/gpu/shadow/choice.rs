@@ -3,11 +3,12 @@
 use super::buffers::Buffers;
 use super::volumes::ShadowOptions;
 use crate::Counting;
-use crate::gpu::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
-use crate::gpu::positions::BoundPositions;
-use crate::gpu::split::binding;
-use crate::gpu::timer::StageTimer;
-use crate::gpu::{Results, frame::UniformTable};
+use crate::gpu::common::dispatch_limits::binding;
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::positions::BoundPositions;
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::UniformTable;
+use crate::gpu::extract::results::Results;
 use crate::layout::ShadowDraw;
 use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage};
 

@@ -2,7 +2,7 @@
 
 use super::buffers::Buffers;
 use super::pipelines::ShadowPipelines;
-use crate::gpu::frame::UniformTable;
+use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DrawArguments, ShadowDraw, ShadowDraws};
 
 /// Bind groups of the draws.

@@ -1,8 +1,8 @@
 //! Why shadow volumes cannot be made, recorded or drawn.
 
-use crate::gpu::include::IncludeError;
-use crate::gpu::memory::MemoryError;
-use crate::gpu::positions::PositionError;
+use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::positions::PositionError;
+use crate::gpu::extract::include::IncludeError;
 use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
 
 /// Why shadow volumes cannot be made or recorded.

@@ -8,6 +8,6 @@ mod pipelines;
 mod volumes;
 
 pub use errors::{ShadowDrawError, ShadowError};
-pub(super) use pipelines::VolumeKey;
+pub(crate) use pipelines::VolumeKey;
 pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
 pub use volumes::{ShadowOptions, ShadowVolumes};

@@ -2,8 +2,8 @@
 
 use wgpu::{CompareFunction, StencilOperation};
 
-use crate::gpu::include::{include_wgsl, results_entries};
-use crate::gpu::pipelines::Pipelines;
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::extract::include::{include_wgsl, results_entries};
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
 
@@ -217,7 +217,7 @@ enum Count {
 
 /// All that a pipeline of volumes depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
-pub(in crate::gpu) struct VolumeKey {
+pub(crate) struct VolumeKey {
     entry_point: &'static str,
     /// Of cap faces: which list.
     class: u32,

@@ -1,0 +1,122 @@
+//! What is measured, in which order.
+
+use std::time::Duration;
+
+use rimline_measure::stress;
+
+use super::args::{BenchArgs, Faces};
+use super::measure::Rounds;
+use super::shadows::ShadowPlan;
+use super::subject::Subject;
+use crate::device::Wanted;
+use crate::failure::UsageError;
+
+/// Rows to come.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    /// Each with its numbers of lights.
+    pub(crate) subjects: Vec<(Subject, Vec<usize>)>,
+    pub(crate) rounds: Rounds,
+    pub(crate) shadows: ShadowPlan,
+}
+
+const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
+const QUICK_MESHES: [usize; 3] = [1 << 10, 1 << 14, 1 << 18];
+const SCENE_FACES: usize = 1 << 16;
+const QUICK_SCENE_FACES: usize = 1 << 14;
+/// Of each class of scenes one.
+const QUICK_SCENES: [&str; 10] = [
+    "translation-1e6",
+    "scale-1e-20",
+    "subnormal-thickness",
+    "slivers-1e6",
+    "plate-third",
+    "lights-on-faces",
+    "afar-1e6",
+    "bent-179",
+    "noise-1e-6",
+    "touching-boxes",
+];
+const LIGHTS: [usize; 3] = [1, 8, 32];
+
+impl Plan {
+    pub(crate) fn new(args: &BenchArgs) -> Result<Self, UsageError> {
+        let meshes: Vec<usize> = match &args.meshes {
+            None if args.quick => QUICK_MESHES.into(),
+            None => MESHES.into(),
+            Some(faces) => faces
+                .iter()
+                .filter_map(|faces| match faces {
+                    Faces::None => None,
+                    Faces::Count(count) => Some(*count),
+                })
+                .collect(),
+        };
+        let scene_faces = match args.scene_faces {
+            Some(faces) => faces as usize,
+            None if args.quick => QUICK_SCENE_FACES,
+            None => SCENE_FACES,
+        };
+        let given: Option<Vec<usize>> =
+            args.lights.as_ref().map(|lights| lights.iter().copied().map(usize::from).collect());
+        let lights_of_meshes = given.clone().unwrap_or_else(|| LIGHTS.into());
+        let lights_of_scenes = given.unwrap_or_else(|| vec![8]);
+        let mut subjects: Vec<_> =
+            meshes.into_iter().map(|faces| (Subject::Torus(faces), lights_of_meshes.clone())).collect();
+        for name in scenes(args)? {
+            subjects.push((Subject::Scene(name, scene_faces), lights_of_scenes.clone()));
+        }
+        let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
+        let most = args.rounds.map_or(most, usize::from);
+        let rounds =
+            Rounds { least: most.min(if args.quick { 3 } else { 5 }), most, time: Duration::from_secs_f64(seconds) };
+        let (models, usual_frames, size) = if args.quick { (1, 6, 256) } else { (3, 16, 512) };
+        // The CPU draws nothing.
+        let draws = Wanted::parse(&args.device.device) != Wanted::Cpu;
+        let frames = if draws { args.frames.map_or(usual_frames, usize::from) } else { 0 };
+        // A round draws whole paths.
+        let rounds_of_paths = Rounds { least: most.min(3), ..rounds };
+        let shadows = ShadowPlan { models, frames, size, rounds: rounds_of_paths };
+        if subjects.is_empty() && shadows.rows() == 0 {
+            return Err(UsageError::NothingToMeasure);
+        }
+        Ok(Self { subjects, rounds, shadows })
+    }
+
+    /// How many rows of extraction that makes.
+    pub(crate) fn rows(&self) -> usize {
+        self.subjects.iter().map(|(_, lights)| lights.len()).sum()
+    }
+}
+
+fn scenes(args: &BenchArgs) -> Result<Vec<&'static str>, UsageError> {
+    let Some(wanted) = &args.scenes else {
+        return Ok(if args.quick { QUICK_SCENES.into() } else { stress::names().collect() });
+    };
+    match wanted.as_slice() {
+        [one] if one == "all" => Ok(stress::names().collect()),
+        [one] if one == "none" => Ok(Vec::new()),
+        wanted => {
+            let known = |wanted: &String| stress::names().find(|name| name == wanted);
+            let unknown = |wanted: &String| UsageError::Scene {
+                wanted: wanted.clone(),
+                there: stress::names().collect::<Vec<_>>().join(", "),
+            };
+            wanted.iter().map(|wanted| known(wanted).ok_or_else(|| unknown(wanted))).collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quick_scenes_are_one_of_each_class() {
+        let class_of = |name: &&str| stress::scene(name, 1).map(|scene| scene.class);
+        let classes: Vec<_> = QUICK_SCENES.iter().map(class_of).collect();
+        let mut all: Vec<_> = stress::scenes(1).map(|scene| Some(scene.class)).collect();
+        all.dedup();
+        assert_eq!(classes, all);
+    }
+}

@@ -1,0 +1,96 @@
+//! `rimline draw`: a model with its outline.
+
+mod contact;
+mod frame;
+mod picture;
+
+use std::borrow::Cow;
+
+use rimline::gpu::{Extractor, ExtractorOptions};
+use rimline::mesh::Bounds;
+use rimline::reference::cpu::is_finite;
+use rimline::{Light, wgpu};
+
+use crate::args::DrawArgs;
+use crate::device::{self, Gpu, Wanted};
+use crate::failure::{Failure, InputError, NoDevice, UsageError};
+use crate::gpu_error::GpuError;
+use crate::image::Picture;
+use crate::input::Shape;
+use crate::moment::Moment;
+use crate::output::Output;
+use crate::positions::Positions;
+use crate::progress::Progress;
+use crate::render::camera::Camera;
+use crate::render::{centre, check_size, extent, normals};
+use frame::Frame;
+use picture::Subject;
+
+/// Degrees that the eye is above the model by default.
+const ELEVATION: f64 = 17.0;
+
+pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
+    let wanted = Wanted::parse(&args.moment.device.device);
+    if wanted == Wanted::Cpu {
+        return Err(UsageError::DrawOnCpu.into());
+    }
+    let progress = Progress::start();
+    progress.step("reading the model");
+    let moment = Moment::read(&args.moment, &args.model)?;
+    let scene = moment.scene()?;
+    let output = Output::create(&args.out)?;
+
+    progress.step("opening the device");
+    let gpu = device::open_gpu(&wanted)?;
+    check_backend(&gpu)?;
+    check_size(&gpu, args.view.size)?;
+    let fail = |error: GpuError| error.on(&gpu);
+    let positions = Positions::new(&gpu, &scene.shape, moment.displacement.as_ref()).map_err(fail)?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    positions.encode(&mut encoder, &scene.shape, moment.time_s(), None).map_err(fail)?;
+    gpu.queue.submit([encoder.finish()]);
+    // The camera and the normals need positions here; the silhouette stays on the GPU.
+    let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
+        Shape::World(world) => Cow::Borrowed(world),
+        Shape::Posed { .. } => {
+            let count = scene.mesh.vertex_count() as usize;
+            Cow::Owned(positions.read(&gpu, count).map_err(|error| fail(error.into()))?)
+        }
+    };
+
+    progress.step("drawing");
+    let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
+    let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
+    let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
+    let nothing = || Failure::input(&moment.input.file)(InputError::NoFinitePosition);
+    let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
+    let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
+
+    let mut extractor =
+        Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
+    let eye = Light::point(camera.eye.into());
+    extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
+    let subject = Subject {
+        positions: positions.buffer(),
+        faces: &faces,
+        normals: &normals::corner_normals(&world, &faces),
+        extractor: &extractor,
+    };
+    let frame = Frame::new(&camera, args.view.size, &bounds);
+    let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject).map_err(fail)?;
+    gpu.queue.submit([encoder.finish()]);
+    let picture = Picture::read(&gpu, &texture).map_err(fail)?;
+    gpu.check()?;
+    progress.step("writing");
+    output.finish(|file| picture.write_png(file))
+}
+
+/// The shaders read the depth buffer, which WGSL can and GLSL, as wgpu writes it, cannot.
+fn check_backend(gpu: &Gpu) -> Result<(), NoDevice> {
+    if gpu.info.backend == wgpu::Backend::Gl {
+        let lacking = "reading of depth textures, which drawing needs; `extract` runs there".to_owned();
+        return Err(NoDevice::Lacks { adapter: device::describe(&gpu.info), lacking });
+    }
+    Ok(())
+}

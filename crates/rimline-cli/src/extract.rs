@@ -1,0 +1,92 @@
+//! `rimline extract`: facing, silhouette and winding bits for lights, as NumPy arrays.
+
+pub(crate) mod arrays;
+mod on_cpu;
+pub(crate) mod on_gpu;
+pub(crate) mod report;
+
+use rimline::reference::cpu::FacingCounts;
+use rimline::reference::layout::Masks;
+use rimline::{Light, Method, Predicate};
+
+use crate::args::{ExtractArgs, MethodArg, PredicateArg};
+use crate::device::Device;
+use crate::failure::{Failure, UsageError};
+use crate::input::Scene;
+use crate::moment::Moment;
+use crate::output::{Output, print};
+use crate::progress::Progress;
+use crate::times::Times;
+use report::Report;
+
+/// What either device finds; masks lie in ⌈N/32⌉ planes, item after item.
+pub(crate) struct Found<'a> {
+    positions: std::borrow::Cow<'a, [[f32; 3]]>,
+    facing: Vec<u32>,
+    masks: Vec<Masks>,
+    counts: FacingCounts,
+}
+
+/// Finds everything exactly on a device.
+pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
+    let (method, predicate) = (Method::FaceMask, Predicate::Exact);
+    match device {
+        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())),
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
+            job.run(gpu, &mut Times::default())
+        }
+    }
+}
+
+pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
+    let (method, predicate) = way(args)?;
+    let progress = Progress::start();
+    let mut times = Times::default();
+    progress.step("reading the model");
+    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
+    let lights = moment.lights(&args.lights)?;
+    progress.step("building edge records");
+    let scene = times.measure("topology", || moment.scene())?;
+    let output = Output::create(&args.out)?;
+
+    progress.step("opening the device");
+    let device = moment.device()?;
+    progress.step("extracting");
+    let (found, adapter) = match &device {
+        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), device.name()),
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job {
+                scene: &scene,
+                lights: &lights,
+                method,
+                predicate,
+                displacement: moment.displacement.as_ref(),
+                time_s: moment.time_s(),
+            };
+            (job.run(gpu, &mut times)?, device.name())
+        }
+    };
+    progress.step("writing");
+    let mesh = &scene.mesh;
+    times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
+    let report = Report::new(mesh, &lights, &found, (method, predicate), adapter, times);
+    drop(progress);
+    print(&if args.json { report.json() } else { report.text(&args.out) })
+}
+
+/// Method and predicate, which must go together.
+fn way(args: &ExtractArgs) -> Result<(Method, Predicate), UsageError> {
+    let method = match args.method {
+        MethodArg::FaceMask => Method::FaceMask,
+        MethodArg::PerEdge => Method::PerEdge,
+    };
+    let predicate = match args.predicate {
+        Some(PredicateArg::Exact) if method == Method::PerEdge => return Err(UsageError::ExactPerEdge),
+        None => method.predicate(Predicate::Exact),
+        Some(PredicateArg::Exact) => Predicate::Exact,
+        Some(PredicateArg::Fast) => Predicate::Fast,
+        Some(PredicateArg::Plane) => Predicate::Plane,
+    };
+    Ok((method, predicate))
+}

@@ -1,0 +1,73 @@
+//! The output contract: which arrays, in which order and shape.
+
+use std::io::{self, Seek, Write};
+
+use rimline::light::words;
+use rimline::mesh::EdgeKind;
+use rimline::reference::layout::Masks;
+use rimline::{Light, Mesh};
+
+use super::Found;
+use crate::npz::{ElementType, NpzWriter};
+
+/// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
+pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
+    let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), words(lights.len()));
+    let mut npz = NpzWriter::new(file);
+    npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
+    npz.array("faces", ElementType::U32, &[faces, 3], slice(mesh.faces()))?;
+    npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(lights))?;
+    npz.array("edges", ElementType::U32, &[edges, 2], slice(mesh.edges().vertices()))?;
+    npz.array("edge_faces", ElementType::U32, &[edges, 2], |to| {
+        // No face 1 is `0xFFFFFFFF` here as in memory; `face_0` has its flag taken off.
+        pieces(to, mesh.edges().iter(), |edge| [edge.face_0, edge.face_1.unwrap_or(u32::MAX)])
+    })?;
+    npz.array("edge_kind", ElementType::U8, &[edges], |to| {
+        pieces(to, mesh.edges().iter(), |edge| match edge.kind {
+            EdgeKind::Consistent => 0_u8,
+            EdgeKind::Inconsistent => 1,
+            EdgeKind::Boundary => 2,
+        })
+    })?;
+    npz.array("facing", ElementType::U32, &[faces, words], planes(&found.facing, faces, words, |&mask| mask))?;
+    let silhouette = |masks: &Masks| masks.silhouette;
+    npz.array("silhouette", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, silhouette))?;
+    let winding = |masks: &Masks| masks.winding;
+    npz.array("winding", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, winding))?;
+    npz.finish()
+}
+
+fn slice<T: bytemuck::NoUninit>(items: &[T]) -> impl FnOnce(&mut dyn Write) -> io::Result<()> + '_ {
+    |to| to.write_all(bytemuck::cast_slice(items))
+}
+
+/// Items converted and written a few thousand at a time.
+fn pieces<T, U: bytemuck::NoUninit>(
+    to: &mut dyn Write,
+    items: impl Iterator<Item = T>,
+    convert: impl Fn(T) -> U,
+) -> io::Result<()> {
+    const PIECE: usize = 1 << 14;
+    let mut piece = Vec::with_capacity(PIECE);
+    for item in items {
+        piece.push(convert(item));
+        if piece.len() == PIECE {
+            to.write_all(bytemuck::cast_slice(&piece))?;
+            piece.clear();
+        }
+    }
+    to.write_all(bytemuck::cast_slice(&piece))
+}
+
+/// From a plane a word to the words of each item side by side.
+fn planes<'a, T>(
+    planes: &'a [T],
+    items: usize,
+    words: usize,
+    word: impl Fn(&T) -> u32 + 'a,
+) -> impl FnOnce(&mut dyn Write) -> io::Result<()> + 'a {
+    move |to| {
+        let all = (0..items).flat_map(|item| (0..words).map(move |plane| plane * items + item));
+        pieces(to, all, |at| word(&planes[at]))
+    }
+}

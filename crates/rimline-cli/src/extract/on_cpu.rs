@@ -1,0 +1,40 @@
+//! The CPU twins, stage by stage.
+
+use std::borrow::Cow;
+
+use rimline::Predicate;
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Method};
+
+use super::Found;
+use crate::input::{Scene, Shape};
+use crate::times::Times;
+
+pub(super) fn extract<'a>(
+    scene: &Scene<'a>,
+    lights: &[Light],
+    method: Method,
+    predicate: Predicate,
+    times: &mut Times,
+) -> Found<'a> {
+    let (mesh, threads) = (&scene.mesh, Threads::all());
+    let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
+        Shape::World(positions) => Cow::Borrowed(positions),
+        Shape::Posed { model, pose } => {
+            Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads)))
+        }
+    };
+    let faces = mesh.faces();
+    let mut facing = Vec::new();
+    // The per-edge method has no face bits, so the file gets the exact ones.
+    let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
+    let counts =
+        times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
+    let masks = match method {
+        Method::FaceMask => {
+            times.measure("edges", || cpu::edges(mesh.edges(), &facing, faces.len(), lights.len(), threads))
+        }
+        Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
+    };
+    Found { positions, facing, masks, counts }
+}

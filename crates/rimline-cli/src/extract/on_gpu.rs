@@ -1,0 +1,132 @@
+//! The stages on a GPU, and their results read back for the file.
+
+use std::borrow::Cow;
+
+use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::reference::cpu::FacingCounts;
+use rimline::reference::layout::Statistics;
+use rimline::{Displacement, Light, Method, Predicate, wgpu};
+
+use super::Found;
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+use crate::input::{Scene, Shape};
+use crate::positions::Positions;
+use crate::times::Times;
+
+/// One extraction.
+pub(super) struct Job<'a, 's> {
+    pub(super) scene: &'a Scene<'s>,
+    pub(super) lights: &'a [Light],
+    pub(super) method: Method,
+    pub(super) predicate: Predicate,
+    pub(super) displacement: Option<&'a Displacement>,
+    pub(super) time_s: f32,
+}
+
+impl<'s> Job<'_, 's> {
+    pub(super) fn run(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
+        let Gpu { device, queue, .. } = gpu;
+        let fail = |error: GpuError| error.on(gpu);
+        let mesh = &self.scene.mesh;
+        let (placed, mut extractors) = times
+            .measure("prepare", || -> Result<_, GpuError> {
+                let placed = Positions::new(gpu, &self.scene.shape, self.displacement)?;
+                // The per-edge method has no face bits, so the file gets the exact ones, from a face pass of their own.
+                let methods = match self.method {
+                    Method::FaceMask => vec![(Method::FaceMask, self.predicate, true)],
+                    Method::PerEdge => {
+                        vec![(Method::FaceMask, Predicate::Exact, false), (Method::PerEdge, self.predicate, true)]
+                    }
+                };
+                let extractors = methods
+                    .into_iter()
+                    .map(|(method, predicate, masks)| {
+                        let options = ExtractorOptions {
+                            max_lights: self.lights.len(),
+                            method,
+                            predicate,
+                            masks,
+                            lists: None,
+                            ..ExtractorOptions::default()
+                        };
+                        Extractor::new(&gpu.pipelines, mesh, options)
+                    })
+                    .collect::<Result<Vec<_>, _>>()?;
+                Ok((placed, extractors))
+            })
+            .map_err(fail)?;
+        gpu.check()?;
+
+        let mut timer = StageTimer::new(device, queue);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("extract") });
+        placed.encode(&mut encoder, &self.scene.shape, self.time_s, timer.as_mut()).map_err(fail)?;
+        for extractor in &mut extractors {
+            extractor
+                .encode(&mut encoder, placed.buffer(), self.lights, timer.as_mut())
+                .map_err(|error| fail(error.into()))?;
+        }
+        if let Some(timer) = &timer {
+            timer.resolve(&mut encoder);
+        }
+        let commands = encoder.finish();
+        let submitted = || {
+            queue.submit([commands]);
+            gpu.wait()
+        };
+        match &timer {
+            None => times.measure("stages", submitted)?,
+            Some(timer) => {
+                submitted()?;
+                let stages = timer.read(device, queue).map_err(|error| fail(error.into()))?;
+                for (stage, milliseconds) in stages {
+                    times.add(stage, milliseconds);
+                }
+            }
+        }
+        let found = times.measure("read", || self.read(gpu, &placed, &extractors)).map_err(fail)?;
+        gpu.check()?;
+        Ok(found)
+    }
+
+    fn read(&self, gpu: &Gpu, placed: &Positions, extractors: &[Extractor]) -> Result<Found<'s>, GpuError> {
+        let positions = match &self.scene.shape {
+            Shape::World(positions) => Cow::Borrowed(*positions),
+            Shape::Posed { .. } => Cow::Owned(placed.read(gpu, self.scene.mesh.vertex_count() as usize)?),
+        };
+        let mesh = &self.scene.mesh;
+        let (first, last) = (&extractors[0], &extractors[extractors.len() - 1]);
+        let statistics: Vec<Statistics> = read_back_vec(&gpu.device, &gpu.queue, first.results().statistics)?;
+        let counts = statistics.first().map(|statistics| FacingCounts {
+            non_finite_faces: statistics.non_finite_faces,
+            undecided_pairs: statistics.undecided_pairs,
+            exact_zeros: statistics.exact_zeros,
+        });
+        Ok(Found {
+            positions,
+            facing: read_planes(gpu, first.results().facing, mesh.faces().len())?,
+            masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
+            counts: counts.unwrap_or_default(),
+        })
+    }
+}
+
+pub(crate) fn read_planes<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    buffers: &[wgpu::Buffer],
+    items: usize,
+) -> Result<Vec<T>, ReadError> {
+    let mut all = Vec::new();
+    for buffer in buffers {
+        // A buffer may be longer than what it holds.
+        let mut plane: Vec<T> = read_back_vec(&gpu.device, &gpu.queue, buffer)?;
+        plane.truncate(items);
+        if all.is_empty() {
+            all = plane;
+        } else {
+            all.append(&mut plane);
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,131 @@
+//! The counts and times that `extract` prints.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use rimline::mesh::EdgeCounts;
+use rimline::reference::cpu::FacingCounts;
+use rimline::{Light, Mesh, Method, Predicate};
+use rimline_measure::error_metrics::light_counts;
+use serde_json::json;
+
+use super::Found;
+use crate::times::Times;
+
+/// What came out, in numbers.
+pub(super) struct Report {
+    vertices: usize,
+    faces: usize,
+    degenerate_faces: usize,
+    counts: FacingCounts,
+    edges: EdgeCounts,
+    /// One a light.
+    silhouette_edges: Vec<usize>,
+    unclosed_vertices: Vec<usize>,
+    method: Method,
+    predicate: Predicate,
+    adapter: String,
+    times: Times,
+}
+
+impl Report {
+    pub(super) fn new(
+        mesh: &Mesh,
+        lights: &[Light],
+        found: &Found<'_>,
+        (method, predicate): (Method, Predicate),
+        adapter: String,
+        times: Times,
+    ) -> Self {
+        let counts = light_counts(mesh, &found.masks, lights.len()).into_iter();
+        let (silhouette_edges, unclosed_vertices) =
+            counts.map(|light| (light.silhouette_edges, light.unclosed_vertices)).unzip();
+        Self {
+            vertices: found.positions.len(),
+            faces: mesh.faces().len(),
+            degenerate_faces: mesh.degenerate_faces(),
+            counts: found.counts,
+            edges: mesh.edges().counts(),
+            silhouette_edges,
+            unclosed_vertices,
+            method,
+            predicate,
+            adapter,
+            times,
+        }
+    }
+
+    fn method(&self) -> &'static str {
+        match self.method {
+            Method::FaceMask => "face-mask",
+            Method::PerEdge => "per-edge",
+        }
+    }
+
+    fn predicate(&self) -> &'static str {
+        match self.predicate {
+            Predicate::Exact => "exact",
+            Predicate::Fast => "fast",
+            Predicate::Plane => "plane",
+        }
+    }
+
+    /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
+    pub(super) fn json(&self) -> String {
+        let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
+        let report = json!({
+            "adapter": self.adapter,
+            "method": self.method(),
+            "predicate": self.predicate(),
+            "vertices": self.vertices,
+            "faces": self.faces,
+            "degenerate_faces": self.degenerate_faces,
+            "non_finite_faces": self.counts.non_finite_faces,
+            "undecided_pairs": self.counts.undecided_pairs,
+            "exact_zeros": self.counts.exact_zeros,
+            "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
+            "lights": self.silhouette_edges.len(),
+            "silhouette_edges": self.silhouette_edges,
+            "unclosed_vertices": self.unclosed_vertices,
+            "milliseconds": self.times.json(),
+        });
+        format!("{report:#}\n")
+    }
+
+    pub(super) fn text(&self, out: &Path) -> String {
+        let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
+        let mut text = String::new();
+        let mut line = |name: &str, value: &str| {
+            let _ = writeln!(text, "{name:<18} {value}");
+        };
+        line("adapter", &self.adapter);
+        line("vertices", &self.vertices.to_string());
+        line("faces", &self.faces.to_string());
+        let FacingCounts { non_finite_faces, undecided_pairs, exact_zeros } = self.counts;
+        if non_finite_faces > 0 {
+            line("", &format!("{non_finite_faces} not finite: they face no light"));
+        }
+        if undecided_pairs > 0 {
+            let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
+            line("decided exactly", &decided);
+        }
+        line("edge records", &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"));
+        line("silhouette edges", &per_light(&self.silhouette_edges));
+        line("unclosed vertices", &per_light(&self.unclosed_vertices));
+        line("milliseconds", &self.times.text());
+        line("written", &out.display().to_string());
+        text
+    }
+}
+
+/// A number a light; many lights are summed up.
+pub(crate) fn per_light(counts: &[usize]) -> String {
+    const SHOWN: usize = 8;
+    let shown: Vec<String> = counts.iter().take(SHOWN).map(usize::to_string).collect();
+    if counts.len() > SHOWN {
+        let (all, lights) = (counts.iter().sum::<usize>(), counts.len());
+        format!("{}, … ({all} for {lights} lights)", shown.join(", "))
+    } else {
+        shown.join(", ")
+    }
+}

@@ -1,0 +1,116 @@
+//! `rimline query`: how many faces lie between points and lights, as NumPy arrays.
+
+pub(crate) mod args;
+mod on_gpu;
+mod report;
+
+use std::fs::File;
+use std::io::{self, BufReader, Seek, Write};
+use std::path::Path;
+
+use rimline::light::{MAX_LIGHTS, check_shadow_lights};
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Mesh};
+
+use crate::device::{self, Device};
+use crate::failure::{Failure, InputError, UsageError};
+use crate::input::{Scene, Shape};
+use crate::moment::Moment;
+use crate::npz::{self, ElementType, NpzWriter};
+use crate::output::{Output, print};
+use crate::progress::Progress;
+use crate::times::Times;
+use args::QueryArgs;
+use report::Report;
+
+pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
+    let progress = Progress::start();
+    let mut times = Times::default();
+    progress.step("reading the model");
+    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
+    let lights = moment.lights(&args.lights)?;
+    check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
+    progress.step("reading the points");
+    let points = times.measure("points", || read_points(&args.points))?;
+    let scene = times.measure("topology", || moment.scene())?;
+    let output = Output::create(&args.out)?;
+    // Asked for before any long work.
+    let mut depths: Vec<i32> = Vec::new();
+    let count = points.len() * lights.len();
+    let too_many = |_| InputError::Depths { points: points.len(), lights: lights.len() };
+    depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
+
+    progress.step("opening the device");
+    let device = moment.device()?;
+    progress.step("counting");
+    let adapter = match &device {
+        Device::Cpu => {
+            on_cpu(&scene, &points, &lights, &mut depths, &mut times)?;
+            "cpu".to_owned()
+        }
+        Device::Gpu(gpu) => {
+            let job = on_gpu::Job {
+                scene: &scene,
+                points: &points,
+                lights: &lights,
+                displacement: moment.displacement.as_ref(),
+                time_s: moment.time_s(),
+            };
+            job.run(gpu, &mut depths, &mut times)?;
+            device::describe(&gpu.info)
+        }
+    };
+    progress.step("writing");
+    times.measure("write", || output.finish(|file| write(file, &points, &lights, &depths)))?;
+    let report = Report::new(&scene.mesh, lights.len(), &depths, adapter, times);
+    drop(progress);
+    print(&if args.json { report.json() } else { report.text(&args.out) })
+}
+
+fn read_points(file: &Path) -> Result<Vec<[f32; 3]>, Failure> {
+    let read =
+        || -> Result<_, InputError> { Ok(npz::read_points(BufReader::with_capacity(1 << 18, File::open(file)?))?) };
+    read().map_err(Failure::input(file))
+}
+
+/// Points of one call or submission: few enough that no GPU is kept busy for long and no result takes much memory.
+fn slice(mesh: &Mesh, lights: usize) -> usize {
+    let pairs = ((1 << 36) / mesh.faces().len()).clamp(1 << 12, 1 << 22);
+    (pairs / lights).max(64)
+}
+
+fn on_cpu(
+    scene: &Scene<'_>,
+    points: &[[f32; 3]],
+    lights: &[Light],
+    depths: &mut Vec<i32>,
+    times: &mut Times,
+) -> Result<(), Failure> {
+    let threads = Threads::all();
+    let deformed;
+    let positions: &[[f32; 3]] = match &scene.shape {
+        Shape::World(positions) => positions,
+        Shape::Posed { model, pose } => {
+            deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads));
+            &deformed
+        }
+    };
+    times.measure("shadow_depth", || {
+        for points in points.chunks(slice(&scene.mesh, lights.len())) {
+            let found = cpu::shadow_depth(positions, scene.mesh.faces(), points, lights, threads);
+            depths.extend(found.map_err(UsageError::Lights)?);
+        }
+        Ok(())
+    })
+}
+
+/// The output contract: which arrays, in which order and shape.
+fn write(file: impl Write + Seek, points: &[[f32; 3]], lights: &[Light], depths: &[i32]) -> io::Result<()> {
+    let mut npz = NpzWriter::new(file);
+    npz.array("points", ElementType::F32, &[points.len(), 3], |to| to.write_all(bytemuck::cast_slice(points)))?;
+    npz.array("lights", ElementType::F32, &[lights.len(), 4], |to| to.write_all(bytemuck::cast_slice(lights)))?;
+    npz.array("depth", ElementType::I32, &[points.len(), lights.len()], |to| {
+        to.write_all(bytemuck::cast_slice(depths))
+    })?;
+    npz.finish()
+}

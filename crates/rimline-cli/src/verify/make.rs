@@ -1,0 +1,131 @@
+//! The folder to check: extractions of models and of every stress scene.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Geometry, Light, Mesh};
+use rimline_measure::stress;
+
+use super::lights::{COUNT as LIGHTS, hard_lights};
+use crate::args::VerifyArgs;
+use crate::device::{self, Device, Wanted};
+use crate::extract::{arrays, extract_exactly};
+use crate::failure::{Failure, InputError};
+use crate::input::{Input, Scene, Shape, Source};
+use crate::output::{Output, print};
+use crate::progress::Progress;
+
+/// Where in its first animation a model is posed, as a part of the whole.
+const MOMENT: f32 = 0.37;
+
+pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    let progress = Progress::start();
+    let folder = &args.folder;
+    check_names(&args.models)?;
+    let names = args.models.iter().flat_map(|model| [stem(model), posed(model)]);
+    for name in names.chain(stress::names().map(of_scene)) {
+        refuse_existing(&target(folder, &name))?;
+    }
+    if !folder.is_dir() {
+        std::fs::create_dir(folder).map_err(|source| Failure::Output { file: folder.clone(), source })?;
+    }
+    progress.step("opening the device");
+    let maker = Maker {
+        folder,
+        device: device::open(&Wanted::parse(args.device.as_deref().unwrap_or("cpu")))?,
+        progress: &progress,
+    };
+    for model in &args.models {
+        progress.step(format!("reading {}", model.display()));
+        let input = Input::read(model, Weld::Data)?;
+        maker.pose(&input, None, 0.0, &stem(model))?;
+        if let Source::Gltf(asset) = &input.source
+            && let [animation, ..] = asset.animations()
+        {
+            maker.pose(&input, Some(0), MOMENT * animation.duration_s, &posed(model))?;
+        }
+    }
+    for scene in stress::scenes(args.faces) {
+        maker.scene(scene)?;
+    }
+    Ok(())
+}
+
+fn of_scene(name: &str) -> String {
+    format!("stress-{name}")
+}
+
+fn stem(model: &Path) -> String {
+    model.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn posed(model: &Path) -> String {
+    format!("{}-posed", stem(model))
+}
+
+fn target(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.npz"))
+}
+
+/// Two models must not go to one file.
+fn check_names(models: &[PathBuf]) -> Result<(), Failure> {
+    for (index, model) in models.iter().enumerate() {
+        let takes = |other: &&PathBuf| [stem(other), posed(other)].contains(&stem(model));
+        if let Some(other) = models[..index].iter().chain(&models[index + 1..]).find(takes) {
+            return Err(Failure::input(model)(InputError::SameName { other: other.clone() }));
+        }
+    }
+    Ok(())
+}
+
+fn refuse_existing(file: &Path) -> Result<(), Failure> {
+    if file.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    let source = io::Error::other("it exists, and nothing is written over; remove it or choose another folder");
+    Err(Failure::Output { file: file.to_owned(), source })
+}
+
+struct Maker<'a> {
+    folder: &'a Path,
+    device: Device,
+    progress: &'a Progress,
+}
+
+impl Maker<'_> {
+    fn pose(&self, input: &Input, animation: Option<usize>, time_s: f32, name: &str) -> Result<(), Failure> {
+        let Scene { mesh, shape } = input.scene(animation, time_s, false)?;
+        let positions = match &shape {
+            Shape::World(positions) => positions.to_vec(),
+            Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all()),
+        };
+        let lights = hard_lights(&positions, mesh.faces());
+        self.write(name, &positions, mesh, &lights)
+    }
+
+    fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {
+        let (lights, name) = (scene.lights(LIGHTS), of_scene(scene.name));
+        let stress::Scene { positions, faces, .. } = scene;
+        let source_vertices = (0..positions.len() as u32).collect();
+        let geometry = Geometry { positions, faces, source_vertices, ..Geometry::default() };
+        let (Geometry { positions, faces, .. }, _) = geometry.welded(Weld::Position);
+        let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| {
+            // No file holds it yet; the one that it was to become names it.
+            Failure::input(&target(self.folder, &name))(error.into())
+        })?;
+        self.write(&name, &positions, mesh, &lights)
+    }
+
+    fn write(&self, name: &str, positions: &[[f32; 3]], mesh: Mesh, lights: &[Light]) -> Result<(), Failure> {
+        let file = target(self.folder, name);
+        self.progress.step(format!("writing {}", file.display()));
+        let output = Output::create(&file)?;
+        let scene = Scene { mesh, shape: Shape::World(positions) };
+        let found = extract_exactly(&self.device, &scene, lights)?;
+        output.finish(|to| arrays::write(to, &scene.mesh, lights, &found))?;
+        let faces = scene.mesh.faces().len();
+        self.progress.aside(|| print(&format!("{}  {faces} faces, {} lights\n", file.display(), lights.len())))
+    }
+}

@@ -1,0 +1,63 @@
+//! The command, run as a user runs it.
+//!
+//! Tests on model files look for them in `RIMLINE_ASSETS`, or else in `shared/assets` beside the repository, and are
+//! ignored by name where they are not.
+
+mod archive;
+mod bad_input;
+mod bench;
+mod contract;
+mod draw;
+mod info;
+mod models;
+mod npz_input;
+mod query;
+mod run;
+mod schema;
+mod shadow;
+mod usage;
+mod verify;
+mod verify_wrong;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// A test's name and body.
+type Test = (&'static str, fn() -> Outcome);
+/// What is wrong, if anything.
+type Outcome = Result<(), String>;
+
+/// Fails with a message unless the condition holds.
+macro_rules! ensure {
+    ($condition:expr, $($message:tt)+) => {
+        if !$condition {
+            return Err(format!($($message)+));
+        }
+    };
+}
+pub(crate) use ensure;
+
+fn main() {
+    let always = [
+        archive::TESTS,
+        usage::TESTS,
+        npz_input::TESTS,
+        contract::TESTS,
+        draw::TESTS,
+        shadow::TESTS,
+        query::TESTS,
+        verify_wrong::TESTS,
+        schema::TESTS,
+        bench::TESTS,
+    ];
+    let mut trials: Vec<Trial> = always
+        .concat()
+        .into_iter()
+        .map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from)))
+        .collect();
+    trials.extend(bad_input::trials());
+    trials.extend(models::trials());
+    trials.extend(info::trials());
+    trials.extend(shadow::trials());
+    trials.extend(verify::trials());
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}

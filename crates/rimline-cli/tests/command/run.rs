@@ -1,0 +1,89 @@
+//! Running the command, and where the model files are.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use libtest_mimic::{Failed, Trial};
+
+use super::{Outcome, ensure};
+
+/// What a run left behind.
+pub(crate) struct Run {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+/// Runs `rimline` with these arguments.
+pub(crate) fn rimline<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> Run {
+    rimline_with(arguments, &[])
+}
+
+/// Runs `rimline` with these arguments and environment variables.
+pub(crate) fn rimline_with<A: AsRef<std::ffi::OsStr>>(
+    arguments: impl IntoIterator<Item = A>,
+    variables: &[(&str, &str)],
+) -> Run {
+    let output = Command::new(env!("CARGO_BIN_EXE_rimline"))
+        .args(arguments)
+        .envs(variables.iter().copied())
+        .output()
+        .expect("the command was built");
+    Run {
+        // Killed by a signal: none of the command's own codes.
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    }
+}
+
+impl Run {
+    /// It ended with this code, without a panic, and its message has each of these parts.
+    pub(crate) fn expect(&self, code: i32, parts: &[&str]) -> Outcome {
+        let Self { stderr, .. } = self;
+        ensure!(self.code == code, "exit code {} instead of {code}: {stderr}", self.code);
+        ensure!(!stderr.contains("panicked"), "it panicked: {stderr}");
+        for part in parts {
+            ensure!(stderr.contains(part), "the message lacks `{part}`: {stderr}");
+        }
+        Ok(())
+    }
+
+    pub(crate) fn json(&self) -> Result<serde_json::Value, String> {
+        self.expect(0, &[])?;
+        serde_json::from_str(&self.stdout).map_err(|error| format!("{error} in: {}", self.stdout))
+    }
+}
+
+/// A folder for one test, removed with the value.
+pub(crate) fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("there is room for temporary files")
+}
+
+/// The folder holds nothing: no result and no part of one.
+pub(crate) fn is_empty(folder: &Path) -> Outcome {
+    let left: Vec<_> = std::fs::read_dir(folder)
+        .map_err(|error| error.to_string())?
+        .filter_map(|entry| Some(entry.ok()?.file_name()))
+        .collect();
+    ensure!(left.is_empty(), "left behind: {left:?}");
+    Ok(())
+}
+
+/// The folder of model files, if it is there.
+pub(crate) fn assets() -> Option<PathBuf> {
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets");
+    let folder = std::env::var_os("RIMLINE_ASSETS").map_or_else(beside, PathBuf::from);
+    folder.is_dir().then_some(folder)
+}
+
+/// A test on a model file, ignored where there are none.
+pub(crate) fn on_asset(name: &str, file: &'static str, test: fn(&Path) -> Outcome) -> Trial {
+    let assets = assets();
+    let is_missing = assets.is_none();
+    let run = move || {
+        let path = assets.ok_or("there are no model files")?.join(file);
+        test(&path).map_err(Failed::from)
+    };
+    Trial::test(format!("{name}::{file}"), run).with_ignored_flag(is_missing)
+}

@@ -1,0 +1,601 @@
+//! Shadows: masks whose values are known, pictures, films, and what is refused.
+
+use std::path::Path;
+
+use libtest_mimic::Trial;
+use rimline_measure::shapes;
+
+use super::npz_input::tetrahedron;
+use super::run::{folder, is_empty, on_asset, rimline};
+use super::{Outcome, Test, ensure};
+use crate::archive::{array, write_zip};
+use rimline_measure::files::GOOD_FILES;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("shadow::masks_of_a_cube_over_the_ground", cube),
+    ("shadow::methods_agree_but_z_pass_within_a_volume", methods),
+    ("shadow::masks_of_lights_with_an_area_are_shares", area),
+    ("shadow::two_files_shade_each_other", two_files),
+    ("shadow::modes_and_options_draw_different_pictures", pictures),
+    ("shadow::ranges_end_shadows", ranges),
+    ("shadow::json_says_what_was_chosen", json),
+    ("shadow::wrong_options_end_with_2", wrong_options),
+    ("shadow::options_without_effect_end_with_2", idle_options),
+    ("shadow::masks_end_at_a_lights_range", mask_range),
+    ("shadow::counts_that_may_wrap_are_told", may_wrap),
+    ("shadow::result_names_that_clash_end_with_2", clash),
+    ("shadow::pictures_do_not_depend_on_scale", scale),
+    ("shadow::bad_input_leaves_nothing", bad_input),
+    ("shadow::unwritable_places_end_with_4", unwritable),
+    ("shadow::a_film_is_numbered_and_whole", film),
+    ("shadow::a_films_folder_is_made_and_unmade", film_folder),
+    ("shadow::help_offers_no_cpu_where_pictures_are_drawn", help),
+    ("shadow::lights_of_a_file_bring_colour_range_and_cone", file_lights),
+];
+
+/// Every good model has a picture and a mask.
+pub(crate) fn trials() -> Vec<Trial> {
+    let mut trials: Vec<Trial> = GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect();
+    trials.push(on_asset("a_film_plays_the_first_animation", "Fox.glb", first_animation));
+    trials
+}
+
+/// A grey or colour PNG.
+struct Image {
+    width: usize,
+    color: png::ColorType,
+    bytes: Vec<u8>,
+}
+
+impl Image {
+    fn read(path: &Path) -> Result<Self, String> {
+        let file = std::fs::File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(|error| error.to_string())?;
+        let mut bytes = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
+        let info = reader.next_frame(&mut bytes).map_err(|error| error.to_string())?;
+        Ok(Self { width: info.width as usize, color: info.color_type, bytes })
+    }
+
+    /// A grey one that holds nothing but 0, 128 and 255.
+    fn mask(path: &Path) -> Result<Self, String> {
+        let image = Self::read(path)?;
+        ensure!(image.color == png::ColorType::Grayscale, "{:?}", image.color);
+        let other = image.bytes.iter().find(|value| ![0, 128, 255].contains(*value));
+        ensure!(other.is_none(), "a mask holds {other:?}");
+        Ok(image)
+    }
+
+    fn at(&self, x: usize, y: usize) -> u8 {
+        self.bytes[y * self.width + x]
+    }
+
+    fn count(&self, value: u8) -> usize {
+        self.bytes.iter().map(|byte| usize::from(*byte == value)).sum()
+    }
+}
+
+/// A shape from the library, scaled and moved, as an .npz.
+fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u8> {
+    let place = |p: &[f32; 3]| [scale * p[0] + x, scale * p[1] + y, scale * p[2] + z];
+    let positions: Vec<u8> = shape.positions.iter().flat_map(place).flat_map(f32::to_le_bytes).collect();
+    let faces: Vec<u8> = shape.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    write_zip(&[
+        array("positions", "<f4", "False", &format!("({}, 3)", shape.positions.len()), &positions),
+        array("faces", "<u4", "False", &format!("({}, 3)", shape.faces.len()), &faces),
+    ])
+}
+
+/// A folder with a cube of side 2 that floats a unit over the ground.
+fn with_cube() -> Result<tempfile::TempDir, String> {
+    let folder = folder();
+    let cube = model(&shapes::cube(), 1.0, [0.0, 2.0, 0.0]);
+    std::fs::write(folder.path().join("cube.npz"), cube).map_err(|error| error.to_string())?;
+    Ok(folder)
+}
+
+/// Runs `rimline` in words, with paths in a folder where a word begins with `@`.
+fn run(folder: &Path, line: &str) -> super::run::Run {
+    rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
+        Some(name) => folder.join(name).into_os_string(),
+        None => word.into(),
+    }))
+}
+
+/// The eye looks level from a height, so that the middle row is the horizon; the cube is in the middle.
+const VIEW: &str = "--ground 0 --eye 0,2,12 --target 0,2,0 --fov 60 --size 160x120 --light point:0,9,0";
+
+fn cube() -> Outcome {
+    let folder = with_cube()?;
+    run(folder.path(), &format!("shadow @cube.npz {VIEW} --mask @m")).expect(0, &[])?;
+    let mask = Image::mask(&folder.path().join("m.0.png"))?;
+    ensure!(mask.bytes.len() == 160 * 120, "{} pixels", mask.bytes.len());
+    // Sky, the cube's front (averted from the light above it), the ground below it, and far from it.
+    for (x, y, wanted) in [(10, 10, 128), (80, 60, 0), (80, 75, 0), (80, 115, 255), (5, 75, 255), (155, 64, 255)] {
+        ensure!(mask.at(x, y) == wanted, "{x},{y}: {} instead of {wanted}", mask.at(x, y));
+    }
+    // From above the cube's top is lit; from below the ground there is none, and nothing but averted faces is seen.
+    let above = "--ground 0 --eye 0,30,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
+    run(folder.path(), &format!("shadow @cube.npz {above} --mask @a")).expect(0, &[])?;
+    let mask = Image::mask(&folder.path().join("a.0.png"))?;
+    ensure!(mask.at(32, 32) == 255 && mask.count(128) == 0, "{} on top", mask.at(32, 32));
+    let below = "--ground 0 --eye 0,-20,0.01 --target 0,0,0 --size 64x64 --light point:0,9,0";
+    run(folder.path(), &format!("shadow @cube.npz {below} --mask @b")).expect(0, &[])?;
+    let mask = Image::mask(&folder.path().join("b.0.png"))?;
+    ensure!(mask.at(32, 32) == 0 && mask.at(1, 1) == 128 && mask.count(255) == 0, "{}", mask.at(32, 32));
+    Ok(())
+}
+
+fn methods() -> Outcome {
+    let folder = with_cube()?;
+    let mask = |method: &str, view: &str| {
+        run(folder.path(), &format!("shadow @cube.npz {view} --method {method} --mask @{method}")).expect(0, &[])?;
+        Image::mask(&folder.path().join(format!("{method}.0.png")))
+    };
+    // The eye stands in the shadow and looks out.
+    let inside = "--ground 0 --eye 0,0.5,0 --target 5,0.2,0 --size 120x90 --light point:0,9,0";
+    for view in [VIEW, inside] {
+        let auto = mask("auto", view)?;
+        for method in ["zp+", "z-fail"] {
+            let other = mask(method, view)?;
+            let different = auto.bytes.iter().zip(&other.bytes).filter(|(a, b)| a != b).count();
+            ensure!(different <= 4, "{view}: auto and {method} differ at {different} pixels");
+        }
+    }
+    // The published method is right from outside at least.
+    let (auto, paper) = (mask("auto", VIEW)?, mask("zp+paper", VIEW)?);
+    let different = auto.bytes.iter().zip(&paper.bytes).filter(|(a, b)| a != b).count();
+    ensure!(different <= 4, "zp+paper differs at {different} pixels from outside");
+    // The comparison can fail: z-pass misses what the eye is in.
+    let (auto, pass) = (mask("auto", inside)?, mask("z-pass", inside)?);
+    let different = auto.bytes.iter().zip(&pass.bytes).filter(|(a, b)| a != b).count();
+    ensure!(different > 500, "z-pass differs at {different} pixels only");
+    Ok(())
+}
+
+fn area() -> Outcome {
+    let folder = with_cube()?;
+    run(folder.path(), &format!("shadow @cube.npz {VIEW} --area disc:1 --samples 8 --mask @m")).expect(0, &[])?;
+    let mask = Image::read(&folder.path().join("m.0.png"))?;
+    ensure!(mask.at(80, 77) == 0 && mask.at(80, 115) == 255 && mask.at(10, 10) == 128, "the middle is not as without");
+    let shares: Vec<u8> = (0..=8_u32).map(|lit| ((510 * lit + 8) / 16) as u8).collect();
+    let other = mask.bytes.iter().find(|value| **value != 128 && !shares.contains(value));
+    ensure!(other.is_none(), "{other:?} is no share of 8 samples");
+    let soft = mask.bytes.iter().filter(|value| shares[1..8].contains(value) && **value != 128).count();
+    // Without an area there are none, as every mask of one light shows.
+    ensure!(soft > 40, "{soft} pixels of penumbra");
+    Ok(())
+}
+
+fn two_files() -> Outcome {
+    let folder = with_cube()?;
+    let roof = model(&shapes::plane_grid(1, 1), 4.0, [0.0, 5.0, 0.0]);
+    std::fs::write(folder.path().join("roof.npz"), roof).map_err(|error| error.to_string())?;
+    let json = run(folder.path(), &format!("shadow @cube.npz @roof.npz {VIEW} --mask @m --json")).json()?;
+    ensure!(json["files"].as_array().is_some_and(|files| files.len() == 2), "{json}");
+    // An open sheet casts with every face, a closed cube with its averted ones.
+    let casters = &json["lights"][0]["casters"];
+    ensure!(casters[0]["casting"] == "averted" && casters[1]["casting"] == "every", "{json}");
+    let alone = run(folder.path(), &format!("shadow @cube.npz {VIEW} --mask @n"));
+    alone.expect(0, &[])?;
+    let [with, without] =
+        ["m.0.png", "n.0.png"].map(|name| Image::mask(&folder.path().join(name)).map(|mask| mask.count(255)));
+    let (with, without) = (with?, without?);
+    ensure!(with < without, "{with} pixels are lit with a roof, {without} without");
+    Ok(())
+}
+
+fn pictures() -> Outcome {
+    let folder = with_cube()?;
+    let plain = "--size 120x90 --light point:3,6,4,color=1,.4,.2,intensity=2 --light dir:-1,1,.3,color=.2,.5,1";
+    let mut seen: Vec<Vec<u8>> = Vec::new();
+    for options in [
+        "",
+        "--mode ambient",
+        "--mode black",
+        "--mode composited",
+        "--volumes",
+        "--ground -2",
+        "--area rect:2,1 --samples 4",
+        "--area sphere --samples 4",
+        "--eye 3,4,5 --target 0,2,0 --fov 60 --near 0.1",
+    ] {
+        run(folder.path(), &format!("shadow @cube.npz {plain} {options} --out @p.png"))
+            .expect(0, &[])
+            .map_err(|error| format!("{options}: {error}"))?;
+        let image = Image::read(&folder.path().join("p.png"))?;
+        ensure!(image.color == png::ColorType::Rgb && image.width == 120, "{:?}", image.color);
+        ensure!(!seen.contains(&image.bytes), "{options}: as an earlier picture");
+        seen.push(image.bytes);
+    }
+    // The same again is the same.
+    run(folder.path(), &format!("shadow @cube.npz {plain} --out @p.png")).expect(0, &[])?;
+    ensure!(Image::read(&folder.path().join("p.png"))?.bytes == seen[0], "two runs differ");
+    // Neither light nor camera named.
+    run(folder.path(), "shadow @cube.npz --size 64x48 --out @q.png").expect(0, &[])
+}
+
+fn ranges() -> Outcome {
+    let folder = with_cube()?;
+    let lit = |option: &str| run(folder.path(), &format!("shadow @cube.npz {VIEW}{option} --mask @m --json")).json();
+    let near = lit(",range=3")?;
+    ensure!(near["lights"][0]["casters"][0]["casting"] == "nothing", "{near}");
+    ensure!(near["lights"][0]["range"] == 3.0, "{near}");
+    ensure!(near["statistics"][0]["skipped"] == 1, "{near}");
+    let far = lit(",range=30,begin=2,exponent=2")?;
+    ensure!(far["lights"][0]["casters"][0]["casting"] == "averted", "{far}");
+    ensure!(lit("")?["lights"][0]["range"].is_null(), "a range where none was given");
+    Ok(())
+}
+
+fn json() -> Outcome {
+    let folder = with_cube()?;
+    let json = run(folder.path(), &format!("shadow @cube.npz {VIEW} --out @p.png --json")).json()?;
+    for key in ["adapter", "method", "mode", "files", "faces", "samples", "lights", "statistics", "milliseconds"] {
+        ensure!(!json[key].is_null(), "no `{key}`: {json}");
+    }
+    let caster = &json["lights"][0]["casters"][0];
+    ensure!(json["method"] == "auto" && json["faces"][0] == 12, "{json}");
+    ensure!(caster["counting"] == "z-pass" && caster["silhouette_edges"] == 4, "{caster}");
+    let inside = "--ground 0 --eye 0,0.5,0 --target 5,0.2,0 --size 32x32 --light point:0,9,0";
+    let json = run(folder.path(), &format!("shadow @cube.npz {inside} --out @p.png --json")).json()?;
+    ensure!(json["lights"][0]["casters"][0]["counting"] == "zp+", "{json}");
+    ensure!(json["statistics"][0]["capped"] == 1, "{json}");
+    let soft = "--area disc:1 --samples 3";
+    let json = run(folder.path(), &format!("shadow @cube.npz {VIEW} {soft} --out @p.png --json")).json()?;
+    let edges = json["lights"][0]["casters"][0]["silhouette_edges"].as_array().map(Vec::len);
+    ensure!(edges == Some(3), "{json}");
+    Ok(())
+}
+
+fn wrong_options() -> Outcome {
+    let folder = with_cube()?;
+    let results = folder.path().join("results");
+    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
+    let cases = [
+        ("", "--out"),
+        ("--out @results/p.png --method best", "best"),
+        ("--out @results/p.png --mode dark", "dark"),
+        ("--out @results/p.png --light sun:1,2,3", "sun"),
+        ("--out @results/p.png --light point:1,2,3,range=0", "range"),
+        ("--out @results/p.png --light point:1,2,3,colour=1,1,1", "colour"),
+        ("--out @results/p.png --light point:1,2,3,color=1,1", "3 numbers"),
+        ("--out @results/p.png --light point:1,2,3,intensity=-1", "intensity"),
+        ("--out @results/p.png --light hom:1,2,3,-1", "negative w"),
+        ("--out @results/p.png --light file:all", "no lights"),
+        ("--out @results/p.png --area tube", "tube"),
+        ("--out @results/p.png --area disc:0", "more than 0"),
+        ("--out @results/p.png --area disc --samples 33", "32"),
+        ("--out @results/p.png --area disc --mode black", "black"),
+        ("--out @results/p.png --near 0", "near"),
+        ("--out @results/p.png --ground high", "high"),
+        ("--out @results/p.png --size 0x4", "pixel"),
+        ("--out @results/p.png --size 4000000000x4", "4000000000x4"),
+        ("--out @results/p.png --eye 0,0,0 --target 0,0,0", "--target"),
+        ("--out @results/p.png --device cpu", "GPU"),
+        ("--out @results/p.png --animation Run", "Run"),
+    ];
+    for (options, part) in cases {
+        run(folder.path(), &format!("shadow @cube.npz {options}"))
+            .expect(2, &[part])
+            .map_err(|error| format!("{options}: {error}"))?;
+        is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
+    }
+    let film = [
+        ("", "--frames"),
+        ("--frames 0", "0"),
+        ("--fps 0", "more than 0"),
+        ("--seconds 1e9", "100000"),
+        ("--frames 2 --seconds 1", "--seconds"),
+    ];
+    for (options, part) in film {
+        run(folder.path(), &format!("film @cube.npz --out @results/ {options}"))
+            .expect(2, &[part])
+            .map_err(|error| format!("{options}: {error}"))?;
+        is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
+    }
+    run(folder.path(), "shadow --out @results/p.png").expect(2, &["FILE"])?;
+    let many = "--light dir:0,1,0 ".repeat(33);
+    let line = format!("shadow @cube.npz {many} --area disc --out @results/p.png");
+    run(folder.path(), &line).expect(2, &["1056", "1024"])
+}
+
+fn bad_input() -> Outcome {
+    let folder = folder();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).map_err(|e| e.to_string());
+    write("good.npz", &tetrahedron())?;
+    write("nan.npz", &model(&shapes::cube(), f32::NAN, [0.0; 3]))?;
+    let positions = array("positions", "<f4", "False", "(1, 3)", &[0; 12]);
+    write("empty.npz", &write_zip(&[positions, array("faces", "<u4", "False", "(0, 3)", &[])]))?;
+    write("noise.glb", &[7; 100])?;
+    let results = folder.path().join("results");
+    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
+    for (files, part) in [
+        ("@nan.npz", "finite"),
+        ("@empty.npz", "no faces"),
+        ("@good.npz @empty.npz", "empty.npz"),
+        ("@noise.glb", "noise.glb"),
+        ("@missing.npz", "missing.npz"),
+    ] {
+        for command in ["shadow", "film --frames 1"] {
+            run(folder.path(), &format!("{command} {files} --size 16x16 --out @results/p.png"))
+                .expect(1, &[part])
+                .map_err(|error| format!("{command} {files}: {error}"))?;
+            is_empty(&results).map_err(|error| format!("{command} {files}: {error}"))?;
+        }
+    }
+    // A file without anything finite beside a good one casts nothing, and is no reason to stop.
+    run(folder.path(), "shadow @good.npz @nan.npz --size 16x16 --out @results/p.png").expect(0, &[])
+}
+
+fn unwritable() -> Outcome {
+    let folder = with_cube()?;
+    for line in [
+        "shadow @cube.npz --size 16x16 --out @no/such.png",
+        "shadow @cube.npz --size 16x16 --out @p.png --mask @no/such",
+        "film @cube.npz --frames 2 --size 16x16 --out @no/such/",
+    ] {
+        run(folder.path(), line).expect(4, &["cannot be written"]).map_err(|error| format!("{line}: {error}"))?;
+    }
+    ensure!(!folder.path().join("p.png").exists(), "a picture in spite of its masks' failure");
+    Ok(())
+}
+
+fn film() -> Outcome {
+    let folder = with_cube()?;
+    std::fs::write(
+        folder.path().join("rise.wgsl"),
+        "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
+            return position + vec3<f32>(0.0, time, 0.0);
+        }",
+    )
+    .map_err(|error| error.to_string())?;
+    let moving = "--displace @rise.wgsl --ground 0 --size 64x48 --fps 2";
+    run(folder.path(), &format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
+    let mut names: Vec<_> = std::fs::read_dir(folder.path().join("frames"))
+        .map_err(|error| error.to_string())?
+        .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    ensure!(names == ["0000.png", "0001.png", "0002.png"], "{names:?}");
+    let frame = |name: &str| Image::read(&folder.path().join("frames").join(name)).map(|image| image.bytes);
+    let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
+    ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
+    // The second frame by itself, with the film's camera given.
+    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(0, &[])?;
+    ensure!(frame("0000.png")?.len() == frames[0].len() && frame("0002.png")? == frames[2], "a folder that is there");
+    run(folder.path(), &format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
+}
+
+fn film_folder() -> Outcome {
+    let folder = with_cube()?;
+    let exists = |name: &str| folder.path().join(name).exists();
+    let film = |options: &str| run(folder.path(), &format!("film @cube.npz --size 16x16 {options}"));
+    film("--frames 2 --out @a").expect(0, &[])?;
+    film("--frames 2 --out @b/").expect(0, &[])?;
+    for name in ["a/0000.png", "a/0001.png", "b/0000.png", "b/0001.png"] {
+        ensure!(exists(name), "there is no {name}");
+    }
+    film("--frames 2 --out @cube.npz").expect(4, &["not a folder"])?;
+    film("--out @c").expect(2, &["--frames"])?;
+    film("--frames 2 --out @c --light point:1,2,3 --eye 0,0,0 --target 0,0,0").expect(2, &["--target"])?;
+    film("--frames 2 --out @c --device nowhere").expect(3, &["nowhere"])?;
+    ensure!(!exists("c"), "an empty folder is left");
+    Ok(())
+}
+
+fn first_animation(file: &Path) -> Outcome {
+    let folder = folder();
+    let film = |name: &str, options: &[&str]| {
+        let mut line = vec!["film".into(), file.as_os_str().to_owned()];
+        line.extend(["--size", "64x48", "--fps", "1", "--out"].map(Into::into));
+        line.push(folder.path().join(name).into_os_string());
+        line.extend(options.iter().map(Into::into));
+        rimline(line)
+    };
+    film("first", &[]).expect(0, &["0 `Survey`", "2 `Run`", "--animation"])?;
+    film("named", &["--animation", "Survey"]).expect(0, &[])?;
+    for frame in ["0000.png", "0002.png"] {
+        let [first, named] = ["first", "named"].map(|name| Image::read(&folder.path().join(name).join(frame)));
+        ensure!(first?.bytes == named?.bytes, "{frame} shows something else than the first animation");
+    }
+    Ok(())
+}
+
+fn help() -> Outcome {
+    for command in ["shadow", "film", "draw"] {
+        let run = rimline([command, "--help"]);
+        run.expect(0, &[])?;
+        ensure!(run.stdout.contains("--device <auto|gpu|NAME>"), "{}", run.stdout);
+        ensure!(!run.stdout.contains("cpu") && !run.stdout.contains("the CPU"), "{}", run.stdout);
+    }
+    // As its help shows it, but for the model.
+    let folder = with_cube()?;
+    let example = rimline(["film", "--help"]).stdout;
+    let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;
+    let out = out.lines().next().unwrap_or_default().trim();
+    run(folder.path(), &format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
+    ensure!(folder.path().join(out).join("0000.png").is_file(), "no frame in {out}");
+    Ok(())
+}
+
+fn idle_options() -> Outcome {
+    let folder = with_cube()?;
+    for (options, part) in [
+        ("--samples 4", "--area"),
+        ("--light point:1,2,3,begin=1", "range"),
+        ("--light point:1,2,3,exponent=2", "range"),
+        ("--light dir:1,2,3,range=4", "infinity"),
+        ("--light point:1,2,3,begin=4,range=3", "begin=4"),
+    ] {
+        run(folder.path(), &format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
+            .expect(2, &[part])
+            .map_err(|error| format!("{options}: {error}"))?;
+        ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
+    }
+    Ok(())
+}
+
+fn mask_range() -> Outcome {
+    let folder = with_cube()?;
+    let mask = |option: &str| {
+        let view = "--ground 0 --eye 0,40,0.01 --target 0,0,0 --fov 60 --size 101x101 --light point:0,9,0";
+        run(folder.path(), &format!("shadow @cube.npz {view}{option} --mask @m")).expect(0, &[])?;
+        Image::mask(&folder.path().join("m.0.png"))
+    };
+    let (all, some, none) = (mask("")?, mask(",range=15")?, mask(",range=5")?);
+    // The ground is lit up to 12 from below the light, sqrt(15² - 9²), and 2.19 pixels are 1 there.
+    for (pixels, lit) in [(20, true), (25, true), (28, false), (45, false)] {
+        for (x, y) in [(50 + pixels, 50), (50 - pixels, 50), (50, 50 + pixels), (50, 50 - pixels)] {
+            ensure!(all.at(x, y) == 255, "without a range {x},{y} is {}", all.at(x, y));
+            ensure!((some.at(x, y) == 255) == lit, "{x},{y} is {} within a range of 15", some.at(x, y));
+        }
+    }
+    // The cube's top is 6 below the light.
+    ensure!(some.at(50, 50) == 255 && none.at(50, 50) == 0, "{} on top", none.at(50, 50));
+    ensure!(none.count(255) == 0, "{} pixels are lit out of range", none.count(255));
+    Ok(())
+}
+
+/// A stack of open sheets under a light: `layers` times the same square, one over the other.
+fn stack(layers: u16) -> Vec<u8> {
+    let mut shape = shapes::plane_grid(1, 1);
+    let (positions, faces) = (shape.positions.clone(), shape.faces.clone());
+    for layer in 1..layers {
+        let first = shape.positions.len() as u32;
+        let raised = |&[x, y, z]: &[f32; 3]| [x, y + f32::from(layer) / 256.0, z];
+        shape.positions.extend(positions.iter().map(raised));
+        shape.faces.extend(faces.iter().map(|face| face.map(|v| v + first)));
+    }
+    model(&shape, 2.0, [0.0, 2.0, 0.0])
+}
+
+fn may_wrap() -> Outcome {
+    let folder = folder();
+    let line = |files: &str, command: &str| {
+        let view = "--ground 0 --size 32x32 --light point:0,30,0";
+        run(folder.path(), &format!("{command} {files} {view}"))
+    };
+    for (name, layers) in [("few.npz", 100), ("half.npz", 160), ("many.npz", 256)] {
+        std::fs::write(folder.path().join(name), stack(layers)).map_err(|error| error.to_string())?;
+    }
+    let few = line("@few.npz", "shadow --mask @m --json");
+    ensure!(few.json()?["may_wrap"] == 0 && !few.stderr.contains("stencil"), "{} {}", few.stdout, few.stderr);
+    ensure!(few.json()?["count_bound"].as_u64().is_some_and(|bound| (100..256).contains(&bound)), "{}", few.stdout);
+    // One stack of 256 sheets, and two of 160, which share a stencil.
+    for files in ["@many.npz", "@half.npz @half.npz"] {
+        let many = line(files, "shadow --mask @m --json");
+        many.expect(0, &["8 bits of stencil", "256", "rimline query"])?;
+        let json = many.json()?;
+        ensure!(json["may_wrap"] == 1 && json["count_bound"].as_u64() > Some(255), "{json}");
+    }
+    line("@many.npz", "film --frames 1 --out @frames").expect(0, &["8 bits of stencil"])
+}
+
+fn clash() -> Outcome {
+    let folder = with_cube()?;
+    let clash = run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.0.png --mask @a");
+    clash.expect(2, &["--out", "--mask", "a.0.png"])?;
+    run(folder.path(), "shadow @cube.npz --size 16x16 --out @./b.0.png --mask @b").expect(2, &["--mask"])?;
+    for name in ["a.0.png", "b.0.png"] {
+        ensure!(!folder.path().join(name).exists(), "there is a {name}");
+    }
+    // There is only one light.
+    run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.1.png --mask @a").expect(0, &[])
+}
+
+fn scale() -> Outcome {
+    let folder = folder();
+    let mut drawn = Vec::new();
+    // Powers of two leave every position as exact as it was.
+    let scales = [1.0, 2.0_f32.powi(64), 2.0_f32.powi(-100), 2.0_f32.powi(120), 1e19, 1e-30, 1e37];
+    for scale in scales {
+        std::fs::write(folder.path().join("cube.npz"), model(&shapes::cube(), scale, [0.0, 2.0 * scale, 0.0]))
+            .map_err(|error| error.to_string())?;
+        let mut images = Vec::new();
+        let light = format!("--light point:{},{},{},range={}", 3.0 * scale, 6.0 * scale, 4.0 * scale, 9.0 * scale);
+        for (place, options) in
+            ["", &light, "--light dir:1,2,1 --volumes", "--area disc --samples 2"].iter().enumerate()
+        {
+            run(folder.path(), &format!("shadow @cube.npz --size 96x72 {options} --out @p.png"))
+                .expect(0, &[])
+                .map_err(|error| format!("{scale:e}, {place}: {error}"))?;
+            images.push(Image::read(&folder.path().join("p.png"))?.bytes);
+        }
+        drawn.push(images);
+    }
+    for (scale, images) in scales.iter().zip(&drawn) {
+        for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
+            let far = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;
+            let different = image.iter().zip(first).filter(far).count();
+            ensure!(different <= 60, "{scale:e}, {place}: {different} bytes differ");
+        }
+    }
+    // The comparison can fail.
+    let different = drawn[0][0].iter().zip(&drawn[0][1]).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    ensure!(different > 1000, "another light changes {different} bytes only");
+    Ok(())
+}
+
+/// A glTF with a triangle near the origin and this light, 4 above it, that shines down.
+fn lit_triangle(light: &str) -> String {
+    use base64::Engine as _;
+    let corners: [[f32; 3]; 3] = [[0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+    format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
+            "buffers": [{{ "byteLength": 36, "uri": "data:application/octet-stream;base64,{data}" }}],
+            "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+            "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                "min": [0, 1, 0], "max": [1, 1, 1] }}],
+            "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }} }}] }}],
+            "nodes": [{{ "mesh": 0 }}, {{ "name": "lamp", "translation": [0, 4, 0],
+                "rotation": [-0.7071068, 0, 0, 0.7071068],
+                "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
+            "scenes": [{{ "nodes": [0, 1] }}], "scene": 0 }}"#
+    )
+}
+
+fn file_lights() -> Outcome {
+    let folder = folder();
+    let shadow = |light: &str, options: &str| {
+        std::fs::write(folder.path().join("m.gltf"), lit_triangle(light)).map_err(|error| error.to_string())?;
+        let view = "--ground 0 --eye 0,20,0.01 --target 0,0,0 --fov 60 --size 101x101 --mask @m --json";
+        let json = run(folder.path(), &format!("shadow @m.gltf {view} {options}")).json()?;
+        Ok::<_, String>((json["lights"][0].clone(), Image::mask(&folder.path().join("m.0.png"))?))
+    };
+    let point = r#"{ "type": "point", "color": [1, 0.5, 0.25], "intensity": 800, "range": 7 }"#;
+    let (light, mask) = shadow(point, "--light file:all")?;
+    // The brightest counts as 1, whatever its unit.
+    ensure!(light["color"] == serde_json::json!([1.0, 0.5, 0.25]) && light["range"] == 7.0, "{light}");
+    // The range ends on the ground 5.7 from below the light, and a unit is 4.4 pixels.
+    ensure!(mask.at(30, 50) == 255 && mask.at(22, 50) == 0, "{} and {}", mask.at(30, 50), mask.at(22, 50));
+    let (light, mask) = shadow(point, "--light file:all,color=0,1,0,intensity=0.5,range=30")?;
+    ensure!(light["color"] == serde_json::json!([0.0, 0.5, 0.0]) && light["range"] == 30.0, "{light}");
+    ensure!(mask.at(22, 50) == 255, "the file's range, in spite of the option's");
+    let begin = shadow(point, "--light file:lamp,begin=8").err().unwrap_or_default();
+    ensure!(begin.contains("exit code 2") && begin.contains("begin=8") && begin.contains("lamp"), "{begin}");
+    // A cone of half a right angle ends on the ground 4 from below the light.
+    let spot = r#"{ "type": "spot" }"#;
+    let (_, mask) = shadow(spot, "--light file:all")?;
+    ensure!(mask.at(36, 50) == 255 && mask.at(29, 50) == 0, "{} and {}", mask.at(36, 50), mask.at(29, 50));
+    let endless = shadow(spot, "--light file:all,begin=1").err().unwrap_or_default();
+    ensure!(endless.contains("exit code 2") && endless.contains("range"), "{endless}");
+    Ok(())
+}
+
+fn any_model(file: &Path) -> Outcome {
+    let folder = folder();
+    let (out, mask) = (folder.path().join("p.png"), folder.path().join("m"));
+    let mut line = vec!["shadow".into(), file.as_os_str().to_owned()];
+    line.extend(["--size", "96x72", "--out"].map(Into::into));
+    line.extend([out.as_os_str().to_owned(), "--mask".into(), mask.into_os_string()]);
+    rimline(line).expect(0, &[])?;
+    let picture = Image::read(&out)?;
+    ensure!(picture.bytes.iter().any(|&value| value != picture.bytes[0]), "an empty picture");
+    let mask = Image::mask(&folder.path().join("m.0.png"))?;
+    ensure!(mask.count(0) > 20 && mask.count(255) > 20, "{} dark, {} lit pixels", mask.count(0), mask.count(255));
+    Ok(())
+}

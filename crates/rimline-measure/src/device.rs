@@ -1,0 +1,96 @@
+//! The device that GPU tests run on.
+
+use std::sync::{Arc, Mutex};
+
+use rimline::gpu::Pipelines;
+
+/// A device with its queue, its adapter's name, and pipelines that all tests on it share.
+pub struct Gpu {
+    instance: wgpu::Instance,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub pipelines: Pipelines,
+    pub name: String,
+}
+
+static SHARED: Mutex<Option<Result<Arc<Gpu>, String>>> = Mutex::new(None);
+
+impl Gpu {
+    /// A device with no optional feature and these limits.
+    pub fn with_limits(limits: wgpu::Limits) -> Result<Self, String> {
+        Self::with(wgpu::Features::empty(), limits)
+    }
+
+    /// A device with these features and limits.
+    pub fn with(features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))?;
+        let info = adapter.get_info();
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("test"),
+            required_features: features,
+            required_limits: limits,
+            ..Default::default()
+        }))
+        .map_err(|error| error.to_string())?;
+        let pipelines = Pipelines::new(&device);
+        Ok(Self { instance, device, queue, pipelines, name: format!("{} ({:?})", info.name, info.backend) })
+    }
+
+    /// One device of `Limits::default()` that tests share.
+    pub fn shared() -> Result<Arc<Self>, String> {
+        let mut shared = SHARED.lock().map_err(|error| error.to_string())?;
+        let made = shared.get_or_insert_with(|| Self::with_limits(wgpu::Limits::default()).map(Arc::new));
+        made.clone()
+    }
+
+    /// Lets go of the shared device. A software driver that still has threads when the process exits may crash there.
+    pub fn close() {
+        if let Ok(mut shared) = SHARED.lock() {
+            *shared = None;
+        }
+    }
+
+    /// Buffers that live on this device's instance.
+    pub fn live_buffers(&self) -> Result<usize, String> {
+        let report = self.instance.generate_report().ok_or("no report of live objects")?;
+        Ok(report.hub_report().buffers.num_allocated)
+    }
+
+    /// Pipelines, compute and render, that live on this device's instance.
+    pub fn live_pipelines(&self) -> Result<usize, String> {
+        let report = self.instance.generate_report().ok_or("no report of live objects")?;
+        let report = report.hub_report();
+        Ok(report.compute_pipelines.num_allocated + report.render_pipelines.num_allocated)
+    }
+
+    /// A storage buffer with these contents.
+    pub fn storage<T: bytemuck::Pod>(&self, contents: &[T]) -> wgpu::Buffer {
+        let bytes = bytemuck::cast_slice(contents);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("test"),
+            size: (bytes.len() as u64).next_multiple_of(4).max(16),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// A buffer's first `count` items.
+    pub fn read<T: bytemuck::Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<T>, String> {
+        let mut items =
+            rimline::gpu::read_back_vec(&self.device, &self.queue, buffer).map_err(|error| error.to_string())?;
+        items.truncate(count);
+        Ok(items)
+    }
+
+    /// Records with `record` and submits.
+    pub fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>) -> Result<(), String> {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        record(&mut encoder)?;
+        self.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+}

@@ -1,0 +1,30 @@
+//! The good model files beside the checkout.
+
+/// Paths within the folder.
+pub const GOOD_FILES: [&str; 25] = [
+    "22_vertex_color.glb",
+    "AnimatedMorphCube.glb",
+    "AntiqueCamera.glb",
+    "Box.glb",
+    "CesiumMan.glb",
+    "CesiumMan_8influences_morph.glb",
+    "CesiumMilkTruck_quantized.glb",
+    "FlightHelmet.glb",
+    "Fox.glb",
+    "InfiniteSkinnedTentacle.glb",
+    "InterpolationTest.glb",
+    "Knight.glb",
+    "MorphStressTest.gltf",
+    "RobotExpressive.glb",
+    "SheenCloth.glb",
+    "SimpleSparseAccessor.gltf",
+    "moebius.glb",
+    "primitive_modes/Mesh_PrimitiveMode_04.gltf",
+    "primitive_modes/Mesh_PrimitiveMode_05.gltf",
+    "primitive_modes/Mesh_PrimitiveMode_14.gltf",
+    "scallop.glb",
+    "spot.glb",
+    "spot_catmull_big.glb",
+    "subpass_scene_opaque.gltf",
+    "triple_vierbein.glb",
+];

@@ -1,0 +1,145 @@
+//! Deformable models made by code.
+
+use rimline::glam::{Affine3A, EulerRot, Quat, Vec3};
+use rimline::model::Matrix3x4;
+use rimline::{Geometry, Influences, Instance, InstancePose, Model, Pose};
+
+use super::random::Random;
+
+/// The row-major rows of a transform.
+pub fn rows(transform: Affine3A) -> Matrix3x4 {
+    let (m, t) = (transform.matrix3.transpose(), transform.translation);
+    let row = |axis: rimline::glam::Vec3A, t: f32| [axis.x, axis.y, axis.z, t];
+    [row(m.x_axis, t.x), row(m.y_axis, t.y), row(m.z_axis, t.z)]
+}
+
+pub fn random_matrix(random: &mut Random) -> Matrix3x4 {
+    let scale = Vec3::from([0; 3].map(|_| random.between(-2.0, 2.0)));
+    let turn = [0; 3].map(|_| random.between(-3.0, 3.0));
+    let turn = Quat::from_euler(EulerRot::XYZ, turn[0], turn[1], turn[2]);
+    let translation = Vec3::from([0; 3].map(|_| random.between(-5.0, 5.0)));
+    rows(Affine3A::from_scale_rotation_translation(scale, turn, translation))
+}
+
+/// `most_influences` joints a vertex at most, or rigid; `targets` morph targets; source vertices in a scrambled order.
+pub fn random_geometry(
+    random: &mut Random,
+    vertices: usize,
+    most_influences: Option<usize>,
+    targets: usize,
+) -> Geometry {
+    let mut offset = |scale: f32| random.direction().map(|c| c * scale);
+    let positions: Vec<_> = (0..vertices).map(|_| offset(1.5)).collect();
+    let morph_targets = (0..targets).map(|_| (0..vertices).map(|_| offset(0.4)).collect()).collect();
+    let influences = most_influences.map(|most| {
+        let mut influences = Influences { offsets: vec![0], ..Default::default() };
+        for _ in 0..vertices {
+            let count = random.below(most + 1);
+            let weights: Vec<_> = (0..count).map(|_| random.between(0.0, 1.0)).collect();
+            let sum: f32 = weights.iter().sum();
+            influences.joints.extend((0..count).map(|_| random.below(12) as u32));
+            influences.weights.extend(weights.iter().map(|weight| weight / sum));
+            influences.offsets.push(influences.joints.len() as u32);
+        }
+        influences
+    });
+    let mut source_vertices: Vec<u32> = (0..vertices as u32).map(|v| 3 * v + 1).collect();
+    random.shuffle(&mut source_vertices);
+    Geometry {
+        name: None,
+        faces: (0..vertices as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
+        positions,
+        morph_targets,
+        influences,
+        source_vertices,
+    }
+}
+
+/// One geometry rigid, one skinned, one with morph targets, one with everything; some of them at several places.
+pub fn random_model(random: &mut Random, vertices: usize) -> Model {
+    let geometries = vec![
+        random_geometry(random, vertices, None, 0),
+        random_geometry(random, vertices / 2 + 3, Some(4), 0),
+        random_geometry(random, vertices / 3 + 3, None, 5),
+        random_geometry(random, vertices + 1, Some(9), 3),
+        random_geometry(random, 3, Some(0), 1),
+    ];
+    let instances = [3, 0, 1, 2, 3, 4, 0].map(|geometry| Instance { geometry, name: None });
+    Model { geometries, instances: instances.to_vec() }
+}
+
+/// Random matrices; morph weights zero, small, negative or large.
+pub fn random_pose(random: &mut Random, model: &Model) -> Pose {
+    let instances = model.instances.iter().map(|instance| {
+        let geometry = &model.geometries[instance.geometry];
+        let palette = (0..geometry.joints_needed()).map(|_| random_matrix(random)).collect();
+        let weights = geometry.morph_targets.iter();
+        InstancePose {
+            palette,
+            morph_weights: weights
+                .map(|_| [0.0, -0.0, random.between(-1.0, 1.0), random.between(0.0, 9.0)][random.below(4)])
+                .collect(),
+            turned: false,
+        }
+    });
+    Pose { instances: instances.collect(), mixed_determinants: 0 }
+}
+
+/// A closed tube along x of five joints, each of which bends what comes after it, and its pose at a time.
+pub fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
+    const RINGS: u32 = 40;
+    const SEGMENTS: u32 = 16;
+    const JOINTS: u32 = 5;
+    const HALF: f32 = 1.4;
+    let mut influences = Influences { offsets: vec![0], ..Default::default() };
+    let mut positions = Vec::new();
+    let mut vertex = |along: f32, radius: f32, turn: f32| {
+        positions.push([HALF * (2.0 * along - 1.0), radius * turn.cos(), radius * turn.sin()]);
+        let at = along * (JOINTS - 1) as f32;
+        let joint = (at as u32).min(JOINTS - 2);
+        influences.joints.extend([joint, joint + 1]);
+        influences.weights.extend([1.0 - (at - joint as f32), at - joint as f32]);
+        influences.offsets.push(influences.joints.len() as u32);
+    };
+    for ring in 0..RINGS {
+        for segment in 0..SEGMENTS {
+            let turn = segment as f32 / SEGMENTS as f32 * std::f32::consts::TAU;
+            vertex(ring as f32 / (RINGS - 1) as f32, 0.3, turn);
+        }
+    }
+    // The middles of both ends.
+    vertex(0.0, 0.0, 0.0);
+    vertex(1.0, 0.0, 0.0);
+    let [first, last] = [RINGS * SEGMENTS, RINGS * SEGMENTS + 1];
+    let mut faces = Vec::new();
+    for segment in 0..SEGMENTS {
+        let next = (segment + 1) % SEGMENTS;
+        for ring in (0..RINGS - 1).map(|ring| ring * SEGMENTS) {
+            let [a, b] = [ring + segment, ring + next];
+            faces.extend([[a, b, b + SEGMENTS], [a, b + SEGMENTS, a + SEGMENTS]]);
+        }
+        let end = (RINGS - 1) * SEGMENTS;
+        faces.extend([[first, next, segment], [last, end + segment, end + next]]);
+    }
+    let source_vertices = (0..positions.len() as u32).collect();
+    let geometry = Geometry {
+        name: None,
+        positions,
+        faces,
+        morph_targets: Vec::new(),
+        influences: Some(influences),
+        source_vertices,
+    };
+    let pose = |time: f32| {
+        let mut sum = Affine3A::IDENTITY;
+        let palette = (0..JOINTS).map(|joint| {
+            let at = Vec3::X * HALF * (2.0 * joint as f32 / (JOINTS - 1) as f32 - 1.0);
+            let turn = Quat::from_euler(EulerRot::XYZ, 0.0, 0.6 * (time + joint as f32).sin(), 0.5 * time.cos());
+            sum *= Affine3A::from_translation(at) * Affine3A::from_quat(turn) * Affine3A::from_translation(-at);
+            rows(sum)
+        });
+        let instance = InstancePose { palette: palette.collect(), morph_weights: Vec::new(), turned: false };
+        Pose { instances: vec![instance], mixed_determinants: 0 }
+    };
+    (Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] }, pose)
+}

@@ -1,0 +1,193 @@
+//! Brute force, written apart from `src/`: exact signs in big integers, silhouettes from faces alone. Slow, plain, and
+//! sharing nothing with the code under test but its inputs and outputs.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use num_bigint::{BigInt, Sign};
+use rimline::mesh::EdgeKind;
+use rimline::reference::layout::Masks;
+use rimline::{Light, Mesh};
+
+/// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
+pub fn decode(value: f32) -> (i32, i32) {
+    let bits = value.to_bits();
+    let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, (bits & 0x7f_ffff) as i32);
+    let (mantissa, exponent) = match (exponent, fraction) {
+        (0, 0) => (0, i32::MAX),
+        (0, _) => (fraction, -149),
+        _ => (fraction | 1 << 23, exponent - 150),
+    };
+    (if bits >> 31 == 0 { mantissa } else { -mantissa }, exponent)
+}
+
+/// Finite numbers as integers at a common power of two, and that power.
+fn common<const N: usize>(values: [f32; N]) -> ([BigInt; N], i64) {
+    let decoded = values.map(decode);
+    let least = decoded.iter().map(|&(_, exponent)| exponent).min().unwrap_or(0);
+    let least = if least == i32::MAX { 0 } else { least };
+    let scaled = decoded.map(|(mantissa, exponent)| match mantissa {
+        0 => BigInt::ZERO,
+        _ => BigInt::from(mantissa) << (exponent - least) as usize,
+    });
+    (scaled, i64::from(least))
+}
+
+/// A face's exact normal `(b − a) × (c − a)` and first corner, as integers; made once for all lights.
+pub struct ExactFace {
+    normal: [BigInt; 3],
+    a: [BigInt; 3],
+    exponent: i64,
+}
+
+impl ExactFace {
+    /// `None` for a face that faces nothing: it names a vertex twice, or a vertex is not finite.
+    pub fn new(positions: &[[f32; 3]], face: [u32; 3]) -> Option<Self> {
+        let [i, j, k] = face;
+        let corners = face.map(|v| positions[v as usize]);
+        if i == j || j == k || k == i || !corners.iter().flatten().all(|c| c.is_finite()) {
+            return None;
+        }
+        let flat: [f32; 9] = std::array::from_fn(|at| corners[at / 3][at % 3]);
+        let (all, exponent) = common(flat);
+        let edge = |corner: usize, axis: usize| &all[3 * corner + axis] - &all[axis];
+        let normal = std::array::from_fn(|axis| {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            edge(1, y) * edge(2, z) - edge(1, z) * edge(2, y)
+        });
+        let [a, b, c, ..] = all;
+        Some(Self { normal, a: [a, b, c], exponent })
+    }
+
+    /// The sign of `det[b − a, c − a, l − w·a]`: 1, 0 or −1.
+    pub fn sign(&self, light: Light) -> i32 {
+        let [x, y, z, w] = light.to_array();
+        let (l, l_exponent) = common([x, y, z]);
+        let ([w], w_exponent) = common([w]);
+        let wa_exponent = w_exponent + self.exponent;
+        let least = l_exponent.min(wa_exponent);
+        let mut determinant = BigInt::ZERO;
+        for ((l, a), n) in l.iter().zip(&self.a).zip(&self.normal) {
+            let from_l = l << (l_exponent - least) as usize;
+            let from_a = (&w * a) << (wa_exponent - least) as usize;
+            determinant += n * (from_l - from_a);
+        }
+        match determinant.sign() {
+            Sign::Plus => 1,
+            Sign::NoSign => 0,
+            Sign::Minus => -1,
+        }
+    }
+}
+
+/// Facing masks in exact arithmetic, laid out as the library's.
+pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+    let exact: Vec<_> = faces.iter().map(|&face| ExactFace::new(positions, face)).collect();
+    let planes = lights.chunks(32).flat_map(|word| {
+        exact.iter().map(move |face| {
+            (0..).zip(word).fold(0, |mask, (bit, light)| {
+                mask | u32::from(face.as_ref().is_some_and(|face| face.sign(*light) > 0)) << bit
+            })
+        })
+    });
+    planes.collect()
+}
+
+/// For each undirected edge `(low, high)` its faces, each with whether it runs from low to high.
+pub type EdgeFaces = BTreeMap<(u32, u32), Vec<(u32, bool)>>;
+
+/// Which faces meet at each edge, from the faces alone; those that name a vertex twice have none.
+pub fn edge_faces(faces: &[[u32; 3]]) -> EdgeFaces {
+    let mut edges = EdgeFaces::new();
+    for (index, &[a, b, c]) in (0..).zip(faces) {
+        if a != b && b != c && c != a {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let key = (from.min(to), from.max(to));
+                edges.entry(key).or_default().push((index, from < to));
+            }
+        }
+    }
+    edges
+}
+
+/// ±1 by facing.
+pub fn side(facing: &[u32], face_count: usize, face: u32, light: usize) -> i64 {
+    let mask = facing[light / 32 * face_count + face as usize];
+    if mask >> (light % 32) & 1 != 0 { 1 } else { -1 }
+}
+
+/// The multiplicity of each undirected edge for a light, counted from low to high: by Bergeron's rule each face adds
+/// its side in the direction in which it runs.
+pub fn multiplicities(edges: &EdgeFaces, facing: &[u32], face_count: usize, light: usize) -> BTreeMap<(u32, u32), i64> {
+    let of = |faces: &Vec<(u32, bool)>| {
+        let sides = faces.iter().map(|&(face, forward)| {
+            let side = side(facing, face_count, face, light);
+            if forward { side } else { -side }
+        });
+        sides.sum()
+    };
+    edges.iter().map(|(&key, faces)| (key, of(faces))).collect()
+}
+
+/// The multiplicity that a record's kind, silhouette bit and winding bit say, in the record's own direction.
+fn record_multiplicity(kind: EdgeKind, masks: Masks, bit: usize) -> i64 {
+    let silhouette = masks.silhouette >> bit & 1 != 0;
+    let winding = if masks.winding >> bit & 1 != 0 { 1 } else { -1 };
+    match (kind, silhouette) {
+        (EdgeKind::Boundary, true) => winding,
+        (_, true) => 2 * winding,
+        (_, false) => 0,
+    }
+}
+
+/// The same multiplicities, summed up from a mesh's records and their masks.
+pub fn record_multiplicities(mesh: &Mesh, masks: &[Masks], light: usize) -> BTreeMap<(u32, u32), i64> {
+    let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+    let mut sums = BTreeMap::new();
+    for (edge, &masks) in mesh.edges().iter().zip(plane) {
+        let [a, b] = edge.vertices;
+        let multiplicity = record_multiplicity(edge.kind, masks, light % 32);
+        *sums.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { multiplicity } else { -multiplicity };
+    }
+    sums
+}
+
+/// Edges of at most two faces that are silhouettes for a light, from faces alone: the two face differently when they
+/// run against each other, alike when they run the same way; an edge with one face always is one.
+pub fn plain_silhouettes(edges: &EdgeFaces, facing: &[u32], face_count: usize, light: usize) -> BTreeSet<(u32, u32)> {
+    let side = |face| side(facing, face_count, face, light);
+    let is_silhouette = |faces: &[(u32, bool)]| match *faces {
+        [_] => true,
+        [(f, f_forward), (g, g_forward)] => (side(f) != side(g)) == (f_forward != g_forward),
+        _ => false,
+    };
+    let found = edges.iter().filter(|(_, faces)| is_silhouette(faces));
+    found.map(|(&key, _)| key).collect()
+}
+
+/// The same edges, from a mesh's records and their masks.
+pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[Masks], light: usize) -> BTreeSet<(u32, u32)> {
+    let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+    let found = mesh.edges().iter().zip(plane);
+    found
+        .filter(|(_, masks)| masks.silhouette >> (light % 32) & 1 != 0)
+        .map(|(edge, _)| (edge.vertices[0].min(edge.vertices[1]), edge.vertices[0].max(edge.vertices[1])))
+        .filter(|key| edges[key].len() <= 2)
+        .collect()
+}
+
+/// Vertices at which outgoing and incoming multiplicities of a light do not cancel, summed over lights; from the masks,
+/// as they lie in the buffers.
+pub fn unclosed(mesh: &Mesh, masks: &[Masks], lights: usize) -> usize {
+    let mut open = 0;
+    for light in 0..lights {
+        let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+        let mut balance = vec![0_i64; mesh.vertex_count() as usize];
+        for (edge, &masks) in mesh.edges().iter().zip(plane) {
+            let multiplicity = record_multiplicity(edge.kind, masks, light % 32);
+            balance[edge.vertices[0] as usize] += multiplicity;
+            balance[edge.vertices[1] as usize] -= multiplicity;
+        }
+        open += balance.iter().filter(|&&sum| sum != 0).count();
+    }
+    open
+}

@@ -1,0 +1,89 @@
+//! Rays against triangles, in `f64`. What a ray means is told elsewhere.
+
+use bvh::aabb::{Aabb, Bounded};
+use bvh::bounding_hierarchy::BHShape;
+use bvh::bvh::Bvh;
+use bvh::ray::Ray;
+use nalgebra::{Point3, Vector3};
+use rimline::glam::DVec3;
+
+/// Triangles in a tree of boxes.
+pub struct Tracer<T> {
+    triangles: Vec<Triangle<T>>,
+    tree: Bvh<f64, 3>,
+}
+
+/// A triangle and what is known of it.
+pub struct Triangle<T> {
+    pub corners: [DVec3; 3],
+    pub of: T,
+    node: usize,
+}
+
+impl<T> Bounded<f64, 3> for Triangle<T> {
+    fn aabb(&self) -> Aabb<f64, 3> {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        // A flat box could be missed by a ray that only just meets it.
+        let slack = 1e-9 * (1.0 + high.abs().max(low.abs()));
+        let point = |p: DVec3| Point3::new(p.x, p.y, p.z);
+        Aabb::with_bounds(point(low - slack), point(high + slack))
+    }
+}
+
+impl<T> BHShape<f64, 3> for Triangle<T> {
+    fn set_bh_node_index(&mut self, index: usize) {
+        self.node = index;
+    }
+
+    fn bh_node_index(&self) -> usize {
+        self.node
+    }
+}
+
+impl<T> Tracer<T> {
+    pub fn build(triangles: impl IntoIterator<Item = ([DVec3; 3], T)>) -> Self {
+        let mut triangles: Vec<_> =
+            triangles.into_iter().map(|(corners, of)| Triangle { corners, of, node: 0 }).collect();
+        let tree = Bvh::build(&mut triangles);
+        Self { triangles, tree }
+    }
+
+    /// Where the line through `from` along `direction` meets triangles, in multiples of `direction` and in no order.
+    /// Those behind `from` may be missing.
+    pub fn meetings(&self, (from, direction): (DVec3, DVec3)) -> impl Iterator<Item = (f64, &Triangle<T>)> {
+        let ray = Ray::new(Point3::new(from.x, from.y, from.z), Vector3::new(direction.x, direction.y, direction.z));
+        let near = self.tree.traverse(&ray, &self.triangles).into_iter();
+        near.filter_map(move |triangle| Some((meeting(triangle.corners, from, direction)?, triangle)))
+    }
+
+    /// Where a ray first meets a triangle, and which.
+    pub fn first(&self, (from, direction): (DVec3, DVec3)) -> Option<(DVec3, &Triangle<T>)> {
+        let ahead = self.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
+        let (t, triangle) = ahead.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((from + direction * t, triangle))
+    }
+}
+
+impl<T> Triangle<T> {
+    /// The normal, counter-clockwise outside, is against `direction`.
+    pub fn is_front(&self, direction: DVec3) -> bool {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a).dot(direction) < 0.0
+    }
+}
+
+/// Möller and Trumbore, from both sides.
+fn meeting([a, b, c]: [DVec3; 3], from: DVec3, direction: DVec3) -> Option<f64> {
+    let (u, v) = (b - a, c - a);
+    let p = direction.cross(v);
+    let determinant = u.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = from - a;
+    let x = s.dot(p) / determinant;
+    let q = s.cross(u);
+    let y = direction.dot(q) / determinant;
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then(|| v.dot(q) / determinant)
+}

@@ -1,0 +1,213 @@
+//! Triangle meshes made by code, of any size: for tests, benches and first tries.
+//!
+//! Faces are counter-clockwise outside and vertices are welded already, so [`Mesh::from_faces`] serves. A count too
+//! small for the shape is taken as the least that makes one, a count above [`MAX_COUNT`] as [`MAX_COUNT`].
+
+use rimline::mesh::{Mesh, MeshError};
+
+pub mod noise;
+mod open;
+
+pub use open::{moebius, plane_grid, three_sheets};
+
+/// The most rings, segments, subdivisions and the like: with it in every direction, face and vertex indices still fit.
+pub const MAX_COUNT: u32 = 1 << 13;
+
+/// Vertices and faces of a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Vertex positions; no two are meant as the same point.
+    pub positions: Vec<[f32; 3]>,
+    /// Triangles, as indices into `positions`.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// The shape's faces and edge records.
+    ///
+    /// # Errors
+    /// [`MeshError`] as for [`Mesh::from_faces`]; a shape from this module never gives one.
+    pub fn mesh(&self) -> Result<Mesh, MeshError> {
+        Mesh::from_faces(self.positions.len(), self.faces.clone())
+    }
+
+    /// The same shape with its vertices and its faces in a random order, which `seed` determines. Each face keeps its
+    /// first corner and its orientation. Indices out of range stay as they are.
+    #[must_use]
+    pub fn shuffled(&self, seed: u64) -> Self {
+        let mut random = seed;
+        let new_index = permutation(self.positions.len(), &mut random);
+        let mut positions = vec![[0.0; 3]; self.positions.len()];
+        for (&position, &new) in self.positions.iter().zip(&new_index) {
+            positions[new as usize] = position;
+        }
+        let order = permutation(self.faces.len(), &mut random);
+        let renumbered = |v: u32| new_index.get(v as usize).copied().unwrap_or(v);
+        let faces = order.iter().map(|&old| self.faces[old as usize].map(renumbered)).collect();
+        Self { positions, faces }
+    }
+
+    fn quad(&mut self, [a, b, c, d]: [u32; 4]) {
+        self.faces.extend([[a, b, c], [a, c, d]]);
+    }
+}
+
+/// A random order of `0..count` (Fisher and Yates).
+fn permutation(count: usize, random: &mut u64) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    for last in (1..count).rev() {
+        // The high product word: a number below last + 1, near enough uniform for any mesh.
+        let other = (u128::from(noise::splitmix64(random)) * (last as u128 + 1)) >> 64;
+        order.swap(last, other as usize);
+    }
+    order
+}
+
+/// A closed torus around the Y axis: `rings` cross-sections of `segments` vertices each, at least 3 of both, and
+/// `2·rings·segments` faces. `major` is the radius of the circle that the tube's centre runs along, `minor` the tube's.
+#[must_use]
+pub fn torus(rings: u32, segments: u32, major: f32, minor: f32) -> Shape {
+    let (rings, segments) = (rings.clamp(3, MAX_COUNT), segments.clamp(3, MAX_COUNT));
+    let mut shape = Shape::default();
+    for ring in 0..rings {
+        let (sin_u, cos_u) = turn(ring, rings);
+        for segment in 0..segments {
+            let (sin_v, cos_v) = turn(segment, segments);
+            let radius = major + minor * cos_v;
+            shape.positions.push([radius * cos_u, minor * sin_v, radius * sin_u]);
+        }
+    }
+    for ring in 0..rings {
+        let (here, there) = (ring * segments, (ring + 1) % rings * segments);
+        for v in 0..segments {
+            let w = (v + 1) % segments;
+            shape.quad([here + v, here + w, there + w, there + v]);
+        }
+    }
+    shape
+}
+
+/// A closed unit sphere: an octahedron whose faces are split into `subdivisions²` triangles each (at least 1), moved
+/// out to radius 1. `8·subdivisions²` faces of much the same size, and no poles.
+#[must_use]
+pub fn sphere(subdivisions: u32) -> Shape {
+    let n = subdivisions.clamp(1, MAX_COUNT) as i32;
+    let mut lattice = Lattice::new(n);
+    for (x, y, z) in
+        [(1, 1, 1), (1, 1, -1), (1, -1, 1), (1, -1, -1), (-1, 1, 1), (-1, 1, -1), (-1, -1, 1), (-1, -1, -1)]
+    {
+        let at = |i: i32, j: i32| [x * (n - i - j), y * i, z * j];
+        for i in 0..n {
+            for j in 0..n - i {
+                lattice.face([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < n {
+                    lattice.face([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+    lattice.shape
+}
+
+/// Points of an octahedron's surface, |x| + |y| + |z| = n, numbered as they come up.
+struct Lattice {
+    n: i32,
+    /// Vertex at (x, y), for z ≥ 0 and for z < 0.
+    numbers: [Vec<u32>; 2],
+    shape: Shape,
+}
+
+impl Lattice {
+    fn new(n: i32) -> Self {
+        let side = (2 * n + 1) as usize;
+        Self { n, numbers: [vec![u32::MAX; side * side], vec![u32::MAX; side * side]], shape: Shape::default() }
+    }
+
+    /// A face given counter-clockwise where x·y·z is positive, mirrored elsewhere.
+    fn face(&mut self, corners: [[i32; 3]; 3]) {
+        let sum: [i32; 3] = std::array::from_fn(|axis| corners.iter().map(|corner| corner[axis]).sum());
+        let mirrored = sum.iter().filter(|&&s| s < 0).count() % 2 == 1;
+        let [a, b, c] = corners.map(|corner| self.vertex(corner));
+        self.shape.faces.push(if mirrored { [a, c, b] } else { [a, b, c] });
+    }
+
+    fn vertex(&mut self, point @ [x, y, z]: [i32; 3]) -> u32 {
+        let column = (x + self.n) as usize * (2 * self.n + 1) as usize + (y + self.n) as usize;
+        let number = &mut self.numbers[usize::from(z < 0)][column];
+        if *number == u32::MAX {
+            *number = self.shape.positions.len() as u32;
+            let [x, y, z] = point.map(|axis| axis as f32);
+            let length = (x * x + y * y + z * z).sqrt();
+            self.shape.positions.push([x / length, y / length, z / length]);
+        }
+        *number
+    }
+}
+
+/// [`sphere`] with its vertices moved along their rays by smooth noise, so that radii lie between `1 − amplitude` and
+/// `1 + amplitude`: a closed, lumpy body whose silhouettes have cusps and loops. `amplitude` is taken as at most 0.9,
+/// a negative one or NaN as 0; `seed` chooses the lumps. No function of the platform's is called, so all platforms
+/// give the same bits.
+#[must_use]
+pub fn blob(subdivisions: u32, amplitude: f32, seed: u32) -> Shape {
+    // Not clamp, which would keep a NaN.
+    let amplitude = if amplitude > 0.0 { amplitude.min(0.9) } else { 0.0 };
+    let mut shape = sphere(subdivisions);
+    for position in &mut shape.positions {
+        let radius = 1.0 + amplitude * noise::smooth(*position, seed);
+        *position = position.map(|axis| axis * radius);
+    }
+    shape
+}
+
+/// A closed cube from −1 to 1 on each axis: 8 vertices, 12 faces.
+#[must_use]
+pub fn cube() -> Shape {
+    let sign = |vertex: u32, bit: u32| if vertex >> bit & 1 == 1 { 1.0 } else { -1.0 };
+    let mut shape =
+        Shape { positions: (0..8).map(|v| [sign(v, 0), sign(v, 1), sign(v, 2)]).collect(), faces: Vec::new() };
+    // Vertex numbers have bit 0 for +X, bit 1 for +Y, bit 2 for +Z.
+    for corners in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+        shape.quad(corners);
+    }
+    shape
+}
+
+/// A closed cone whose apex and base centre are hubs of `n` faces each, at least 3: base radius 1 at y = 0, apex at
+/// y = 1. `2·n` faces. The hubs are what adjacency by short lists per vertex stumbles over.
+#[must_use]
+pub fn fan(n: u32) -> Shape {
+    let n = n.clamp(3, MAX_COUNT * MAX_COUNT);
+    let mut shape = Shape { positions: vec![[0.0, 1.0, 0.0], [0.0; 3]], faces: Vec::new() };
+    for rim in 0..n {
+        let (sin, cos) = turn(rim, n);
+        shape.positions.push([cos, 0.0, sin]);
+        let (here, next) = (2 + rim, 2 + (rim + 1) % n);
+        shape.faces.extend([[0, next, here], [1, here, next]]);
+    }
+    shape
+}
+
+/// Sine and cosine of `step` of `steps` to the full turn, `step` up to twice `steps`: by + − × ÷ in f64 alone and rounded
+/// once, so all platforms give the same bits, and quarters of a turn are exact.
+pub fn turn(step: u32, steps: u32) -> (f32, f32) {
+    // The nearest quarter, and the rest of the angle: at most an eighth of a turn either way.
+    let (step, steps) = (i64::from(step), i64::from(steps));
+    let quarter = (8 * step + steps) / (2 * steps);
+    let angle = std::f64::consts::FRAC_PI_2 * ((4 * step - quarter * steps) as f64 / steps as f64);
+    let square = angle * angle;
+    // Taylor's series, by Horner's rule; what is left out is below 1e-19.
+    let series = |first: i32| {
+        (0..9).rev().fold(1.0, |sum, term| {
+            let below = f64::from((2 * term + first + 1) * (2 * term + first + 2));
+            1.0 - sum * square / below
+        })
+    };
+    let (sin, cos) = ((angle * series(1)) as f32, series(0) as f32);
+    match quarter % 4 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}

@@ -1,0 +1,7 @@
+//! What the twins share: threads, the determinant, its filter, its exact sign.
+
+pub(crate) mod determinant;
+pub(crate) mod exact_sign;
+pub(crate) mod filter;
+pub(crate) mod fixed_sign;
+pub(crate) mod parallel;

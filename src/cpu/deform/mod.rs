@@ -1,0 +1,3 @@
+//! The twin of the deform stage.
+
+pub(crate) mod deform;

@@ -1,0 +1,91 @@
+//! Faces taken several at a time, so that the compiler can use a CPU's vector registers.
+
+use crate::cpu::common::filter;
+use crate::layout::LightWord;
+
+/// Faces at a time.
+pub(crate) const LANES: usize = 16;
+
+type Lanes = [f32; LANES];
+
+/// The `f32` determinants of some faces for a word of lights, as `wgsl/facing.wgsl` computes them.
+pub(crate) struct Batch {
+    /// Bits of determinants above zero.
+    pub(crate) masks: [u32; LANES],
+    /// The smallest absolute determinant; NaN where all are.
+    smallest: Lanes,
+    normals: [Lanes; 3],
+    /// |u|₁ |v|₁.
+    sizes: Lanes,
+}
+
+impl Batch {
+    /// At most [`LANES`] faces; of fewer the rest is the first vertex, thrice.
+    #[inline]
+    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], word: &LightWord) -> Self {
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        for (lane, face) in faces.iter().take(LANES).enumerate() {
+            for (corner, &vertex) in corners.iter_mut().zip(face) {
+                let position = positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
+                for (axis, coordinate) in corner.iter_mut().zip(position) {
+                    axis[lane] = coordinate;
+                }
+            }
+        }
+        let [a, b, c] = &corners;
+        let [u, v] = [difference(b, a), difference(c, a)];
+        let n = [cross(&u, &v, 1, 2), cross(&u, &v, 2, 0), cross(&u, &v, 0, 1)];
+        let (mut masks, mut smallest) = ([0; LANES], [f32::INFINITY; LANES]);
+        for (bit, &[x, y, z, w]) in word.lights.iter().take(word.count as usize).enumerate() {
+            for lane in 0..LANES {
+                let to_light = [x - w * a[0][lane], y - w * a[1][lane], z - w * a[2][lane]];
+                let d = n[0][lane] * to_light[0] + n[1][lane] * to_light[1] + n[2][lane] * to_light[2];
+                masks[lane] |= u32::from(d > 0.0) << bit;
+                // A NaN stays: all of the face's determinants are then.
+                smallest[lane] = if smallest[lane] < d.abs() { smallest[lane] } else { d.abs() };
+            }
+        }
+        let mut sizes = [0.0; LANES];
+        for (lane, size) in sizes.iter_mut().enumerate() {
+            let [u, v] = [&u, &v].map(|side| side[0][lane].abs() + side[1][lane].abs() + side[2][lane].abs());
+            *size = u * v;
+        }
+        Self { masks, smallest, normals: n, sizes }
+    }
+
+    /// Which faces' bits one bound makes certain. Where WGSL takes a face's own largest coordinate, this takes the
+    /// mesh's, `largest`: what is certain may differ, the bits cannot.
+    #[inline]
+    pub(crate) fn certain(&self, largest: f32, word: &LightWord) -> [bool; LANES] {
+        let is_possible = largest < filter::LARGE;
+        let (relative, least) = filter::face_bound(largest, word.reach);
+        std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
+    }
+
+    /// Which faces have finite normals. A non-finite coordinate makes two components of the normal non-finite, so this
+    /// one test stands for nine. Finite ones may overflow it, too.
+    #[inline]
+    pub(crate) fn finite(&self) -> [bool; LANES] {
+        let [x, y, z] = &self.normals;
+        std::array::from_fn(|lane| (x[lane] + y[lane] + z[lane]).is_finite())
+    }
+}
+
+fn difference(p: &[Lanes; 3], q: &[Lanes; 3]) -> [Lanes; 3] {
+    let mut difference = [[0.0; LANES]; 3];
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            difference[axis][lane] = p[axis][lane] - q[axis][lane];
+        }
+    }
+    difference
+}
+
+/// A component of the cross product.
+fn cross(u: &[Lanes; 3], v: &[Lanes; 3], second: usize, third: usize) -> Lanes {
+    let mut component = [0.0; LANES];
+    for lane in 0..LANES {
+        component[lane] = u[second][lane] * v[third][lane] - u[third][lane] * v[second][lane];
+    }
+    component
+}

@@ -1,0 +1,96 @@
+//! Edges: silhouette and winding masks of the edge records, from the facing masks of their faces.
+
+use crate::cpu::common::parallel::Threads;
+use crate::layout::{Masks, live_bits};
+use crate::light;
+use crate::mesh::{EdgeRecords, INCONSISTENT, NO_FACE};
+
+/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record, from planes of `face_count` facing
+/// masks for `light_count` lights. Missing facing masks count as zeros.
+pub fn edges(
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+) -> Vec<Masks> {
+    let mut masks = Vec::new();
+    edges_into(&mut masks, records, facing, face_count, light_count, threads);
+    masks
+}
+
+/// The same into a vector that may be used again.
+pub(crate) fn edges_into(
+    masks: &mut Vec<Masks>,
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+) {
+    masks.resize(records.len() * light::words(light_count), Masks { silhouette: 0, winding: 0 });
+    fill(masks, records, facing, face_count, light_count, threads, |masks| masks);
+}
+
+/// Silhouette masks alone, into a vector that may be used again, laid out as [`edges`] does. Winding masks are the
+/// facing masks of the records' face 0, so who needs few of them need not have all written.
+pub fn silhouettes_into(
+    silhouettes: &mut Vec<u32>,
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+) {
+    silhouettes.resize(records.len() * light::words(light_count), 0);
+    fill(silhouettes, records, facing, face_count, light_count, threads, |masks| masks.silhouette);
+}
+
+/// Fills planes with what `keep` takes of each record's masks.
+fn fill<T: Send>(
+    planes: &mut [T],
+    records: &EdgeRecords,
+    facing: &[u32],
+    face_count: usize,
+    light_count: usize,
+    threads: Threads,
+    keep: impl Fn(Masks) -> T + Sync,
+) {
+    let counts = records.counts();
+    let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
+    let planes = planes.chunks_mut(records.len().max(1)).zip(facing.chunks(face_count.max(1)));
+    for (word, (plane, facing)) in planes.enumerate() {
+        let live = live_bits(light_count - 32 * word);
+        threads.share(plane, |first, kept| {
+            let records = kept.iter_mut().zip(&records.packed_faces()[first..]);
+            if is_closed {
+                records.for_each(|(kept, &faces)| *kept = keep(consistent_masks(faces, facing)));
+            } else {
+                records.for_each(|(kept, &faces)| *kept = keep(edge_masks(faces, facing, live)));
+            }
+        });
+    }
+}
+
+/// A facing mask; zeros where it is missing.
+fn mask(facing: &[u32], face: u32) -> u32 {
+    facing.get(face as usize).copied().unwrap_or(0)
+}
+
+/// The bits of one consistent edge record.
+fn consistent_masks([face_0, face_1]: [u32; 2], facing: &[u32]) -> Masks {
+    let winding = mask(facing, face_0);
+    Masks { silhouette: winding ^ mask(facing, face_1), winding }
+}
+
+/// The bits of one edge record.
+fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> Masks {
+    let mask = |face: u32| mask(facing, face);
+    let winding = mask(face_0 & !INCONSISTENT);
+    let silhouette = match face_1 {
+        NO_FACE => live,
+        _ if face_0 & INCONSISTENT != 0 => !(winding ^ mask(face_1)) & live,
+        _ => winding ^ mask(face_1),
+    };
+    Masks { silhouette, winding }
+}

@@ -1,0 +1,303 @@
+//! Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
+
+use super::batch::{Batch, LANES};
+use super::exact_facing::ExactFace;
+use crate::cpu::common::determinant::{cross_product, difference, local_form, local_mask, normal, plane_mask};
+use crate::cpu::common::filter;
+use crate::cpu::common::parallel::Threads;
+use crate::layout::LightWord;
+use crate::light::Light;
+use crate::mesh::is_degenerate;
+use crate::method::Predicate;
+
+/// What facing counts besides its masks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FacingCounts {
+    /// Faces with an infinite or NaN vertex, or one that is not there: they face no light.
+    pub non_finite_faces: u32,
+    /// Pairs of face and light that the filter left to exact arithmetic.
+    pub undecided_pairs: u32,
+    /// Those of them whose determinant is exactly zero.
+    pub exact_zeros: u32,
+}
+
+impl FacingCounts {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            non_finite_faces: self.non_finite_faces + other.non_finite_faces,
+            undecided_pairs: self.undecided_pairs.wrapping_add(other.undecided_pairs),
+            exact_zeros: self.exact_zeros.wrapping_add(other.exact_zeros),
+        }
+    }
+}
+
+/// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes of one `u32` a face. Vertices that `positions` lacks count as
+/// non-finite. The lights are finite, as [`crate::light::check_lights`] holds. Arithmetic as in `wgsl/facing.wgsl` and
+/// `wgsl/exact_facing.wgsl`; see NUMERICS.md, "Facing" and "Filter".
+pub fn facing(
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    lights: &[Light],
+    predicate: Predicate,
+    threads: Threads,
+) -> Vec<u32> {
+    let mut masks = Vec::new();
+    facing_into(&mut masks, positions, faces, lights, predicate, threads);
+    masks
+}
+
+/// The same into a vector that may be used again, its length adapted. Returns what was counted on the way.
+pub fn facing_into(
+    masks: &mut Vec<u32>,
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    lights: &[Light],
+    predicate: Predicate,
+    threads: Threads,
+) -> FacingCounts {
+    masks.resize(faces.len() * crate::light::words(lights.len()), 0);
+    let largest = largest_magnitude(positions, threads);
+    let mut total = FacingCounts::default();
+    for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
+        let word = LightWord::new(lights, 0, 3);
+        let counts = threads.share(plane, |first, masks| {
+            let run = Run { positions, faces: &faces[first..], word: &word, largest };
+            match (predicate, lights.len()) {
+                (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
+                (Predicate::Exact, _) => run.fill_exactly(masks),
+                (Predicate::Fast, 1) => run.fill_fast_for_one_light(masks),
+                (Predicate::Fast, _) => run.fill_fast(masks),
+                (Predicate::Plane, _) => run.fill_by_plane(masks),
+            }
+        });
+        let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
+        // Every word sees the same faces.
+        total = FacingCounts { non_finite_faces: 0, ..total }.plus(counts);
+    }
+    total
+}
+
+/// The faces that one thread decides.
+struct Run<'a> {
+    positions: &'a [[f32; 3]],
+    faces: &'a [[u32; 3]],
+    word: &'a LightWord,
+    /// The mesh's largest absolute coordinate.
+    largest: f32,
+}
+
+impl Run<'_> {
+    fn fill_exactly(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
+            let batch = Batch::new(self.positions, faces, self.word);
+            let certain = batch.certain(self.largest, self.word);
+            for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
+                *mask = if certain[lane] {
+                    batch.masks[lane]
+                } else {
+                    Face::new(self.positions, corners).decide(self.word, &mut counts)
+                };
+            }
+        }
+        counts
+    }
+
+    fn fill_fast(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
+            let batch = Batch::new(self.positions, faces, self.word);
+            let finite = batch.finite();
+            for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
+                *mask = if finite[lane] && !is_degenerate(corners) {
+                    batch.masks[lane]
+                } else {
+                    Face::new(self.positions, corners).mask_by_f32(self.word, &mut counts)
+                };
+            }
+        }
+        counts
+    }
+
+    fn fill_fast_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        let light = self.word.lights[0];
+        for (mask, &corners) in masks.iter_mut().zip(self.faces) {
+            let face = Face::new(self.positions, corners);
+            let n = normal(face.a, face.b, face.c);
+            *mask = u32::from(local_form(n, face.a, light) > 0.0);
+            // As in `Batch::finite`.
+            if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
+                *mask = face.mask_by_f32(self.word, &mut counts);
+            }
+        }
+        counts
+    }
+
+    /// For comparison alone, so as plain as can be.
+    fn fill_by_plane(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        for (mask, &corners) in masks.iter_mut().zip(self.faces) {
+            let face = Face::new(self.positions, corners);
+            *mask = if face.may_face(&mut counts) { plane_mask(face.a, face.b, face.c, self.word) } else { 0 };
+        }
+        counts
+    }
+
+    /// One light is common, and gathering faces for it costs more than deciding them.
+    fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
+        let mut counts = FacingCounts::default();
+        let light = self.word.lights[0];
+        let (relative, least) = filter::face_bound(self.largest, self.word.reach);
+        // |v|₁ is no longer than six times the largest coordinate, and |u|₁ than its longest in a batch. So loose a bound
+        // leaves a few faces in a thousand to be decided again, and saves the others most of its cost.
+        let relative = relative * (6.0 * self.largest);
+        let relative = if self.largest < filter::LARGE { relative } else { f32::INFINITY };
+        for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
+            let (mut determinants, mut longest) = ([f32::INFINITY; LANES], [0.0_f32; 3]);
+            for (d, &corners) in determinants.iter_mut().zip(faces) {
+                let face = Face::new(self.positions, corners);
+                let [u, v] = [difference(face.b, face.a), difference(face.c, face.a)];
+                *d = local_form(cross_product(u, v), face.a, light);
+                for (longest, side) in longest.iter_mut().zip(u) {
+                    *longest = if side.abs() > *longest { side.abs() } else { *longest };
+                }
+            }
+            let bound = relative * (longest[0] + longest[1] + longest[2]) + least;
+            for (mask, d) in masks.iter_mut().zip(determinants) {
+                *mask = u32::from(d > 0.0);
+            }
+            // A NaN on either side is not certain.
+            let is_certain = |d: f32| d.abs() > bound;
+            if !determinants.iter().all(|&d| is_certain(d)) {
+                for ((mask, &corners), d) in masks.iter_mut().zip(faces).zip(determinants) {
+                    if !is_certain(d) {
+                        *mask = Face::new(self.positions, corners).decide(self.word, &mut counts);
+                    }
+                }
+            }
+        }
+        counts
+    }
+}
+
+/// All three coordinates are finite.
+pub fn is_finite(position: [f32; 3]) -> bool {
+    position.iter().all(|c| c.is_finite())
+}
+
+/// The largest absolute coordinate, infinite where one is; NaNs are passed over.
+fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
+    let larger = |a: f32, b: f32| if b > a { b } else { a };
+    let runs = threads.map(positions, |positions| {
+        let coordinates: &[f32] = positions.as_flattened();
+        // Sixteen at a time, for the vector registers.
+        let (groups, rest) = coordinates.as_chunks::<16>();
+        let largest = groups.iter().fold([0.0; 16], |mut largest, group| {
+            for (largest, coordinate) in largest.iter_mut().zip(group) {
+                *largest = larger(*largest, coordinate.abs());
+            }
+            largest
+        });
+        largest.into_iter().chain(rest.iter().map(|c| c.abs())).fold(0.0, larger)
+    });
+    runs.into_iter().fold(0.0, larger)
+}
+
+/// A vertex's position, NaN where there is none.
+pub(crate) fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
+    positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
+}
+
+/// A face and its corners' positions.
+#[derive(Clone, Copy)]
+struct Face {
+    corners: [u32; 3],
+    a: [f32; 3],
+    b: [f32; 3],
+    c: [f32; 3],
+}
+
+impl Face {
+    fn new(positions: &[[f32; 3]], corners: [u32; 3]) -> Self {
+        let [a, b, c] = corners.map(|v| position(positions, v));
+        Self { corners, a, b, c }
+    }
+
+    /// The bits as `f32` gives them.
+    fn mask_by_f32(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+        if self.may_face(counts) { local_mask(self.a, self.b, self.c, word) } else { 0 }
+    }
+
+    /// Whether the face can face any light: its vertices are finite, which is counted, and differ.
+    fn may_face(&self, counts: &mut FacingCounts) -> bool {
+        if ![self.a, self.b, self.c].into_iter().all(is_finite) {
+            counts.non_finite_faces += 1;
+            return false;
+        }
+        !is_degenerate(self.corners)
+    }
+
+    /// The bits of a face that one bound leaves uncertain, as `wgsl/exact_facing.wgsl` finds them.
+    #[cold]
+    fn decide(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+        if !self.may_face(counts) {
+            return 0;
+        }
+        let Decision { mut facing, doubt } = self.filter_lights(word);
+        if doubt == 0 {
+            return facing;
+        }
+        let exact = ExactFace::new(self.a, self.b, self.c);
+        for light in bits(doubt) {
+            let sign = exact.sign(word.light_bits[light].map(f32::from_bits));
+            facing |= u32::from(sign > 0) << light;
+            counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
+        }
+        counts.undecided_pairs = counts.undecided_pairs.wrapping_add(doubt.count_ones());
+        facing
+    }
+
+    /// By `f32` where the light's own bound allows it.
+    fn filter_lights(&self, word: &LightWord) -> Decision {
+        let Self { a, b, c, .. } = *self;
+        let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
+        let mut decision = Decision { facing: 0, doubt: word.live };
+        if largest >= filter::LARGE {
+            return decision;
+        }
+        let [u, v] = [difference(b, a), difference(c, a)];
+        let n = cross_product(u, v);
+        let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
+        let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
+        let underflow = filter::underflow_bound(largest);
+        for light in bits(word.live) {
+            let l = word.lights[light];
+            let d = local_form(n, a, l);
+            let inexact_w = word.inexact_w[light / 4][light % 4];
+            let sizes = [0, 1, 2].map(|axis| (l[axis] - l[3] * a[axis]).abs() + inexact_w * a[axis].abs());
+            let bound = filter::RELATIVE * (n_abs[0] * sizes[0] + n_abs[1] * sizes[1] + n_abs[2] * sizes[2])
+                + underflow * (1.0 + sizes[0] + sizes[1] + sizes[2]);
+            if d.abs() > bound {
+                decision.doubt &= !(1 << light);
+                decision.facing |= u32::from(d > 0.0) << light;
+            }
+        }
+        decision
+    }
+}
+
+/// Bits of facing lights and of those in doubt.
+struct Decision {
+    facing: u32,
+    doubt: u32,
+}
+
+/// The set bits, lowest first.
+fn bits(mut word: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (bit < 32).then_some(bit as usize)
+    })
+}

@@ -1,0 +1,64 @@
+//! Per edge: the method as published in 2003. Both faces are tested at each edge anew, so bits of the same face may
+//! differ from edge to edge.
+
+use crate::cpu::common::determinant::{local_mask, plane_mask};
+use crate::cpu::common::parallel::Threads;
+use crate::layout::{LightWord, Masks};
+use crate::mesh::{INCONSISTENT, Mesh, NO_FACE};
+use crate::method::{Method, Predicate};
+use crate::{Light, light};
+
+/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record. `predicate` is taken as
+/// [`Method::predicate`] says. Vertices that `positions` lacks count as NaN.
+pub fn per_edge(
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
+    predicate: Predicate,
+    threads: Threads,
+) -> Vec<Masks> {
+    let by_plane = Method::PerEdge.predicate(predicate) == Predicate::Plane;
+    let corners = edge_corners(mesh);
+    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::words(lights.len())];
+    for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
+        let word = LightWord::new(lights, 0, 3);
+        threads.share(plane, |first, masks| {
+            for (masks, &corners) in masks.iter_mut().zip(&corners[first..]) {
+                *masks = edge_masks(positions, corners, &word, by_plane);
+            }
+        });
+    }
+    masks
+}
+
+/// The four vertices of each edge record as the 2003 method wants them, `(a, b, c, d)`: face 0 is `(a, b, c)`; face 1
+/// is `(b, a, d)`, or `(a, b, d)` where bit 31 of `a` is set; where there is no face 1, `d` is [`NO_FACE`].
+pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
+    let opposite = |face: u32, [a, b]: [u32; 2]| {
+        let corners = mesh.faces().get(face as usize).into_iter().flatten();
+        corners.copied().find(|&v| v != a && v != b).unwrap_or(NO_FACE)
+    };
+    let records = mesh.edges();
+    let packed = records.vertices().iter().zip(records.packed_faces());
+    packed
+        .map(|(&[a, b], &[face_0, face_1])| {
+            let c = opposite(face_0 & !INCONSISTENT, [a, b]);
+            let d = if face_1 == NO_FACE { NO_FACE } else { opposite(face_1, [a, b]) };
+            [a | face_0 & INCONSISTENT, b, c, d]
+        })
+        .collect()
+}
+
+fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightWord, by_plane: bool) -> Masks {
+    let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
+    let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };
+    let is_inconsistent = a & INCONSISTENT != 0;
+    let (a, b) = (position(a & !INCONSISTENT), position(b));
+    let winding = mask(a, b, position(c));
+    let silhouette = match d {
+        NO_FACE => word.live,
+        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & word.live,
+        _ => winding ^ mask(b, a, position(d)),
+    };
+    Masks { silhouette, winding }
+}

@@ -1,0 +1,6 @@
+//! Twins of the shadow depth query.
+
+pub(crate) mod depth_arguments;
+pub(crate) mod exact_shadow_depth;
+pub(crate) mod shadow_boxes;
+pub(crate) mod shadow_depth;

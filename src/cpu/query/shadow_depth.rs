@@ -1,0 +1,183 @@
+//! Shadow depth: how many faces lie strictly between each point and each light.
+
+use super::exact_shadow_depth::exactly_between;
+use super::shadow_boxes::{CLUSTER, shadow_boxes};
+use crate::Light;
+use crate::cpu::common::parallel::Threads;
+use crate::cpu::extract::facing::{is_finite, position};
+use crate::layout::FaceCluster;
+use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
+use crate::mesh::is_degenerate;
+
+/// Depths of `points` for `lights`, point after point, a number a light: the faces strictly between them, each counted
+/// once, whatever its orientation; −1 for a point that is infinite or NaN. Faces with such a vertex, or one that
+/// `positions` lacks, and those that name a vertex twice count nowhere. Faces that contain the point or the light do not
+/// lie between; other ties are broken as if the light were moved by `(ε, ε², ε³)`. NUMERICS.md, "Shadow depth".
+///
+/// The same integers as the GPU's, from `f64` where a bound allows it and integers where not.
+///
+/// # Errors
+/// [`LightError`] for no lights, more than [`MAX_LIGHTS`], one that is non-finite or all zeros or has a negative `w`.
+pub fn shadow_depth(
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+    points: &[[f32; 3]],
+    lights: &[Light],
+    threads: Threads,
+) -> Result<Vec<i32>, LightError> {
+    check_shadow_lights(lights, MAX_LIGHTS)?;
+    let clusters = shadow_boxes(positions, faces, threads);
+    let mut depths = vec![0; points.len() * lights.len()];
+    // Points cost about as much as the mesh has faces, so few of them are worth a thread already.
+    threads.share_runs_of(16, &mut depths, |first, depths| {
+        for (query, depth) in (first..).zip(depths) {
+            let (point, light) = (points[query / lights.len()], lights[query % lights.len()]);
+            *depth = if is_finite(point) { Segment::new(point, light).depth(positions, &clusters) } else { -1 };
+        }
+    });
+    Ok(depths)
+}
+
+/// From a point to a light: all of the ray where the light is a direction.
+struct Segment {
+    point: [f32; 3],
+    light: [f32; 4],
+    p: [f64; 3],
+    l: [f64; 3],
+    w: f64,
+    /// `l − w·p`, from the point towards the light.
+    towards: [f64; 3],
+}
+
+impl Segment {
+    fn new(point: [f32; 3], light: Light) -> Self {
+        let light = light.to_array();
+        let [p, l] = [point, light_xyz(light)].map(|v| v.map(f64::from));
+        let w = f64::from(light[3]);
+        Self { point, light, p, l, w, towards: to_light(p, l, w) }
+    }
+
+    fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
+        let mut depth = 0;
+        for group in clusters.chunks(CLUSTER) {
+            if self.misses(group[0].group_low, group[0].group_high) {
+                continue;
+            }
+            for cluster in group.iter().filter(|cluster| !self.misses(cluster.low, cluster.high)) {
+                let (faces, _) = cluster.corners.as_chunks::<3>();
+                let bound = self.edge_bound(cluster);
+                depth += faces.iter().filter(|&&face| self.crosses(positions, face, bound)).count() as i32;
+            }
+        }
+        depth
+    }
+
+    /// Certainly no face in this box is crossed.
+    fn misses(&self, low: [u32; 4], high: [u32; 4]) -> bool {
+        if high[3] == 0 {
+            return true;
+        }
+        let [low, high] = [low, high].map(corner_of);
+        // Before both ends or beyond both; these signs are exact.
+        let ends = |at: f64, axis: usize| [at - self.p[axis], self.w * at - self.l[axis]];
+        let is_apart = |axis: usize| {
+            ends(high[axis], axis).into_iter().all(|d| d < 0.0) || ends(low[axis], axis).into_iter().all(|d| d > 0.0)
+        };
+        if (0..3).any(is_apart) {
+            return true;
+        }
+        // Beside the line, seen along an axis.
+        let middle = [0, 1, 2].map(|axis| ((low[axis] - self.p[axis]) + (high[axis] - self.p[axis])) * 0.5);
+        let extent = [0, 1, 2].map(|axis| {
+            let half = (high[axis] - low[axis]) * 0.5;
+            half + MARGIN * (half + middle[axis].abs())
+        });
+        let d = self.towards;
+        [(0, 1), (1, 2), (2, 0)]
+            .into_iter()
+            .any(|(i, j)| (middle[i] * d[j] - middle[j] * d[i]).abs() > extent[i] * d[j].abs() + extent[j] * d[i].abs())
+    }
+
+    /// What bounds the error of a determinant of any edge in the cluster: its box holds them all.
+    fn edge_bound(&self, cluster: &FaceCluster) -> f64 {
+        let [low, high] = [cluster.low, cluster.high].map(corner_of);
+        let reach = [0, 1, 2].map(|axis| (low[axis] - self.p[axis]).abs().max((high[axis] - self.p[axis]).abs()));
+        RELATIVE * sum_of_sizes(difference(high, low)) * sum_of_sizes(reach) * sum_of_sizes(self.towards)
+    }
+
+    /// Whether a face lies strictly between; `bound` is its cluster's.
+    fn crosses(&self, positions: &[[f32; 3]], face: [u32; 3], bound: f64) -> bool {
+        let corners = face.map(|vertex| position(positions, vertex));
+        let [a, b, c] = corners.map(|corner| corner.map(f64::from));
+        let [from_a, from_b, from_c] = [a, b, c].map(|corner| difference(self.p, corner));
+        let edge = |a: [f64; 3], b: [f64; 3], from_a: [f64; 3]| dot(difference(b, a), cross(from_a, self.towards));
+        let sides = [edge(a, b, from_a), edge(b, c, from_b), edge(c, a, from_c)];
+        let lowest = sides[0].min(sides[1]).min(sides[2]);
+        let highest = sides[0].max(sides[1]).max(sides[2]);
+        // Most faces end here. A NaN is of a face that does not count.
+        if lowest < -bound && highest > bound || !corners.into_iter().all(is_finite) || is_degenerate(face) {
+            return false;
+        }
+        let vectors = [(a, b, from_a), (b, c, from_b), (c, a, from_c)];
+        let sides = [0, 1, 2].map(|at| {
+            let (a, b, from_a) = vectors[at];
+            certain_sign(sides[at], [difference(b, a), from_a, self.towards])
+        });
+        if sides.contains(&1) && sides.contains(&-1) {
+            return false;
+        }
+        let [u, v] = [difference(b, a), difference(c, a)];
+        let normal = cross(u, v);
+        let plane_side = |to: [f64; 3]| certain_sign(dot(normal, to), [u, v, to]);
+        let [point_side, light_side] = [from_a, to_light(a, self.l, self.w)].map(plane_side);
+        if point_side * light_side > 0 {
+            return false;
+        }
+        if point_side * light_side < 0 && sides == [light_side; 3] {
+            return true;
+        }
+        exactly_between(corners, self.point, self.light)
+    }
+}
+
+/// Above 2⁻⁵³ times the roundings of a box test, more than a tenfold.
+const MARGIN: f64 = 1e-14;
+/// Above 8 · 2⁻⁵³, the error of a determinant in `f64` relative to |u|₁ |v|₁ |t|₁, with the bound's own roundings.
+const RELATIVE: f64 = 1e-15;
+
+/// The sign of a determinant that came to `d`, of three vectors that are differences; 0 where it is not certain. In `f64`
+/// products of two `f32` are exact, and nothing over- or underflows.
+fn certain_sign(d: f64, vectors: [[f64; 3]; 3]) -> i32 {
+    let bound = vectors.into_iter().fold(RELATIVE, |bound, v| bound * sum_of_sizes(v));
+    i32::from(d > bound) - i32::from(d < -bound)
+}
+
+/// A corner of a box.
+fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
+    [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
+}
+
+fn sum_of_sizes(v: [f64; 3]) -> f64 {
+    v[0].abs() + v[1].abs() + v[2].abs()
+}
+
+fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {
+    [x, y, z]
+}
+
+/// `l − w·a`, each component rounded once.
+fn to_light(a: [f64; 3], l: [f64; 3], w: f64) -> [f64; 3] {
+    [0, 1, 2].map(|axis| l[axis] - w * a[axis])
+}
+
+fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
+    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+}

@@ -1,0 +1,37 @@
+//! Bounds: the box of a caster's finite faces, and whether there are others.
+
+use crate::cpu::extract::facing::is_finite;
+use crate::mesh::is_degenerate;
+
+/// A float's bits, ordered as the floats are.
+const fn ordered(bits: u32) -> u32 {
+    if bits >= 0x8000_0000 { !bits } else { bits | 0x8000_0000 }
+}
+
+/// The float of ordered bits.
+pub(crate) const fn unordered(bits: u32) -> f32 {
+    f32::from_bits(if bits >= 0x8000_0000 { bits & 0x7fff_ffff } else { !bits })
+}
+
+/// The box of the faces whose corners are finite, as ordered bits: lowest x, y, z, then highest. Without such a face the
+/// lowest are above the highest. At last 1 where a face has a corner that is not finite or that is missing, and names no
+/// vertex twice; else 0.
+pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
+    let mut found = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
+    for face in faces {
+        let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
+        let [.., has_holes] = &mut found;
+        if !corners.iter().all(|&corner| is_finite(corner)) {
+            *has_holes |= u32::from(!is_degenerate(*face));
+            continue;
+        }
+        for corner in corners {
+            let (low, high) = found.split_at_mut(3);
+            for ((low, high), bits) in low.iter_mut().zip(high).zip(corner.map(|c| ordered(c.to_bits()))) {
+                *low = bits.min(*low);
+                *high = bits.max(*high);
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,103 @@
+//! Cap faces: the vertices of light caps, dark caps and near caps, and of the sides of holes.
+
+use glam::{Vec2, Vec4, Vec4Swizzles};
+
+use super::paper::frustum_to_clip;
+use super::shadow::{
+    away, corner, direction_to_clip, dot_3, far_end, is_orthographic, light_side, near_plane, on_near_plane,
+    parallel_to_near_plane, star, to_clip,
+};
+use super::sides::{End, side, side_clipped};
+use crate::cpu::extract::facing::{is_finite, position};
+use crate::layout::{ShadowLight, ShadowView};
+use crate::mesh::is_degenerate;
+
+/// A face at its place, in clip space.
+pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
+    face.map(|(_, position)| to_clip(view, position))
+}
+
+/// A face at the volume's far end, in clip space; `None` where that is out of sight at infinity. An orthographic camera
+/// sees it over all of the picture there, or not at all: NUMERICS.md, "Dark caps of orthographic cameras".
+pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
+    if is_orthographic(view) && light.end == 0.0 {
+        return all_or_nothing(view, light, face);
+    }
+    Some(face.map(|(_, position)| far_end(view, light, position)))
+}
+
+/// Whether the camera's own direction is left of the edge between two far vertices, which are seen from the light. The
+/// lower index comes first, so that faces on both sides of the edge agree.
+fn is_left((a_index, a): (u32, Vec2), (b_index, b): (u32, Vec2)) -> bool {
+    if a_index < b_index { a.x * b.y - a.y * b.x >= 0.0 } else { b.x * a.y - b.y * a.x < 0.0 }
+}
+
+fn all_or_nothing(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
+    let [a, b, c] = face.map(|(_, position)| away(light, position));
+    let far = [(face[0].0, a), (face[1].0, b), (face[2].0, c)];
+    let [(i, p), (j, q), (k, r)] = far.map(|(index, away)| (index, direction_to_clip(view, away).xy()));
+    let left = is_left((i, p), (j, q));
+    if left != is_left((j, q), (k, r)) || left != is_left((k, r), (i, p)) {
+        return None;
+    }
+    let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
+    if (dot_3(near_plane(view).0, along) > 0.0) != left {
+        return None;
+    }
+    let corner = |x, y| Vec4::new(x, y, 1.0 - view.near_z, 1.0);
+    let (second, third) = (corner(3.0, -1.0), corner(-1.0, 3.0));
+    Some(if left { [corner(-1.0, -1.0), second, third] } else { [corner(-1.0, -1.0), third, second] })
+}
+
+/// What of a face lies between the light and the near plane, seen from the light on the near plane, in clip space: up to
+/// five vertices, more only where rounding has a light on the near plane. The shader draws the first five.
+pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<Vec4> {
+    let corners = face.map(|(index, position)| (index, corner(view, light, position)));
+    let [a, b, c] = corners;
+    let mut polygon = Vec::with_capacity(5);
+    for [(a_index, a), (b_index, b)] in [[a, b], [b, c], [c, a]] {
+        let a_above = a.height >= 0.0;
+        let a_rises = a.rise >= 0.0;
+        let (first, second) = if a_index < b_index { (&a, &b) } else { (&b, &a) };
+        let meeting = (a_above != (b.height >= 0.0)).then(|| on_near_plane(view, first, second));
+        let turning = (a_rises != (b.rise >= 0.0)).then(|| parallel_to_near_plane(first, second));
+        polygon.extend((a_above != a_rises).then(|| star(view, light, &a)));
+        if a_above == (light_side(light) > 0.0) {
+            polygon.extend(turning.into_iter().chain(meeting));
+        } else {
+            polygon.extend(meeting.into_iter().chain(turning));
+        }
+    }
+    polygon
+}
+
+/// The near cap of ZP+ as published: the face by the matrix of the light's frustum, for the hardware to clip.
+pub fn paper_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
+    face.map(|(_, position)| frustum_to_clip(view, light, position))
+}
+
+/// The edge, in the face's order, of a face with one corner that is not finite which has finite ends; `None` for all
+/// other faces. Such a face casts nothing, yet counts as averted among the silhouettes: the side of a hole takes that back.
+pub fn hole_edge(positions: &[[f32; 3]], face: [u32; 3]) -> Option<[End; 2]> {
+    let [a, b, c] = face.map(|vertex| (vertex, position(positions, vertex)));
+    match [a, b, c].map(|(_, position)| is_finite(position)) {
+        _ if is_degenerate(face) => None,
+        [false, true, true] => Some([b, c]),
+        [true, false, true] => Some([c, a]),
+        [true, true, false] => Some([a, b]),
+        _ => None,
+    }
+}
+
+/// The side of a hole from the ends of its [`hole_edge`], in clip space: a strip, that of [`side`] turned over.
+pub fn hole_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Vec4; 5] {
+    let [first, second, first_far, second_far] = side(view, light, ends);
+    [first, first, second, first_far, second_far]
+}
+
+/// The polygon that the near plane leaves of the side of a hole: that of [`side_clipped`] the other way round.
+pub fn hole_side_clipped(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> Vec<Vec4> {
+    let mut polygon = side_clipped(view, light, ends);
+    polygon.reverse();
+    polygon
+}

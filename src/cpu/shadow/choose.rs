@@ -1,0 +1,156 @@
+//! Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone.
+
+use glam::Vec3;
+
+use super::bounds::unordered;
+use super::pyramid::{SLACK, clip_size, height_size, is_out, misses_pyramid};
+use super::shadow::{corner, dot_3, light_side, near_plane};
+use crate::layout::{ShadowLight, ShadowShape, ShadowView};
+use crate::shadow::{
+    CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+};
+
+/// A box by its lowest and its highest corner.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    fn corners(self) -> [[f32; 3]; 8] {
+        std::array::from_fn(|number| {
+            std::array::from_fn(|axis| if number >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] })
+        })
+    }
+}
+
+/// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
+/// [`super::bounds::bounds`]). Returns the caps stage's workgroups, along x, y and z for each word of lights.
+pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
+    let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
+    for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
+        for light in word {
+            choose_light(shape, view, bounds, light);
+            if light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0) {
+                *dispatch = [shape.cap_groups, 1, 1];
+            }
+        }
+    }
+    dispatches
+}
+
+fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light: &mut ShadowLight) {
+    (light.casting, light.counting, light.end, light.holed) = (CAST_NOTHING, COUNT_Z_PASS, 0.0, 0);
+    let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
+    if low_x > high_x {
+        return;
+    }
+    let caster = Bounds {
+        low: Vec3::from([low_x, low_y, low_z].map(unordered)),
+        high: Vec3::from([high_x, high_y, high_z].map(unordered)),
+    };
+    if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
+        return;
+    }
+    light.holed = has_holes;
+    // With holes no caster is closed.
+    let averted_suffice = shape.averted != 0 && has_holes == 0 && !boxes_meet(view, caster);
+    light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
+    if shape.counting == COUNT_ZP_PAPER {
+        light.frustum_near = frustum_near(view, light, caster);
+    }
+    light.counting = match shape.counting {
+        COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
+        COUNT_AUTO => COUNT_ZP_PLUS,
+        // What was published knows no holes.
+        COUNT_ZP_PAPER if has_holes != 0 => COUNT_Z_FAIL,
+        asked => asked,
+    };
+    let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);
+    if may_end && shape.end_at_range != 0 && light.range > 0.0 && light.light[3] > 0.0 {
+        light.end = (distance_below(light, caster) / light.range).min(1.0);
+    }
+}
+
+/// How far the light is from the box, or less.
+fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
+    let [x, y, z, w] = light.light;
+    let place = Vec3::new(x, y, z) / w;
+    let slack = SLACK * low.abs().max(high.abs()).max(place.abs());
+    let d = ((low - place).max(place - high) - slack).max(Vec3::ZERO);
+    length_of(d) * (1.0 - SLACK)
+}
+
+/// By the largest side first, since squares may overflow.
+fn length_of(d: Vec3) -> f32 {
+    let size = d.x.max(d.y).max(d.z);
+    if size <= 0.0 {
+        return 0.0;
+    }
+    let e = d / size;
+    size * dot_3(e, e).sqrt()
+}
+
+/// The near end of the light's frustum in the published ZP+.
+fn frustum_near(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> f32 {
+    let [x, y, z, w] = light.light;
+    if w > 0.0 {
+        let place = Vec3::new(x, y, z) / w;
+        let farthest = (Vec3::from(view.near_min) - place).abs().max((Vec3::from(view.near_max) - place).abs());
+        return (distance_below(light, caster) / length_of(farthest)).clamp(0.001, 0.99);
+    }
+    let (normal, constant) = near_plane(view);
+    let origin = Vec3::from(view.origin);
+    let highest = caster.corners().into_iter().fold(0.0_f32, |highest, corner| {
+        let position = Vec3::from(corner);
+        let height = dot_3(normal, position - origin) + constant;
+        let slack = SLACK * height_size(view, position.abs() + origin.abs());
+        highest.max(light_side(light) * height + slack)
+    });
+    if highest > 0.0 { highest } else { 1.0 }
+}
+
+/// Whether the box lies wholly beyond the light's range.
+fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
+    let [x, y, z, w] = light.light;
+    if light.range <= 0.0 || w <= 0.0 {
+        return false;
+    }
+    let place = Vec3::new(x, y, z) / w;
+    let d = (low - place).max(place - high).max(Vec3::ZERO);
+    // By the largest side first, since squares may overflow.
+    let size = d.x.max(d.y).max(d.z.max(light.range));
+    let r = light.range / size;
+    let e = d / size;
+    dot_3(e, e) > r * r * (1.0 + SLACK)
+}
+
+/// Whether the box meets that of the near rectangle, with slack.
+fn boxes_meet(view: &ShadowView, Bounds { low, high }: Bounds) -> bool {
+    let (near_min, near_max) = (Vec3::from(view.near_min), Vec3::from(view.near_max));
+    let slack = SLACK * low.abs().max(high.abs()).max(near_min.abs().max(near_max.abs()));
+    (low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()
+}
+
+/// Whether left, right, bottom, top or near plane of the camera has the whole volume of the box outside.
+fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
+    let (mut out, mut before) = ([true; 4], true);
+    let [x, y, z, weight] = light.light;
+    for position in caster.corners() {
+        let v = corner(view, light, position);
+        let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
+        let away = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
+        let (size, far_size) = (clip_size(view, q), clip_size(view, away));
+        let sides = |c: glam::Vec4| [c.w + c.x, c.w - c.x, c.w + c.y, c.w - c.y];
+        let sizes = |c: glam::Vec4| [c.w + c.x, c.w + c.x, c.w + c.y, c.w + c.y];
+        let near = sides(v.near).into_iter().zip(sizes(size));
+        let far = sides(v.far).into_iter().zip(sizes(far_size));
+        for ((out, near), far) in out.iter_mut().zip(near).zip(far) {
+            *out &= is_out(near.0, near.1) && is_out(far.0, far.1);
+        }
+        let rise_size = far_size.w + dot_3(near_plane(view).0.abs(), away);
+        before &= is_out(v.height, height_size(view, q)) && is_out(v.rise, rise_size);
+    }
+    out.contains(&true) || before
+}

@@ -1,0 +1,14 @@
+//! Twins of the stages and vertex shaders of shadow volumes.
+
+pub(crate) mod bounds;
+pub(crate) mod cap_faces;
+pub(crate) mod caps;
+pub(crate) mod casting;
+pub(crate) mod choose;
+pub(crate) mod paper;
+pub(crate) mod paper_cases;
+pub(crate) mod pyramid;
+pub(crate) mod shadow;
+pub(crate) mod shadow_arguments;
+pub(crate) mod sides;
+pub(crate) mod stencil_bound;

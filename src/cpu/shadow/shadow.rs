@@ -1,0 +1,127 @@
+//! Shadow: what the stages of shadow volumes share, as in `shadow.wgsl`: clip space and the forms that a vertex of a
+//! volume takes. NUMERICS.md, "Shadow volumes".
+
+use glam::{Vec3, Vec4};
+
+use crate::layout::{ShadowLight, ShadowView};
+
+/// A vertex of a volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// In clip space.
+    pub near: Vec4,
+    /// Its height over the near plane, positive in front of the camera.
+    pub height: f32,
+    /// Its far vertex: the direction away from the light, times the light's w, in clip space.
+    pub far: Vec4,
+    /// How that rises over the near plane: the light's w times the height, less the light's height.
+    pub rise: f32,
+    /// The light is farther from it than the origin that positions are taken from; [`star`] computes by V, else V − L.
+    pub is_far: bool,
+}
+
+fn size_3(a: Vec3) -> f32 {
+    a.x.abs().max(a.y.abs()).max(a.z.abs())
+}
+
+/// Rounding must not part the signs of height and rise: what is above the near plane rises if the light is below, and
+/// what is below does not if the light is not.
+fn consistent_rise(light: &ShadowLight, height: f32, rise: f32) -> f32 {
+    match (light.height < 0.0, height < 0.0) {
+        (false, true) => rise.min(-1e-37),
+        (true, false) => rise.max(0.0),
+        _ => rise,
+    }
+}
+
+/// Spelled out, so that it is the same everywhere.
+pub(crate) fn dot_3(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+fn columns(view: &ShadowView) -> [Vec4; 4] {
+    view.view_projection.map(Vec4::from_array)
+}
+
+/// The normal of the near plane, and its constant.
+pub(crate) fn near_plane(view: &ShadowView) -> (Vec3, f32) {
+    let [x, y, z, w] = view.near_plane;
+    (Vec3::new(x, y, z), w)
+}
+
+/// A position in clip space. A caller's depth pass that computes it so gets the same bits.
+pub fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
+    let q = Vec3::from(position) - Vec3::from(view.origin);
+    let [x, y, z, w] = columns(view);
+    x * q.x + y * q.y + z * q.z + w
+}
+
+/// From the light through a position, times the light's w.
+pub fn away(light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+    let [x, y, z, w] = light.light;
+    w * Vec3::from(position) - Vec3::new(x, y, z)
+}
+
+/// A direction in clip space: a point at infinity.
+pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
+    let [x, y, z, _] = columns(view);
+    x * direction.x + y * direction.y + z * direction.z
+}
+
+/// A position's far vertex: at infinity, or where the volume ends.
+pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
+    direction_to_clip(view, away(light, position)) + light.end * Vec4::from_array(light.clip)
+}
+
+/// Clip w is the same everywhere.
+pub(crate) fn is_orthographic(view: &ShadowView) -> bool {
+    view.view_projection[..3].iter().all(|column| column[3] == 0.0)
+}
+
+/// What a vertex of a volume is made of.
+pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
+    let d = away(light, position);
+    let q = Vec3::from(position) - Vec3::from(view.origin);
+    let (normal, constant) = near_plane(view);
+    let height = dot_3(normal, q) + constant;
+    Corner {
+        near: to_clip(view, position),
+        height,
+        far: direction_to_clip(view, d),
+        rise: consistent_rise(light, height, dot_3(normal, d)),
+        is_far: size_3(d) > light.light[3] * size_3(q),
+    }
+}
+
+/// Where the light stands: −1 before the near plane, on the eye's side, else 1.
+pub fn light_side(light: &ShadowLight) -> f32 {
+    if light.height < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The vertex seen from the light on the near plane.
+pub fn star(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
+    let s = light_side(light);
+    let [x, y, ..] = light.clip;
+    let (at_light, weight) = (glam::Vec2::new(x, y), light.light[3]);
+    let (xy, w) = if v.is_far {
+        (v.near.truncate().truncate() * light.height - at_light * v.height, view.near_w * v.rise)
+    } else {
+        (v.far.truncate().truncate() * light.height - at_light * v.rise, view.near_w * (weight * v.rise))
+    };
+    let xy = s * xy;
+    Vec4::new(xy.x, xy.y, -s * w * view.near_z, -s * w)
+}
+
+/// Where an edge meets the near plane; `a` is the vertex of the lower index.
+pub fn on_near_plane(view: &ShadowView, a: &Corner, b: &Corner) -> Vec4 {
+    let t = a.height / (a.height - b.height);
+    let xy = a.near + (b.near - a.near) * t;
+    Vec4::new(xy.x, xy.y, view.near_z * view.near_w, view.near_w)
+}
+
+/// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
+pub fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
+    let t = a.rise / (a.rise - b.rise);
+    let xy = a.far + (b.far - a.far) * t;
+    Vec4::new(xy.x, xy.y, 0.0, 0.0)
+}

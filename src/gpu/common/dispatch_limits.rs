@@ -1,0 +1,91 @@
+//! Work cut to a device's limits: chunks for arrays that a dispatch walks along, windows for arrays it gathers from.
+
+use std::ops::Range;
+
+use super::memory::MemoryError;
+
+/// Invocations of a workgroup, in every stage that goes by items.
+pub(crate) const WORKGROUP: u32 = 256;
+/// Bindings that a gathered array may span.
+pub(crate) const WINDOWS: usize = 4;
+
+/// What a device's limits leave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Split {
+    /// Bytes that one storage binding may have, a multiple of the offset alignment.
+    pub(crate) binding: u64,
+    pub(crate) buffer: u64,
+    alignment: u64,
+    pub(crate) workgroups: u64,
+}
+
+impl Split {
+    pub(crate) fn new(limits: &wgpu::Limits) -> Self {
+        let alignment = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
+        Self {
+            binding: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / alignment * alignment,
+            buffer: limits.max_buffer_size,
+            alignment,
+            workgroups: u64::from(limits.max_compute_workgroups_per_dimension),
+        }
+    }
+
+    /// Cuts `items`, each of which takes up to `bytes_per_item` bytes of a binding, into runs that one dispatch can
+    /// walk along. Runs begin at multiples of the workgroup size, so that any array of words may be bound there.
+    pub(crate) fn chunks(
+        &self,
+        what: &'static str,
+        items: usize,
+        bytes_per_item: u64,
+    ) -> Result<Vec<Range<usize>>, MemoryError> {
+        let workgroup = u64::from(WORKGROUP);
+        let fitting = (self.binding / bytes_per_item.max(1)).min(self.workgroups * workgroup);
+        let run = fitting / workgroup * workgroup;
+        if run == 0 {
+            return Err(MemoryError::Binding { what, bytes: bytes_per_item * workgroup, limit: self.binding });
+        }
+        let run = run as usize;
+        Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
+    }
+
+    /// Cuts `bytes` into [`WINDOWS`] bindings of equal length but the last; unused ones repeat the first. Also says how
+    /// many words a window has, 0 when one holds everything.
+    pub(crate) fn windows(&self, what: &'static str, bytes: u64) -> Result<Windows, MemoryError> {
+        let limit = self.binding * WINDOWS as u64;
+        if bytes > limit {
+            return Err(MemoryError::Gathered { what, bytes, limit });
+        }
+        let single = bytes <= self.binding;
+        let ranges = std::array::from_fn(|window| {
+            let begin = self.binding * window as u64;
+            if begin < bytes { begin..bytes.min(begin + self.binding) } else { 0..bytes.min(self.binding) }
+        });
+        Ok(Windows { ranges, words: if single { 0 } else { (self.binding / 4) as u32 } })
+    }
+
+    /// The last place at or before `offset` at which a binding may begin.
+    pub(crate) fn align_down(&self, offset: u64) -> u64 {
+        offset / self.alignment * self.alignment
+    }
+
+    /// `bytes` rounded up so that a binding may begin there.
+    pub(crate) fn align_up(&self, bytes: u64) -> u64 {
+        bytes.next_multiple_of(self.alignment)
+    }
+}
+
+/// The bindings of a gathered array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Windows {
+    pub(crate) ranges: [Range<u64>; WINDOWS],
+    pub(crate) words: u32,
+}
+
+/// Part of a buffer as a binding; at least four bytes, as bindings must not be empty.
+pub(crate) fn binding(buffer: &wgpu::Buffer, range: Range<u64>) -> wgpu::BindingResource<'_> {
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        buffer,
+        offset: range.start,
+        size: std::num::NonZeroU64::new((range.end - range.start).max(4)),
+    })
+}

@@ -1,0 +1,147 @@
+//! Buffers: sizes are summed and checked before the first is made.
+
+use std::future::Future;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+
+/// One buffer that is to be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Allocation {
+    /// The buffer's label.
+    pub label: &'static str,
+    /// Its size in bytes.
+    pub bytes: u64,
+}
+
+/// Why buffers cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MemoryError {
+    /// One buffer alone is larger than the device allows.
+    #[error("{label} needs {bytes} bytes in one buffer, and the device allows {limit}; split the mesh")]
+    Buffer {
+        /// The buffer's label.
+        label: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// `max_buffer_size` of the device.
+        limit: u64,
+    },
+    /// Not even one workgroup's share fits one binding.
+    #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
+    Binding {
+        /// What is bound.
+        what: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// `max_storage_buffer_binding_size` of the device.
+        limit: u64,
+    },
+    /// An array that is gathered from spans more bindings than the shaders have.
+    #[error("{what} take {bytes} bytes, and four bindings of the device hold {limit}; split the mesh")]
+    Gathered {
+        /// What is gathered.
+        what: &'static str,
+        /// Bytes needed.
+        bytes: u64,
+        /// Four times `max_storage_buffer_binding_size` of the device.
+        limit: u64,
+    },
+    /// All buffers together exceed the caller's limit.
+    #[error("{bytes} bytes needed in all, {limit} allowed (`memory_limit`); the largest is {} with {} bytes", .largest.label, .largest.bytes)]
+    Total {
+        /// Bytes needed.
+        bytes: u64,
+        /// The limit given.
+        limit: u64,
+        /// The largest of the buffers.
+        largest: Allocation,
+    },
+    /// The device ran out of memory; what had been made was given back.
+    #[error("the device has no room for {bytes} bytes: {message}")]
+    OutOfMemory {
+        /// Bytes needed in all.
+        bytes: u64,
+        /// What the device said.
+        message: String,
+    },
+}
+
+/// Checks buffer sizes before any is made. Returns the sum.
+pub(crate) fn check(
+    allocations: &[Allocation],
+    buffer_limit: u64,
+    memory_limit: Option<u64>,
+) -> Result<u64, MemoryError> {
+    if let Some(&Allocation { label, bytes }) = allocations.iter().find(|allocation| allocation.bytes > buffer_limit) {
+        return Err(MemoryError::Buffer { label, bytes, limit: buffer_limit });
+    }
+    let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
+    if let (Some(limit), Some(&largest)) = (memory_limit, allocations.iter().max_by_key(|allocation| allocation.bytes))
+        && bytes > limit
+    {
+        return Err(MemoryError::Total { bytes, limit, largest });
+    }
+    Ok(bytes)
+}
+
+/// Runs `make`, which makes buffers of `bytes` in all, and reports running out of memory as an error.
+pub(crate) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() -> T) -> Result<T, MemoryError> {
+    scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| MemoryError::OutOfMemory { bytes, message })
+}
+
+/// Runs `make` and reports the device's errors of one kind as an error, in the device's words.
+pub(crate) fn scoped<T>(
+    device: &wgpu::Device,
+    filter: wgpu::ErrorFilter,
+    make: impl FnOnce() -> T,
+) -> Result<T, String> {
+    let scope = device.push_error_scope(filter);
+    let made = make();
+    // Ready at once on native backends; elsewhere the error goes to the device's own handler.
+    match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(Some(error)) => Err(error.to_string()),
+        _ => Ok(made),
+    }
+}
+
+/// A buffer of at least 4 bytes.
+pub(crate) fn buffer(
+    device: &wgpu::Device,
+    label: &'static str,
+    bytes: u64,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: padded(bytes),
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+/// A buffer that begins with `contents`.
+pub(crate) fn filled(
+    device: &wgpu::Device,
+    label: &'static str,
+    contents: &[u8],
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: padded(contents.len() as u64),
+        usage,
+        mapped_at_creation: true,
+    });
+    // Fails only where the buffer could not be made, which the error scope around it reports.
+    if let Ok(mut view) = buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
+        view.copy_from_slice(contents);
+    }
+    buffer.unmap();
+    buffer
+}
+
+/// What a buffer of `bytes` really takes: buffers and mappings are never empty, and whole words.
+pub(crate) fn padded(bytes: u64) -> u64 {
+    bytes.next_multiple_of(4).max(16)
+}

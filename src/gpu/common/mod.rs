@@ -1,0 +1,11 @@
+//! What every subject's stages share: pipelines, passes, buffers, limits, uniforms, timing, reading back.
+
+pub(crate) mod cache;
+pub(crate) mod dispatch_limits;
+pub(crate) mod memory;
+pub(crate) mod pass;
+pub(crate) mod pipelines;
+pub(crate) mod positions;
+pub(crate) mod readback;
+pub(crate) mod timer;
+pub(crate) mod uniforms;

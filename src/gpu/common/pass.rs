@@ -1,0 +1,99 @@
+//! A compute pass: one pipeline and its dispatches.
+
+use std::ops::Range;
+
+use super::dispatch_limits::WORKGROUP;
+use super::pipelines::Pipeline;
+use super::timer::StageTimer;
+
+/// A stage's pipeline and what it is dispatched with.
+#[derive(Debug)]
+pub(crate) struct Pass {
+    pub(crate) pipeline: Pipeline,
+    pub(crate) dispatches: Vec<Dispatch>,
+}
+
+/// One dispatch over a chunk of items for one word of lights.
+#[derive(Clone, Debug)]
+pub(crate) struct Dispatch {
+    /// The word of 32 lights.
+    pub(crate) word: usize,
+    /// The faces or edges.
+    pub(crate) items: Range<usize>,
+    /// Where its `Chunk` lies in the table of chunks.
+    pub(crate) chunk_offset: u32,
+    /// Made once all its buffers are known.
+    pub(crate) group: Option<wgpu::BindGroup>,
+    /// Dynamic offsets of the group's uniforms.
+    pub(crate) offsets: Vec<u32>,
+    pub(crate) workgroups: u32,
+}
+
+impl Dispatch {
+    /// A dispatch of one invocation an item, not bound yet.
+    pub(crate) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
+        let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
+        Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
+    }
+
+    fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
+        pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
+        pass.dispatch_workgroups(self.workgroups, 1, 1);
+    }
+
+    /// Bytes of this chunk in an array of `bytes_per_item`.
+    pub(crate) fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
+        self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
+    }
+}
+
+impl Pass {
+    /// Records the dispatches of `words`.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        words: Range<usize>,
+        timer: Option<&mut StageTimer>,
+    ) {
+        self.record_with(encoder, |dispatch| words.contains(&dispatch.word), timer, None);
+    }
+
+    /// Records one dispatch.
+    pub(crate) fn record_one(&self, encoder: &mut wgpu::CommandEncoder, index: usize, timer: Option<&mut StageTimer>) {
+        let mut pass = self.begin(encoder, timer);
+        if let Some(dispatch) = self.dispatches.get(index) {
+            dispatch.record(&mut pass);
+        }
+    }
+
+    /// Records all dispatches that `choose` takes, with a second bind group at the index given.
+    pub(crate) fn record_with(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        choose: impl Fn(&Dispatch) -> bool,
+        timer: Option<&mut StageTimer>,
+        further: Option<(u32, &wgpu::BindGroup)>,
+    ) {
+        let mut pass = self.begin(encoder, timer);
+        if let Some((index, group)) = further {
+            pass.set_bind_group(index, group, &[]);
+        }
+        for dispatch in self.dispatches.iter().filter(|dispatch| choose(dispatch)) {
+            dispatch.record(&mut pass);
+        }
+    }
+
+    /// Begins the stage's pass.
+    fn begin<'encoder>(
+        &self,
+        encoder: &'encoder mut wgpu::CommandEncoder,
+        timer: Option<&mut StageTimer>,
+    ) -> wgpu::ComputePass<'encoder> {
+        let label = self.pipeline.label;
+        let timestamp_writes = timer.and_then(|timer| timer.compute_pass(label));
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes });
+        pass.set_pipeline(&self.pipeline.compute);
+        pass
+    }
+}

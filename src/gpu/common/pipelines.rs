@@ -1,0 +1,252 @@
+//! Pipelines made from the list of stages, and what shares them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::cache::Cache;
+use crate::displace::{Displacement, plain_deform_wgsl};
+use crate::gpu::shadow::VolumeKey;
+use crate::stages::{DEFORM, Stage};
+
+/// The pipelines of one device, each compiled when it is first needed and then shared: by all that is made with the same
+/// `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one and hands it to
+/// [`Extractor::new`](crate::gpu::Extractor::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
+/// [`ShadowQuery::new`](crate::gpu::ShadowQuery::new) and [`Deformer::new`](crate::gpu::Deformer::new); each of these takes a
+/// `&wgpu::Device`, too, and then has pipelines of its own.
+///
+/// ```no_run
+/// # use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, Pipelines};
+/// # fn extractors(device: &rimline::wgpu::Device, meshes: &[rimline::Mesh]) -> Result<Vec<Extractor>, ExtractorError> {
+/// let pipelines = Pipelines::new(device);
+/// meshes.iter().map(|mesh| Extractor::new(&pipelines, mesh, ExtractorOptions::default())).collect()
+/// # }
+/// ```
+///
+/// Options, limits and formats that ask for different pipelines get different ones. Displacements share a pipeline where
+/// their sources are equal and their bind group layout is one and the same object. Everything stays until the last clone
+/// and the last thing made with it are gone, so a displacement that changes again and again is better off with the device.
+#[derive(Clone)]
+pub struct Pipelines(Arc<Shared>);
+
+struct Shared {
+    device: wgpu::Device,
+    /// By their source.
+    modules: Cache<String, wgpu::ShaderModule>,
+    layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
+    compute: Cache<ComputeKey, Pipeline>,
+    volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
+}
+
+/// A bind group layout: its label, its entries.
+type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
+
+/// All that a compute pipeline depends on.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct ComputeKey {
+    stage: &'static str,
+    entry_point: &'static str,
+    slots: &'static [Slot],
+    /// Names and bits.
+    constants: Vec<(&'static str, u64)>,
+    /// The caller's part of the module, and its bind group.
+    displacement: Option<Displacement>,
+    further: Option<wgpu::BindGroupLayout>,
+}
+
+impl Pipelines {
+    /// None yet; nothing is compiled here.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self(Arc::new(Shared {
+            device: device.clone(),
+            modules: Cache::default(),
+            layouts: Cache::default(),
+            compute: Cache::default(),
+            volumes: Cache::default(),
+        }))
+    }
+
+    /// The device they are of.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.0.device
+    }
+
+    /// Pipelines made so far, compute and render. Waits for those that other threads are making.
+    pub fn len(&self) -> usize {
+        self.0.compute.len() + self.0.volumes.len()
+    }
+
+    /// No pipeline was made yet.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The pipeline of a stage's entry point.
+    pub(crate) fn compute(
+        &self,
+        stage: &Stage,
+        entry_point: &'static str,
+        slots: &'static [Slot],
+        constants: &[(&'static str, f64)],
+    ) -> Pipeline {
+        let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
+        let key = ComputeKey { stage: stage.name, entry_point, slots, constants, displacement: None, further: None };
+        self.made(&key, || stage.wgsl())
+    }
+
+    /// The deform stage's pipeline; `further` is the layout of the displacement's bind group.
+    pub(crate) fn deform(
+        &self,
+        slots: &'static [Slot],
+        displacement: Option<&Displacement>,
+        further: Option<&wgpu::BindGroupLayout>,
+    ) -> Pipeline {
+        let key = ComputeKey {
+            stage: DEFORM.name,
+            entry_point: DEFORM.name,
+            slots,
+            constants: Vec::new(),
+            displacement: displacement.cloned(),
+            further: further.cloned(),
+        };
+        self.made(&key, || displacement.map_or_else(plain_deform_wgsl, Displacement::deform_wgsl))
+    }
+
+    fn made(&self, key: &ComputeKey, wgsl: impl Fn() -> String) -> Pipeline {
+        self.0.compute.get(self.device(), key, || Pipeline::new(self, key, &wgsl()))
+    }
+
+    /// A pipeline that draws volumes, by `make` where it is not there yet.
+    pub(crate) fn volume(&self, key: &VolumeKey, make: impl Fn() -> wgpu::RenderPipeline) -> wgpu::RenderPipeline {
+        self.0.volumes.get(self.device(), key, make)
+    }
+
+    /// A shader module.
+    pub(crate) fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
+        self.0.modules.get(self.device(), wgsl, || {
+            self.device().create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+            })
+        })
+    }
+
+    /// A bind group layout.
+    pub(crate) fn layout(
+        &self,
+        label: &'static str,
+        entries: Vec<wgpu::BindGroupLayoutEntry>,
+    ) -> wgpu::BindGroupLayout {
+        let key = (label, entries);
+        self.0.layouts.get(self.device(), &key, || {
+            let (label, entries) = (Some(key.0), &key.1[..]);
+            self.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
+        })
+    }
+}
+
+impl fmt::Debug for Pipelines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (compute, render) = (self.0.compute.len(), self.0.volumes.len());
+        f.debug_struct("Pipelines").field("compute", &compute).field("render", &render).finish_non_exhaustive()
+    }
+}
+
+/// Pipelines that nothing else shares.
+impl From<&wgpu::Device> for Pipelines {
+    fn from(device: &wgpu::Device) -> Self {
+        Self::new(device)
+    }
+}
+
+/// The same pipelines.
+impl From<&Self> for Pipelines {
+    fn from(pipelines: &Self) -> Self {
+        pipelines.clone()
+    }
+}
+
+/// What a binding of a stage holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Slot {
+    /// A uniform, of which a dispatch picks one by dynamic offset.
+    Uniform,
+    /// Storage that the stage reads.
+    Read,
+    /// Storage that the stage writes.
+    Write,
+}
+
+/// The entries of a stage's bind group layout, its bindings numbered from 0 in the order of `slots`.
+fn entries(slots: &[Slot]) -> Vec<wgpu::BindGroupLayoutEntry> {
+    let entry = |(binding, slot): (u32, &Slot)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match slot {
+                Slot::Uniform => wgpu::BufferBindingType::Uniform,
+                Slot::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                Slot::Write => wgpu::BufferBindingType::Storage { read_only: false },
+            },
+            has_dynamic_offset: *slot == Slot::Uniform,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    (0..).zip(slots).map(entry).collect()
+}
+
+/// One pipeline of a stage, with its bind group layout.
+#[derive(Clone, Debug)]
+pub(crate) struct Pipeline {
+    pub(crate) label: &'static str,
+    pub(crate) compute: wgpu::ComputePipeline,
+    pub(crate) layout: wgpu::BindGroupLayout,
+    /// Words a window of its gathered array, 0 for a single one; see `Split::windows`.
+    pub(crate) window_words: u32,
+}
+
+impl Pipeline {
+    fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
+        let ComputeKey { stage, entry_point, slots, ref constants, ref further, .. } = *key;
+        let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
+        let windows = constants.iter().find(|(name, _)| *name == "WINDOW_WORDS");
+        let module = pipelines.module(stage, wgsl);
+        let layout = pipelines.layout(stage, entries(slots));
+        let mut groups = vec![Some(&layout)];
+        groups.extend(further.as_ref().map(Some));
+        let device = pipelines.device();
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(entry_point),
+            bind_group_layouts: &groups,
+            immediate_size: 0,
+        });
+        let compute = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        Self { label: entry_point, compute, layout, window_words: windows.map_or(0, |(_, words)| *words as u32) }
+    }
+
+    /// A bind group with `resources` numbered from 0.
+    pub(crate) fn bind(&self, device: &wgpu::Device, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+        group(device, self.label, &self.layout, resources)
+    }
+}
+
+/// A bind group with `resources` numbered from 0.
+pub(crate) fn group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}

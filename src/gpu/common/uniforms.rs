@@ -1,0 +1,55 @@
+//! Uniforms: tables of structs that dispatches pick from by dynamic offset.
+
+use bytemuck::Pod;
+
+use super::memory::filled;
+
+/// What dynamic offsets of uniforms must be a multiple of, on every device.
+const ALIGNMENT: usize = 256;
+
+/// A table of equal structs under construction.
+#[derive(Debug, Default)]
+pub(crate) struct UniformTable {
+    bytes: Vec<u8>,
+}
+
+impl UniformTable {
+    /// Bytes from an entry to the next.
+    pub(crate) const fn stride<T>() -> usize {
+        size_of::<T>().next_multiple_of(ALIGNMENT)
+    }
+
+    /// Adds an entry; returns its dynamic offset.
+    pub(crate) fn push<T: Pod>(&mut self, entry: &T) -> u32 {
+        let offset = self.bytes.len();
+        self.bytes.extend_from_slice(bytemuck::bytes_of(entry));
+        self.bytes.resize(offset + Self::stride::<T>(), 0);
+        offset as u32
+    }
+
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// A uniform buffer that holds the table.
+    pub(crate) fn into_buffer(self, device: &wgpu::Device, label: &'static str) -> wgpu::Buffer {
+        filled(device, label, &self.bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
+    }
+}
+
+/// One entry of a table as a binding that a dynamic offset moves.
+pub(crate) fn entry<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    super::dispatch_limits::binding(buffer, 0..size_of::<T>() as u64)
+}
+
+/// Records that `target` be set to `contents` from here on, without touching what was recorded before: the encoder may
+/// hold several uses of it.
+pub(crate) fn upload(
+    device: &wgpu::Device,
+    encoder: &mut wgpu::CommandEncoder,
+    target: &wgpu::Buffer,
+    contents: &[u8],
+) {
+    let staging = filled(device, "upload", contents, wgpu::BufferUsages::COPY_SRC);
+    encoder.copy_buffer_to_buffer(&staging, 0, target, 0, contents.len() as u64);
+}

@@ -1,0 +1,4 @@
+//! Deforming on the GPU: morph targets, skins, displacement.
+
+pub(crate) mod deformer;
+mod model_data;

@@ -1,0 +1,184 @@
+//! Which buffers each stage's dispatches bind.
+
+use wgpu::BindingResource;
+
+use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
+use super::extractor::ExtractorOptions;
+use crate::gpu::common::dispatch_limits::{Windows, binding};
+use crate::gpu::common::pass::{Dispatch, Pass};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::positions::BoundPositions;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{Chunk, DrawShape, LightWord, Masks};
+use crate::method::{Method, Predicate};
+use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
+
+/// Makes pipelines and bind groups over an extraction's buffers.
+pub(crate) struct Binder<'a> {
+    pub(crate) pipelines: &'a Pipelines,
+    pub(crate) device: &'a wgpu::Device,
+    pub(crate) shape: &'a Shape,
+    pub(crate) buffers: &'a Buffers,
+    pub(crate) chunks: &'a wgpu::Buffer,
+    pub(crate) light_words: &'a wgpu::Buffer,
+}
+
+const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
+const EXACT_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Read];
+const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
+const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
+const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
+
+impl Binder<'_> {
+    /// The pipeline that reads positions: facing, or the per-edge method.
+    pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
+        let windows = ("WINDOW_WORDS", f64::from(window_words));
+        let predicate = options.method.predicate(options.predicate);
+        let plane = ("PLANE", f64::from(u8::from(predicate == Predicate::Plane)));
+        match options.method {
+            Method::FaceMask => {
+                let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
+                let constants = [windows, plane, exact];
+                self.pipelines.compute(&FACING, "facing", &FACING_SLOTS, &constants)
+            }
+            Method::PerEdge => {
+                let [masks, append] = emit_constants(options);
+                let constants = [windows, plane, masks, append];
+                self.pipelines.compute(&PER_EDGE, "per_edge", &EDGE_SLOTS, &constants)
+            }
+        }
+    }
+
+    /// Exact facing, which reads positions too.
+    pub(crate) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
+        let windows = [("WINDOW_WORDS", f64::from(window_words))];
+        self.pipelines.compute(&EXACT_FACING, "exact_facing", &EXACT_SLOTS, &windows)
+    }
+
+    /// The list of undecided faces; its length tells the shaders its capacity.
+    fn undecided(&self) -> BindingResource<'_> {
+        binding(&self.buffers.undecided, 0..UNDECIDED_HEAD + 4 * self.shape.undecided.max(1) as u64)
+    }
+
+    /// Binds the dispatches of a pipeline to positions.
+    pub(crate) fn bind_positions(
+        &self,
+        options: &ExtractorOptions,
+        pass: &mut Pass,
+        positions: &wgpu::Buffer,
+        bound: &BoundPositions,
+    ) {
+        for dispatch in &mut pass.dispatches {
+            let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
+            resources.extend(bound.bindings(positions));
+            if let (Method::PerEdge, Some(corners)) = (options.method, &self.buffers.edge_corners) {
+                resources.push(binding(corners, dispatch.bytes(16)));
+                resources.extend(self.emit_targets(dispatch));
+            } else {
+                resources.push(binding(&self.buffers.faces, dispatch.bytes(12)));
+                resources.push(binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4)));
+                resources.push(self.buffers.statistics.as_entire_binding());
+                resources.push(self.undecided());
+            }
+            dispatch.offsets = Self::word_and_chunk(dispatch);
+            dispatch.group = Some(pass.pipeline.bind(self.device, &resources));
+        }
+    }
+
+    /// The edges stage over facing masks.
+    pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
+        let [masks, append] = emit_constants(options);
+        let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
+        let pipeline = self.pipelines.compute(&EDGES, "edges", &EDGE_SLOTS, &constants);
+        for dispatch in &mut dispatches {
+            let facing = &self.buffers.facing[dispatch.word];
+            let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
+            resources.extend(windows.ranges.iter().map(|window| binding(facing, window.clone())));
+            resources.push(binding(&self.buffers.edge_faces, dispatch.bytes(8)));
+            resources.extend(self.emit_targets(dispatch));
+            dispatch.offsets = Self::word_and_chunk(dispatch);
+            dispatch.group = Some(pipeline.bind(self.device, &resources));
+        }
+        Pass { pipeline, dispatches }
+    }
+
+    /// Compaction in the order of the edges: count, scan, scatter.
+    pub(crate) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
+        COMPACT_ENTRY_POINTS.map(|entry_point| {
+            let pipeline = self.pipelines.compute(&COMPACT, entry_point, &COMPACT_SLOTS, &[]);
+            let scans = entry_point == "compact_scan";
+            // The scan goes over all blocks of a word at once, a workgroup a light.
+            let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
+            let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_word).cloned().collect();
+            for dispatch in &mut dispatches {
+                let resources = [
+                    entry::<Chunk>(self.chunks),
+                    self.masks_of(dispatch),
+                    self.buffers.places.as_entire_binding(),
+                    self.buffers.counts.as_entire_binding(),
+                    self.buffers.lists[dispatch.word].as_entire_binding(),
+                ];
+                dispatch.offsets = vec![dispatch.chunk_offset];
+                dispatch.group = Some(pipeline.bind(self.device, &resources));
+                if scans {
+                    dispatch.workgroups = self.at_most_workgroups(self.shape.word_lights(dispatch.word));
+                }
+            }
+            Pass { pipeline, dispatches }
+        })
+    }
+
+    /// Draw arguments of all lights, in one dispatch.
+    pub(crate) fn arguments(&self, vertices_per_edge: u32) -> Pass {
+        let Shape { edges, max_lights, capacity, .. } = *self.shape;
+        let mut table = UniformTable::default();
+        table.push(&DrawShape { lights: max_lights as u32, capacity, edges: edges as u32, vertices_per_edge });
+        let shape = table.into_buffer(self.device, "draw shape");
+        let pipeline = self.pipelines.compute(&ARGUMENTS, "arguments", &ARGUMENTS_SLOTS, &[]);
+        let resources = [
+            entry::<DrawShape>(&shape),
+            self.buffers.counts.as_entire_binding(),
+            self.buffers.draw_arguments.as_entire_binding(),
+            self.buffers.statistics.as_entire_binding(),
+        ];
+        let group = Some(pipeline.bind(self.device, &resources));
+        let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));
+        let dispatch = Dispatch { group, offsets: vec![0], workgroups, ..Dispatch::over(0, 0..max_lights, 0) };
+        Pass { pipeline, dispatches: vec![dispatch] }
+    }
+
+    /// `wanted` workgroups, or as many as the device lets one dispatch have: for stages whose workgroups take turns.
+    fn at_most_workgroups(&self, wanted: usize) -> u32 {
+        let limit = self.device.limits().max_compute_workgroups_per_dimension;
+        (wanted as u32).min(limit)
+    }
+
+    /// Masks, counts and list, as `emit.wgsl` binds them.
+    fn emit_targets(&self, dispatch: &Dispatch) -> [BindingResource<'_>; 3] {
+        let unused = self.buffers.unused.as_entire_binding();
+        let list = self.buffers.lists.get(dispatch.word).map_or(unused, wgpu::Buffer::as_entire_binding);
+        [self.masks_of(dispatch), self.buffers.counts.as_entire_binding(), list]
+    }
+
+    /// The chunk's masks: its word's, those that all words share, or nothing.
+    fn masks_of(&self, dispatch: &Dispatch) -> BindingResource<'_> {
+        match self.buffers.masks.get(dispatch.word).or(self.buffers.masks.first()) {
+            Some(masks) => binding(masks, dispatch.bytes(size_of::<Masks>() as u64)),
+            None => self.buffers.unused.as_entire_binding(),
+        }
+    }
+
+    /// Dynamic offsets of a light word and a chunk.
+    fn word_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
+        vec![dispatch.word as u32 * UniformTable::stride::<LightWord>() as u32, dispatch.chunk_offset]
+    }
+}
+
+const COMPACT_ENTRY_POINTS: [&str; 3] = ["compact_count", "compact_scan", "compact_scatter"];
+
+/// Masks are written when asked for or when ordered lists are made from them; appending makes unordered lists.
+fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
+    let ordered = options.lists.is_some_and(|lists| lists.ordered);
+    let append = options.lists.is_some() && !ordered;
+    [("WRITE_MASKS", f64::from(u8::from(options.masks || ordered))), ("APPEND", f64::from(u8::from(append)))]
+}

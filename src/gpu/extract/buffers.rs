@@ -1,0 +1,185 @@
+//! The buffers of an extraction: sizes, then the buffers.
+
+use wgpu::BufferUsages;
+
+use super::extractor::ExtractorOptions;
+use crate::cpu::extract::per_edge::edge_corners;
+use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
+use crate::method::{Method, Predicate};
+use crate::{Mesh, light};
+
+/// The numbers that sizes follow from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape {
+    pub(crate) vertices: u32,
+    pub(crate) faces: usize,
+    pub(crate) edges: usize,
+    pub(crate) max_lights: usize,
+    /// Entries that each light's list has room for; 0 without lists.
+    pub(crate) capacity: u32,
+    /// Blocks of edges that compaction counts by.
+    pub(crate) blocks: u32,
+    /// Faces that the list of undecided ones has room for; 0 without exact facing.
+    pub(crate) undecided: usize,
+}
+
+impl Shape {
+    pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> Result<Self, MemoryError> {
+        let edges = mesh.edges().len();
+        let word = options.max_lights.min(32) as u64;
+        let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
+        let capacity = match options.lists {
+            None => 0,
+            Some(lists) => match lists.capacity {
+                Some(capacity) => capacity,
+                None => default_capacity(mesh, options.max_lights).min(fitting),
+            }
+            .clamp(1, edges.max(1) as u32),
+        };
+        if capacity > fitting {
+            let bytes = u64::from(capacity) * 4 * word;
+            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding });
+        }
+        Ok(Self {
+            vertices: mesh.vertex_count(),
+            faces: mesh.faces().len(),
+            edges,
+            max_lights: options.max_lights,
+            capacity,
+            blocks: edges.div_ceil(crate::gpu::common::dispatch_limits::WORKGROUP as usize) as u32,
+            undecided: undecided_capacity(mesh, options, split),
+        })
+    }
+
+    /// Words of 32 lights.
+    pub(crate) fn words(&self) -> usize {
+        light::words(self.max_lights)
+    }
+
+    /// The most lights of a word.
+    pub(crate) fn word_lights(&self, word: usize) -> usize {
+        (self.max_lights - 32 * word).min(32)
+    }
+}
+
+/// Boundary and inconsistent edges always have room. Of the consistent ones, as many as lists of 16 bytes an edge in
+/// all give each light, which is every edge for up to four lights; and never fewer than sixteen times the square root,
+/// a few times what a smooth surface shows.
+fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
+    let counts = mesh.edges().counts();
+    let smooth = 16 * counts.consistent.isqrt();
+    let shared = 4 * counts.consistent / lights.max(1);
+    (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
+}
+
+/// Bytes before the entries of the list of undecided faces.
+pub(crate) const UNDECIDED_HEAD: u64 = 4;
+
+/// Room for every face that one dispatch takes, unless the options ask for less.
+fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
+    if options.method.predicate(options.predicate) != Predicate::Exact {
+        return 0;
+    }
+    let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;
+    let asked = options.undecided_capacity.map_or(usize::MAX, |capacity| capacity.max(1) as usize);
+    asked.min(mesh.faces().len()).min(fitting)
+}
+
+/// The buffers of an extraction, one a word of lights where there is a list of them.
+#[derive(Debug)]
+pub(crate) struct Buffers {
+    pub(crate) faces: wgpu::Buffer,
+    pub(crate) edge_vertices: wgpu::Buffer,
+    pub(crate) edge_faces: wgpu::Buffer,
+    /// Of the per-edge method.
+    pub(crate) edge_corners: Option<wgpu::Buffer>,
+    pub(crate) facing: Vec<wgpu::Buffer>,
+    /// None, one that all words share for compaction, or one a word where the masks are asked for.
+    pub(crate) masks: Vec<wgpu::Buffer>,
+    pub(crate) lists: Vec<wgpu::Buffer>,
+    pub(crate) places: wgpu::Buffer,
+    pub(crate) counts: wgpu::Buffer,
+    pub(crate) draw_arguments: wgpu::Buffer,
+    pub(crate) statistics: wgpu::Buffer,
+    /// Of exact facing.
+    pub(crate) undecided: wgpu::Buffer,
+    /// Bound where a stage's binding is not used.
+    pub(crate) unused: wgpu::Buffer,
+}
+
+impl Buffers {
+    /// `chunks` are those that a word of lights is dispatched with.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        mesh: &Mesh,
+        shape: &Shape,
+        options: &ExtractorOptions,
+        split: &Split,
+        chunks: usize,
+    ) -> Result<Self, MemoryError> {
+        let words = shape.words();
+        let per_edge = options.method == Method::PerEdge;
+        let ordered = options.lists.is_some_and(|lists| lists.ordered);
+        let mask_planes = if options.masks { words } else { usize::from(ordered) };
+        let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;
+        let lists = if options.lists.is_some() { words } else { 0 };
+        let [edges, faces] = [shape.edges as u64, shape.faces as u64];
+        let lights = shape.max_lights as u64;
+        let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
+        let undecided_bytes = UNDECIDED_HEAD + 4 * shape.undecided as u64;
+        // These are bound whole; everything else is bound by chunks or windows.
+        let bound_whole = [
+            ("places", places_bytes),
+            ("counts", lights * 4),
+            ("draw arguments", lights * size_of::<DrawArguments>() as u64),
+        ];
+        if let Some(&(what, bytes)) = bound_whole.iter().find(|&&(_, bytes)| padded(bytes) > split.binding) {
+            let limit = split.binding;
+            return Err(MemoryError::Binding { what, bytes, limit });
+        }
+
+        let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
+        wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
+        wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
+        wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
+        wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
+        wanted.push(("undecided faces", undecided_bytes));
+        wanted.extend(bound_whole);
+        wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
+        wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
+        let allocations: Vec<_> =
+            wanted.iter().map(|&(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
+        let bytes = check(&allocations, split.buffer, options.memory_limit)?;
+
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let result = storage | BufferUsages::COPY_DST;
+        guarded(device, bytes, || Self {
+            faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
+            edge_vertices: filled(device, "edge vertices", bytemuck::cast_slice(mesh.edges().vertices()), storage),
+            edge_faces: filled(device, "edge faces", bytemuck::cast_slice(mesh.edges().packed_faces()), storage),
+            edge_corners: per_edge
+                .then(|| filled(device, "edge corners", bytemuck::cast_slice(&edge_corners(mesh)), storage)),
+            facing: (0..if per_edge { 0 } else { words })
+                .map(|_| buffer(device, "facing masks", faces * 4, result))
+                .collect(),
+            masks: (0..mask_planes)
+                .map(|_| buffer(device, "edge masks", edges * size_of::<Masks>() as u64, result))
+                .collect(),
+            lists: (0..lists).map(|word| buffer(device, "edge lists", list_bytes(word), result)).collect(),
+            places: buffer(device, "places", places_bytes, storage),
+            counts: buffer(device, "counts", lights * 4, result),
+            draw_arguments: buffer(
+                device,
+                "draw arguments",
+                lights * size_of::<DrawArguments>() as u64,
+                result | BufferUsages::INDIRECT,
+            ),
+            statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
+            undecided: buffer(device, "undecided faces", undecided_bytes, result),
+            unused: buffer(device, "unused", 64, result),
+        })
+    }
+}

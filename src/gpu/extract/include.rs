@@ -1,0 +1,119 @@
+//! The WGSL include: results read in the caller's own shaders.
+
+use super::extractor::Extractor;
+use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::pipelines::group;
+use crate::gpu::common::positions::{PositionBuffer, PositionError};
+use crate::gpu::common::uniforms::UniformTable;
+use crate::layout::RimlineInfo;
+use crate::stages::INCLUDES;
+
+/// WGSL that reads the results: structs and functions that begin with `rimline_`, on bind group `group`. Put it before
+/// or after your own source. See the file `wgsl/results.wgsl` for what it offers.
+pub fn include_wgsl(group: u32) -> String {
+    let source = INCLUDES.iter().find(|(name, _)| *name == "extract/results").map_or("", |(_, source)| source);
+    source.replace("GROUP", &group.to_string())
+}
+
+/// The layout of the include's bind group, visible to the vertex, fragment and compute stages named.
+pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("rimline results"),
+        entries: &results_entries(visibility),
+    })
+}
+
+/// The entries of that layout.
+pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindGroupLayoutEntry> {
+    (0..7)
+        .map(|binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: wgpu::BindingType::Buffer {
+                ty: match binding {
+                    0 => wgpu::BufferBindingType::Uniform,
+                    _ => wgpu::BufferBindingType::Storage { read_only: true },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect()
+}
+
+/// Why the include's bind group cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IncludeError {
+    /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
+    #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
+    NoLists,
+    /// The extractor has fewer words of lights.
+    #[error("word {word} of lights asked for, and the extractor has {words}")]
+    NoSuchWord {
+        /// The word asked for.
+        word: usize,
+        /// Words there are.
+        words: usize,
+    },
+    /// The position buffer is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// An array takes more than one binding, and the include reads each from one.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+impl Extractor {
+    /// The include's bind group for 32 lights from `32 · word` on, over the positions that are drawn.
+    ///
+    /// # Errors
+    /// [`IncludeError`] when the results lack what the include reads, or an array does not fit one binding.
+    pub fn results_bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        word: usize,
+        positions: PositionBuffer<'_>,
+    ) -> Result<wgpu::BindGroup, IncludeError> {
+        let (device, split, shape) = self.parts();
+        let results = self.results();
+        if results.lists.is_empty() || results.facing.is_empty() {
+            return Err(IncludeError::NoLists);
+        }
+        let (Some(list), Some(facing)) = (results.lists.get(word), results.facing.get(word)) else {
+            return Err(IncludeError::NoSuchWord { word, words: results.lists.len() });
+        };
+        let bound = positions.bind(shape.vertices, split)?;
+        let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: split.binding };
+        if bound.windows.words != 0 {
+            let bytes = bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0);
+            return Err(too_large("positions", bytes).into());
+        }
+        for (what, buffer) in [("edge records", results.edge_vertices), ("facing masks", facing)] {
+            if buffer.size() > split.binding {
+                return Err(too_large(what, buffer.size()).into());
+            }
+        }
+        let mut table = UniformTable::default();
+        table.push(&RimlineInfo {
+            edges: shape.edges as u32,
+            capacity: shape.capacity,
+            first_light: 32 * word as u32,
+            lights: shape.word_lights(word) as u32,
+            position_offset: bound.offset_words,
+            position_stride: bound.stride_words,
+        });
+        let info = table.into_buffer(device, "rimline info");
+        let resources = [
+            info.as_entire_binding(),
+            bound.first_binding(positions.buffer),
+            results.edge_vertices.as_entire_binding(),
+            results.edge_faces.as_entire_binding(),
+            facing.as_entire_binding(),
+            list.as_entire_binding(),
+            results.counts.as_entire_binding(),
+        ];
+        Ok(group(device, "rimline results", layout, &resources))
+    }
+}

@@ -1,0 +1,7 @@
+//! The extraction of one mesh: facing, exact facing, edges, lists, draw arguments.
+
+mod bind_groups;
+pub(crate) mod buffers;
+pub(crate) mod extractor;
+pub(crate) mod include;
+pub(crate) mod results;

@@ -1,0 +1,398 @@
+//! The shadow depth query: how many faces lie strictly between each of many points and each light.
+
+use std::ops::Range;
+
+use wgpu::BufferUsages;
+
+use super::plan::{
+    CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
+};
+use crate::cpu::query::shadow_boxes::clustered;
+use crate::gpu::common::dispatch_limits::{Split, binding};
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
+use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
+use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
+use crate::{Light, Mesh};
+
+/// What a [`ShadowQuery`] has room for.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowQueryOptions {
+    /// The most points of one encode.
+    pub max_points: u32,
+    /// The most lights of one encode, 1 to [`MAX_LIGHTS`].
+    pub max_lights: usize,
+    /// Leave out runs of 32 and of 1,024 faces whose boxes the segment from point to light misses. Never changes a
+    /// depth. It pays where neighbours in the list of faces are neighbours in space.
+    pub skip: bool,
+    /// Faces × points × lights of one dispatch, about: bounds how long a dispatch takes, since some systems reset a GPU
+    /// that one keeps busy for seconds. How many dispatches go into one submission is the caller's choice.
+    pub work_per_dispatch: u64,
+    /// Refuse, before anything is allocated, to take more bytes of device memory than this.
+    pub memory_limit: Option<u64>,
+}
+
+impl Default for ShadowQueryOptions {
+    /// 65,536 points, one light, skipping, 2²⁸ triples a dispatch, no memory limit.
+    fn default() -> Self {
+        Self { max_points: 1 << 16, max_lights: 1, skip: true, work_per_dispatch: 1 << 28, memory_limit: None }
+    }
+}
+
+/// Why a query cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowQueryError {
+    /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// The mesh or the depths do not fit the device.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+}
+
+/// Why a query cannot be recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum QueryError {
+    /// The lights are refused, one with a negative `w` among them.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// The position buffer is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// The buffer of points is refused.
+    #[error("points: {0}")]
+    Points(PositionError),
+    /// More points than there is room for.
+    #[error("{count} points given, at most {limit} fit (`max_points`); query them in several encodes")]
+    TooManyPoints {
+        /// Points given.
+        count: u32,
+        /// Points that fit.
+        limit: u32,
+    },
+}
+
+const BOX_SLOTS: [Slot; 7] = [Uniform, Uniform, Read, Read, Read, Read, Write];
+const ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Write, Write];
+const DEPTH_SLOTS: [Slot; 11] = [Uniform, Uniform, Read, Read, Read, Read, Uniform, Read, Read, Write, Write];
+
+/// Counts the faces of one mesh that lie strictly between points and lights: each face once, whatever its orientation
+/// and whatever the mesh, so that on a closed one the parity tells inside from outside. A point in shadow has a depth
+/// above 0. Equal on every device to [`crate::cpu::shadow_depth`], which says what becomes of ties.
+///
+/// Records compute passes into the caller's encoder. Every face is tried against every pair of point and light, but for
+/// those that boxes leave out.
+#[derive(Debug)]
+pub struct ShadowQuery {
+    split: Split,
+    vertices: u32,
+    clusters: usize,
+    cluster_buffer: wgpu::Buffer,
+    depths: wgpu::Buffer,
+    doubts: wgpu::Buffer,
+    /// The dispatch of what is counted anew.
+    recount_dispatch: wgpu::Buffer,
+    /// Pairs of point and light that `doubts` has room for.
+    most_queries: u64,
+    pipelines: Pipelines,
+    passes: Passes,
+    options: ShadowQueryOptions,
+}
+
+/// The pipelines for positions in windows of one size.
+#[derive(Debug)]
+struct Passes {
+    boxes: Pipeline,
+    depth: Pipeline,
+    exact: Pipeline,
+    arguments: Pipeline,
+    recount: Pipeline,
+}
+
+impl Passes {
+    fn new(pipelines: &Pipelines, skip: bool, window_words: u32) -> Self {
+        let windows = ("WINDOW_WORDS", f64::from(window_words));
+        let skip = ("SKIP", f64::from(u8::from(skip)));
+        let pair = |stage: &Stage, entry_point: usize| {
+            pipelines.compute(stage, stage.entry_points[entry_point], &DEPTH_SLOTS, &[windows, skip])
+        };
+        let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
+        let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
+        Self {
+            boxes: pipelines.compute(boxes, boxes.name, &BOX_SLOTS, &[windows]),
+            depth: pair(&SHADOW_DEPTH, 0),
+            exact: pair(&EXACT_SHADOW_DEPTH, 0),
+            arguments: pipelines.compute(arguments, arguments.name, &ARGUMENTS_SLOTS, &most),
+            recount: pair(&EXACT_SHADOW_DEPTH, 1),
+        }
+    }
+}
+
+impl ShadowQuery {
+    /// Uploads the mesh's faces and makes buffers on the caller's device. `pipelines` is that device, or the [`Pipelines`]
+    /// that many meshes share.
+    ///
+    /// # Errors
+    /// [`ShadowQueryError`] for an impossible number of lights, or a mesh or results that do not fit the device's
+    /// limits, the `memory_limit` or its memory.
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        mesh: &Mesh,
+        options: ShadowQueryOptions,
+    ) -> Result<Self, ShadowQueryError> {
+        Self::with(pipelines.into(), mesh, options)
+    }
+
+    fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
+        let device = pipelines.device();
+        let ShadowQueryOptions { max_points, max_lights, skip, memory_limit, .. } = options;
+        match max_lights {
+            0 => return Err(LightError::None.into()),
+            count if count > MAX_LIGHTS => return Err(LightError::TooMany { count, limit: MAX_LIGHTS }.into()),
+            _ => {}
+        }
+        let split = Split::new(&device.limits());
+        let clusters = mesh.faces().len().div_ceil(CLUSTER);
+        cluster_chunks(&split, clusters)?;
+        let max_points = max_points.max(1);
+        let most_queries = most_queries(&split, max_points, max_lights);
+        point_chunks(&split, most_queries, max_points, max_lights, 12)?;
+        let cluster_bytes = (clusters * size_of::<FaceCluster>()) as u64;
+        let depth_bytes = u64::from(max_points) * max_lights as u64 * 4;
+        let doubt_bytes = doubt_bytes(most_queries);
+        let wanted = [("face clusters", cluster_bytes), ("depths", depth_bytes), ("doubts", doubt_bytes)];
+        let bytes = check(
+            &wanted.map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }),
+            split.buffer,
+            memory_limit,
+        )?;
+        let contents: Vec<_> = mesh.faces().chunks(CLUSTER).map(clustered).collect();
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let [cluster_buffer, depths, doubts, recount_dispatch] = guarded(device, bytes, || {
+            [
+                filled(device, "face clusters", bytemuck::cast_slice(&contents), storage),
+                buffer(device, "depths", depth_bytes, storage),
+                buffer(device, "doubts", doubt_bytes, storage),
+                buffer(device, "recount dispatch", 12, storage | BufferUsages::INDIRECT),
+            ]
+        })?;
+        Ok(Self {
+            split,
+            vertices: mesh.vertex_count(),
+            clusters,
+            cluster_buffer,
+            depths,
+            doubts,
+            recount_dispatch,
+            most_queries,
+            passes: Passes::new(&pipelines, skip, 0),
+            pipelines,
+            options,
+        })
+    }
+
+    /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
+    /// Several encodes in one encoder are fine; each overwrites the depths of the one before.
+    ///
+    /// # Errors
+    /// [`QueryError`] when lights, positions or points are refused; nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        positions: PositionBuffer<'_>,
+        points: PositionBuffer<'_>,
+        point_count: u32,
+        lights: &[Light],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), QueryError> {
+        check_shadow_lights(lights, self.options.max_lights)?;
+        let limit = self.options.max_points;
+        if point_count > limit {
+            return Err(QueryError::TooManyPoints { count: point_count, limit });
+        }
+        let bound = positions.bind(self.vertices, &self.split)?;
+        points.end(point_count).map_err(QueryError::Points)?;
+        let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
+        let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
+            .map_err(|error| QueryError::Points(error.into()))?;
+        if self.passes.depth.window_words != bound.windows.words {
+            self.passes = Passes::new(&self.pipelines, self.options.skip, bound.windows.words);
+        }
+        let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
+        let word_lights = lights.len().min(32) as u64;
+        let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * word_lights);
+        let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
+
+        let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
+        pass.set_pipeline(&self.passes.boxes.compute);
+        for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
+            let mut resources = vec![entry::<LightWord>(&tables.words), entry::<FaceRange>(&tables.ranges)];
+            resources.extend(bound.bindings(positions.buffer));
+            resources.push(binding(&self.cluster_buffer, cluster_bytes(clusters)));
+            pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
+            pass.dispatch_workgroups(clusters.len().div_ceil(GROUP) as u32, 1, 1);
+        }
+        drop(pass);
+        let mut pass = begin(encoder, SHADOW_DEPTH.name, timer);
+        let arguments = self.passes.arguments.bind(
+            self.pipelines.device(),
+            &[
+                entry::<FaceRange>(&tables.ranges),
+                binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+                binding(&self.recount_dispatch, 0..12),
+            ],
+        );
+        for (points_at, chunk) in (0_u64..).zip(&chunks) {
+            for (clusters, ranges) in clusters.iter().zip(&tables.sub_ranges) {
+                let resources =
+                    self.pair_resources(&tables, &bound, [positions, points], chunk, clusters, lights.len());
+                let bind = |pipeline: &Pipeline| pipeline.bind(self.pipelines.device(), &resources);
+                let Passes { depth, exact, recount, .. } = &self.passes;
+                let groups = [(depth, bind(depth)), (exact, bind(exact)), (recount, bind(recount))];
+                for (word, lights) in (0_u64..).zip(lights.chunks(32)) {
+                    let pairs = chunk.len() as u64 * lights.len() as u64;
+                    let chunk_offset = tables.chunk_offset(word, points_at);
+                    let word_offset = word as u32 * UniformTable::stride::<LightWord>() as u32;
+                    for &range in ranges {
+                        for (pipeline, group) in &groups {
+                            if pipeline.label == recount.label {
+                                pass.set_pipeline(&self.passes.arguments.compute);
+                                pass.set_bind_group(0, &arguments, &[range]);
+                                pass.dispatch_workgroups(1, 1, 1);
+                            }
+                            pass.set_pipeline(&pipeline.compute);
+                            pass.set_bind_group(0, group, &[word_offset, chunk_offset, range]);
+                            if pipeline.label == recount.label {
+                                pass.dispatch_workgroups_indirect(&self.recount_dispatch, 0);
+                            } else {
+                                pass.dispatch_workgroups(workgroups(pairs), 1, 1);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What the stages over pairs of point and light bind, for a run of points and of clusters.
+    fn pair_resources<'a>(
+        &'a self,
+        tables: &'a Tables,
+        bound: &BoundPositions,
+        [positions, points]: [PositionBuffer<'a>; 2],
+        chunk: &Range<u32>,
+        clusters: &Range<usize>,
+        lights: usize,
+    ) -> Vec<wgpu::BindingResource<'a>> {
+        let first_byte = points.offset + u64::from(chunk.start) * points.stride;
+        let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
+        let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
+        let mut resources = vec![entry::<LightWord>(&tables.words), entry::<PointChunk>(&tables.chunks)];
+        resources.extend(bound.bindings(positions.buffer));
+        resources.extend([
+            entry::<FaceRange>(&tables.ranges),
+            binding(&self.cluster_buffer, cluster_bytes(clusters)),
+            binding(points.buffer, self.split.align_down(first_byte)..end),
+            binding(&self.depths, depths[0]..depths[1]),
+            binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+        ]);
+        resources
+    }
+
+    /// Where the depths lie once the encoder is submitted: one `i32` a pair, point after point, of each point a number a
+    /// light of that encode. −1: the point is infinite or NaN. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
+    pub fn depths(&self) -> &wgpu::Buffer {
+        &self.depths
+    }
+
+    /// The mesh's faces in clusters with the boxes of the last encode, a [`FaceCluster`] each. Usages as above.
+    pub fn clusters(&self) -> &wgpu::Buffer {
+        &self.cluster_buffer
+    }
+}
+
+/// Begins a compute pass.
+fn begin<'encoder>(
+    encoder: &'encoder mut wgpu::CommandEncoder,
+    label: &'static str,
+    timer: Option<&mut StageTimer>,
+) -> wgpu::ComputePass<'encoder> {
+    let timestamp_writes = timer.and_then(|timer| timer.compute_pass(label));
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes })
+}
+
+fn cluster_bytes(clusters: &Range<usize>) -> Range<u64> {
+    let bytes = size_of::<FaceCluster>() as u64;
+    clusters.start as u64 * bytes..clusters.end as u64 * bytes
+}
+
+/// The uniforms of one encode, in buffers of its own, so that an encoder may hold several.
+struct Tables {
+    words: wgpu::Buffer,
+    chunks: wgpu::Buffer,
+    ranges: wgpu::Buffer,
+    point_chunks: u64,
+    /// Dynamic offsets in `ranges`: for each chunk of clusters the whole of it, and its parts.
+    whole_ranges: Vec<u32>,
+    sub_ranges: Vec<Vec<u32>>,
+}
+
+impl Tables {
+    fn new(
+        query: &ShadowQuery,
+        bound: &BoundPositions,
+        points: PositionBuffer<'_>,
+        chunks: &[Range<u32>],
+        clusters: &[Range<usize>],
+        lights: &[Light],
+        range: usize,
+    ) -> Self {
+        let mut words = UniformTable::default();
+        let mut chunk_table = UniformTable::default();
+        for (first_light, word) in (0..).step_by(32).zip(lights.chunks(32)) {
+            words.push(&LightWord::new(word, bound.offset_words, bound.stride_words));
+            for chunk in chunks {
+                let first_byte = points.offset + u64::from(chunk.start) * points.stride;
+                chunk_table.push(&PointChunk {
+                    count: chunk.len() as u32,
+                    offset: ((first_byte - query.split.align_down(first_byte)) / 4) as u32,
+                    stride: (points.stride / 4) as u32,
+                    lights: lights.len() as u32,
+                    first_light,
+                });
+            }
+        }
+        let mut ranges = UniformTable::default();
+        let mut push = |first: usize, end: usize, is_first: bool| {
+            ranges.push(&FaceRange { first: first as u32, end: end as u32, is_first: u32::from(is_first) })
+        };
+        let whole_ranges = clusters.iter().map(|chunk| push(0, chunk.len(), false)).collect();
+        let sub_ranges = clusters
+            .iter()
+            .map(|chunk| {
+                let firsts = (0..chunk.len()).step_by(range);
+                firsts.map(|first| push(first, (first + range).min(chunk.len()), chunk.start + first == 0)).collect()
+            })
+            .collect();
+        Self {
+            words: words.into_buffer(query.pipelines.device(), "light words"),
+            chunks: chunk_table.into_buffer(query.pipelines.device(), "point chunks"),
+            ranges: ranges.into_buffer(query.pipelines.device(), "face ranges"),
+            point_chunks: chunks.len() as u64,
+            whole_ranges,
+            sub_ranges,
+        }
+    }
+
+    /// The dynamic offset of a run of points for a word of lights.
+    fn chunk_offset(&self, word: u64, chunk: u64) -> u32 {
+        ((word * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
+    }
+}

@@ -1,0 +1,44 @@
+//! What Rimline is compared with and checked by: the CPU twin of each stage, the struct layouts and the list of stages.
+//!
+//! **Outside the promise of stability**: anything here may change in any release.
+
+pub use crate::method::Method;
+
+/// Structs that Rust and WGSL share.
+pub mod layout {
+    pub use crate::layout::*;
+}
+
+/// The list of stages, with their WGSL.
+pub mod stages {
+    pub use crate::stages::*;
+}
+
+/// Each stage's CPU twin, of the same file, function and test name as its WGSL. Tests compare them bit for bit.
+pub mod cpu {
+    pub use crate::cpu::extract::arguments::arguments;
+    pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
+    pub use crate::cpu::extract::edges::{edges, silhouettes_into};
+    pub use crate::cpu::extract::exact_facing::exact_facing;
+    pub use crate::cpu::extract::facing::{facing, facing_into, is_finite};
+    pub use crate::cpu::extract::per_edge::per_edge;
+    pub use crate::cpu::query::depth_arguments::depth_arguments;
+    pub use crate::cpu::query::exact_shadow_depth::exactly_between;
+    pub use crate::cpu::query::shadow_boxes::shadow_boxes;
+    pub use crate::cpu::shadow::bounds::bounds;
+    pub use crate::cpu::shadow::cap_faces::{
+        dark_cap, hole_edge, hole_side, hole_side_clipped, light_cap, near_cap, paper_cap,
+    };
+    pub use crate::cpu::shadow::caps::caps;
+    pub use crate::cpu::shadow::casting::{cap_class, casts};
+    pub use crate::cpu::shadow::choose::choose;
+    pub use crate::cpu::shadow::paper_cases::paper_cases;
+    pub use crate::cpu::shadow::shadow::{
+        Corner, away, corner, direction_to_clip, far_end, light_side, on_near_plane, parallel_to_near_plane, star,
+        to_clip,
+    };
+    pub use crate::cpu::shadow::shadow_arguments::shadow_arguments;
+    pub use crate::cpu::shadow::sides::{End, paper_side, side, side_clipped};
+    pub use crate::cpu::shadow::stencil_bound::stencil_bound;
+    pub use crate::cpu::*;
+}

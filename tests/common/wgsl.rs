@@ -1,0 +1,274 @@
+//! The WGSL by itself: files and stages, validity for naga and tint, struct layouts.
+
+mod layouts;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use naga::Module;
+use rimline::Displacement;
+use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SIDES, STAGES, Stage};
+
+type Outcome = Result<(), String>;
+/// Modules of vertex shaders, which no compute pipeline is made of.
+const VERTEX_STAGES: [Stage; 2] = [SIDES, CAP_FACES];
+
+/// A test's name and body.
+type Test = (&'static str, fn() -> Outcome);
+
+fn main() {
+    let tests: [Test; 8] = [
+        ("every_file_is_a_stage_or_an_include", files),
+        ("stages_have_twins_and_entry_points_of_their_name", names),
+        ("vertex_shaders_have_twins", vertex_shaders),
+        ("constants_are_those_of_rust", constants),
+        ("wgsl_composes", composes),
+        ("layouts_are_those_of_rust", layouts::layouts),
+        ("layouts_cover_every_bound_struct", layouts::bound_structs),
+        ("perturbed_layouts_are_noticed", layouts::perturbed_layouts),
+    ];
+    let mut trials: Vec<_> =
+        tests.into_iter().map(|(name, test)| Trial::test(name, move || test().map_err(Failed::from))).collect();
+    let tint = Trial::test("tint_accepts_every_module", || tint().map_err(Failed::from));
+    let has_tint = Command::new("tint").arg("--help").output().is_ok();
+    trials.push(tint.with_ignored_flag(!has_tint));
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+fn check_files(found: &BTreeSet<String>) -> Outcome {
+    let in_stages = STAGES.iter().chain(&VERTEX_STAGES).flat_map(|stage| stage.files).map(|(name, _)| *name);
+    let known: BTreeSet<String> =
+        in_stages.chain(INCLUDES.iter().map(|(name, _)| *name)).map(|name| format!("{name}.wgsl")).collect();
+    if *found == known {
+        return Ok(());
+    }
+    let stray: Vec<_> = found.symmetric_difference(&known).collect();
+    Err(format!("in the folder or in the list of stages, not in both: {stray:?}"))
+}
+
+/// A WGSL file outside the list of stages would be dead, untested code.
+fn files() -> Outcome {
+    let mut found = BTreeSet::new();
+    for subject in std::fs::read_dir(root().join("wgsl")).map_err(text)? {
+        let subject = subject.map_err(text)?;
+        let folder = subject.file_name().to_string_lossy().into_owned();
+        if !subject.path().is_dir() {
+            return Err(format!("{folder} lies in wgsl/ itself; every file belongs in the folder of its subject"));
+        }
+        for file in std::fs::read_dir(subject.path()).map_err(text)? {
+            found.insert(format!("{folder}/{}", file.map_err(text)?.file_name().to_string_lossy()));
+        }
+    }
+    check_files(&found)?;
+    found.insert("extract/stray.wgsl".to_owned());
+    match check_files(&found) {
+        Ok(()) => Err("negative control: a stray file went unnoticed".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+fn names() -> Outcome {
+    for stage in STAGES {
+        let (module, _) = validated(&composed_stage(&stage))?;
+        let found: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        if found != stage.entry_points {
+            return Err(format!("{}: entry points {found:?}, listed {:?}", stage.name, stage.entry_points));
+        }
+        let carries_name = |entry: &&str| **entry == *stage.name || entry.starts_with(&format!("{}_", stage.name));
+        if !found.iter().all(carries_name) {
+            return Err(format!("{}: entry points {found:?} do not carry the name", stage.name));
+        }
+        let twin = twin(&stage)?;
+        let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
+        // The stage's own name, or that of a function in its WGSL file.
+        let own = stage.files.last().map_or("", |(_, source)| source);
+        let functions = own.lines().filter_map(|line| line.strip_prefix("fn ")?.split('(').next());
+        let mut shared = functions.chain([stage.name]);
+        if !shared.any(|name| twin.contains(&format!("pub fn {name}("))) {
+            return Err(format!("{}: the twin has no public function of the stage's", stage.name));
+        }
+    }
+    Ok(())
+}
+
+/// The twin's file: in `src/cpu` where the stage's own file, the last of its module, is in `wgsl`.
+fn twin(stage: &Stage) -> Result<PathBuf, String> {
+    let own = stage.files.last().map_or("", |(name, _)| name);
+    if own.split('/').next_back() != Some(stage.name) {
+        return Err(format!("{}: its own file comes last", stage.name));
+    }
+    Ok(root().join("src/cpu").join(format!("{own}.rs")))
+}
+
+fn composed_stage(stage: &Stage) -> String {
+    match *stage {
+        DEFORM => rimline::displace::plain_deform_wgsl(),
+        SIDES => format!("{}\n{}", stage.wgsl(), rimline::gpu::include_wgsl(1)),
+        _ => stage.wgsl(),
+    }
+}
+
+fn check_vertex_shaders(stage: &Stage, twin: &str) -> Outcome {
+    let (module, _) = validated(&composed_stage(stage))?;
+    let entry_points = module.entry_points.iter().filter(|entry| entry.stage == naga::ShaderStage::Vertex);
+    let found: Vec<_> = entry_points.map(|entry| entry.name.as_str()).collect();
+    if found != stage.entry_points {
+        return Err(format!("{}: vertex shaders {found:?}, listed {:?}", stage.name, stage.entry_points));
+    }
+    match found.iter().find(|name| !twin.contains(&format!("pub fn {name}("))) {
+        Some(name) => Err(format!("{}: the twin has no public function {name}", stage.name)),
+        None => Ok(()),
+    }
+}
+
+/// A vertex shader's twin is a function of its name, in the file of its module's.
+fn vertex_shaders() -> Outcome {
+    for stage in VERTEX_STAGES {
+        let twin = twin(&stage)?;
+        let twin = std::fs::read_to_string(&twin).map_err(|error| format!("{}: {error}", twin.display()))?;
+        check_vertex_shaders(&stage, &twin)?;
+        let other = twin.replace(&format!("pub fn {}(", stage.entry_points[1]), "pub fn other(");
+        if check_vertex_shaders(&stage, &other).is_ok() {
+            return Err(format!("negative control: {} without a twin went unnoticed", stage.entry_points[1]));
+        }
+    }
+    Ok(())
+}
+
+fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
+    for (name, value) in listed {
+        let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+        let found = found.map(|(_, constant)| &module.global_expressions[constant.init]);
+        if !matches!(found, Some(naga::Expression::Literal(naga::Literal::U32(found))) if found == value) {
+            return Err(format!("{name}: WGSL has {found:?}, Rust {value}"));
+        }
+    }
+    Ok(())
+}
+
+/// What `casting` and `counting` of shared structs may hold.
+fn constants() -> Outcome {
+    use rimline::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
+    use rimline::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+    let listed = [
+        ("CAST_NOTHING", CAST_NOTHING),
+        ("CAST_AVERTED", CAST_AVERTED),
+        ("CAST_EVERY", CAST_EVERY),
+        ("COUNT_Z_PASS", COUNT_Z_PASS),
+        ("COUNT_ZP_PLUS", COUNT_ZP_PLUS),
+        ("COUNT_Z_FAIL", COUNT_Z_FAIL),
+        ("COUNT_AUTO", COUNT_AUTO),
+        ("COUNT_ZP_PAPER", COUNT_ZP_PAPER),
+    ];
+    let (module, _) = validated(&composed_stage(&SIDES))?;
+    check_constants(&module, &listed)?;
+    match check_constants(&module, &[("COUNT_AUTO", COUNT_Z_FAIL)]) {
+        Ok(()) => Err("negative control: a wrong constant went unnoticed".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+const DISPLACE: &str = "
+struct Waves { height: f32, phases: array<f32> }
+@group(1) @binding(0) var<storage, read> waves: Waves;
+fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
+  return position + vec3<f32>(0.0, waves.height * sin(time + waves.phases[vertex]), 0.0);
+}
+";
+
+const USER: &str = "
+@group(1) @binding(0) var<storage, read_write> lengths: array<f32>;
+@compute @workgroup_size(64)
+fn user(@builtin(global_invocation_id) id: vec3<u32>) {
+  if (id.x < rimline_silhouettes(0u)) {
+    let edge = rimline_silhouette(0u, id.x);
+    lengths[id.x] = distance(rimline_position(edge.a), rimline_position(edge.b));
+  }
+}
+";
+
+/// Every module that a pipeline may be made of, by name.
+fn modules() -> Result<Vec<(String, String)>, String> {
+    let mut modules: Vec<_> =
+        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
+    let displaced = Displacement::new(DISPLACE).map_err(text)?.deform_wgsl();
+    modules.push(("deform_displaced".to_owned(), displaced));
+    let include = rimline::gpu::include_wgsl(0);
+    modules.push(("results_before_user".to_owned(), format!("{include}{USER}")));
+    modules.push(("results_after_user".to_owned(), format!("{USER}{include}")));
+    Ok(modules)
+}
+
+/// Parses and validates with naga's default capabilities, as a browser would.
+fn validated(source: &str) -> Result<(Module, naga::valid::ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+    let info = validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
+    Ok((module, info))
+}
+
+/// `target/wgsl`, where every composed module is written for other tools to look at.
+fn folder() -> PathBuf {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    target.parent().unwrap_or(target).join("wgsl")
+}
+
+fn write_modules() -> Result<Vec<PathBuf>, String> {
+    std::fs::create_dir_all(folder()).map_err(text)?;
+    let mut paths = Vec::new();
+    for (name, source) in modules()? {
+        let path = folder().join(format!("{name}.wgsl"));
+        // Tests of one binary run at the same time, and a reader must never see half a file.
+        let partial = folder().join(format!("{name}.{:?}.partial", std::thread::current().id()));
+        std::fs::write(&partial, source).map_err(text)?;
+        std::fs::rename(&partial, &path).map_err(text)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+fn composes() -> Outcome {
+    write_modules()?;
+    for (name, source) in modules()? {
+        validated(&source).map_err(|error| format!("{name}: {error}"))?;
+    }
+    match validated("fn broken() -> u32 { return 1.0; }") {
+        Ok(_) => Err("negative control: naga took a wrong module".to_owned()),
+        Err(_) => Ok(()),
+    }
+}
+
+fn run_tint(path: &Path) -> Outcome {
+    let output = Command::new("tint").arg("--format").arg("wgsl").arg(path).output().map_err(text)?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    if output.status.success() && !message.contains("error:") && !message.contains("warning:") {
+        Ok(())
+    } else {
+        Err(format!("{}: {message}", path.display()))
+    }
+}
+
+fn tint() -> Outcome {
+    for path in write_modules()? {
+        run_tint(&path)?;
+    }
+    let broken = folder().join("broken_on_purpose.wgsl");
+    std::fs::write(&broken, "fn broken() -> u32 { return 1.0; }").map_err(text)?;
+    let outcome = run_tint(&broken);
+    std::fs::remove_file(&broken).map_err(text)?;
+    match outcome {
+        Ok(()) => Err("negative control: tint took a wrong module".to_owned()),
+        Err(_) => Ok(()),
+    }
+}

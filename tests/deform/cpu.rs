@@ -1,0 +1,3 @@
+//! Deforming without a device.
+
+mod displace;

@@ -1,0 +1,196 @@
+//! Deform on the GPU against its twin: within the bound that NUMERICS.md derives.
+
+use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
+use rimline::model::PoseMismatch;
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Displacement, Pose};
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::models::{random_model, random_pose};
+use rimline_measure::on_gpu::{check_deform, deformed};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("deform_equals_its_twin_within_the_bound", random_models),
+    ("displace_sees_position_vertex_and_time", displaced),
+    ("displace_reads_the_callers_bind_group", resources),
+    ("wrong_poses_and_missing_resources_are_typed_errors", refused),
+];
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+fn random_models() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 61;
+    println!("seeds from {first}");
+    for seed in first..if is_long() { first + 40 } else { first + 4 } {
+        let mut random = Random::new(seed);
+        // More than one workgroup of 256, and no multiple of it.
+        let model = random_model(&mut random, [600, 1, 256, 1111][seed as usize % 4]);
+        let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+        for _ in 0..3 {
+            let pose = random_pose(&mut random, &model);
+            let mut found = deformed(gpu, &deformer, &model, &pose)?;
+            let differ = check_deform(&found, &model, &pose)?;
+            println!("seed {seed}: {differ} of {} coordinates differ from the twin", 3 * found.len());
+            let vertex = random.below(found.len());
+            found[vertex][1] += 1e-4 * (1.0 + found[vertex][1].abs());
+            must_fail("a moved vertex", &check_deform(&found, &model, &pose))?;
+        }
+    }
+    Ok(())
+}
+
+const PASS_THROUGH: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
+  return select(vec3<f32>(f32(vertex), time, position.z), position, vertex % 2u == 0u);
+}";
+
+fn displaced() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(62);
+    let model = random_model(&mut random, 300);
+    let pose = random_pose(&mut random, &model);
+    let plain = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let undisplaced = deformed(gpu, &plain, &model, &pose)?;
+    let displacement = Displacement::new(PASS_THROUGH).map_err(text)?;
+    if displacement.uses_resources() {
+        return Err("a displacement without resources says it has some".to_owned());
+    }
+    let options = DeformerOptions { displacement: Some(&displacement), ..Default::default() };
+    let deformer = Deformer::new(&gpu.pipelines, &model, options).map_err(text)?;
+    let sources: Vec<u32> = model
+        .instances
+        .iter()
+        .flat_map(|instance| model.geometries[instance.geometry].source_vertices.iter().copied())
+        .collect();
+    // Two times in one encoder: the last one counts, and the first is not overwritten before it is used.
+    let first = gpu.storage(&undisplaced);
+    gpu.submit(|encoder| {
+        deformer.encode(encoder, &pose, 0.25, None, None).map_err(text)?;
+        encoder.copy_buffer_to_buffer(deformer.positions().buffer, 0, &first, 0, first.size());
+        deformer.encode(encoder, &pose, -7.5, None, None).map_err(text)
+    })?;
+    for (buffer, time) in [(&first, 0.25), (deformer.positions().buffer, -7.5)] {
+        let found: Vec<[f32; 3]> = gpu.read(buffer, model.vertex_count())?;
+        let function = |position: [f32; 3], vertex: u32, time: f32| match vertex % 2 {
+            0 => position,
+            _ => [vertex as f32, time, position[2]],
+        };
+        let expected: Vec<_> =
+            undisplaced.iter().zip(&sources).map(|(&position, &vertex)| function(position, vertex, time)).collect();
+        same(&format!("time {time}"), &found, &expected)?;
+        // The twin hands the closure the same vertex and time.
+        let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all());
+        for ((got, twin), vertex) in found.iter().zip(&twin).zip(&sources) {
+            if vertex % 2 != 0 {
+                same("twin", &got[..2], &twin[..2])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+const FROM_BUFFER: &str = "@group(1) @binding(3) var<storage, read> offsets: array<vec4<f32>>;
+fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
+  return offsets[vertex].xyz;
+}";
+
+fn resources() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(63);
+    let model = random_model(&mut random, 280);
+    let pose = random_pose(&mut random, &model);
+    let displacement = Displacement::new(FROM_BUFFER).map_err(text)?;
+    let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("offsets"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 3,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    });
+    let offsets: Vec<[f32; 4]> = (0..4000).map(|v| [v as f32, random.between(-9.0, 9.0), 0.5, 7.0]).collect();
+    let buffer = gpu.storage(&offsets);
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("offsets"),
+        layout: &layout,
+        entries: &[wgpu::BindGroupEntry { binding: 3, resource: buffer.as_entire_binding() }],
+    });
+    let with = |displacement_layout| DeformerOptions {
+        displacement: Some(&displacement),
+        displacement_layout,
+        memory_limit: None,
+    };
+    let error = Deformer::new(&gpu.pipelines, &model, with(None)).err();
+    same("no layout", &[error], &[Some(DeformError::Resources)])?;
+    let unasked = DeformerOptions { displacement_layout: Some(&layout), ..Default::default() };
+    let error = Deformer::new(&gpu.pipelines, &model, unasked).err();
+    same("a layout and no displacement", &[error], &[Some(DeformError::Resources)])?;
+    let empty =
+        gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("another"), entries: &[] });
+    match Deformer::new(&gpu.pipelines, &model, with(Some(&empty))) {
+        Err(DeformError::Pipeline { .. }) => {}
+        other => return Err(format!("another layout: {:?}", other.err())),
+    }
+    let deformer = Deformer::new(&gpu.pipelines, &model, with(Some(&layout))).map_err(text)?;
+    gpu.submit(|encoder| {
+        let error = deformer.encode(encoder, &pose, 0.0, None, None).err();
+        same("no bind group", &[error], &[Some(DeformError::Resources)])?;
+        deformer.encode(encoder, &pose, 0.0, Some(&group), None).map_err(text)
+    })?;
+    let found: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+    let mut expected = Vec::new();
+    for instance in &model.instances {
+        let sources = model.geometries[instance.geometry].source_vertices.iter();
+        expected.extend(sources.map(|&v| [v as f32, offsets[v as usize][1], 0.5]));
+    }
+    same("positions", &found, &expected)
+}
+
+/// What is done to a pose, and the error that it gives.
+type Perturbation = (fn(&mut Pose), PoseMismatch);
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(64);
+    let model = random_model(&mut random, 30);
+    let pose = random_pose(&mut random, &model);
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let before = deformed(gpu, &deformer, &model, &pose)?;
+    let perturbations: [Perturbation; 5] = [
+        (|pose| pose.instances.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
+        (|pose| pose.instances.push(pose.instances[0].clone()), PoseMismatch::Instances { given: 8, needed: 7 }),
+        (|pose| pose.instances[1].palette.clear(), PoseMismatch::Palette { instance: 1, given: 0, needed: 1 }),
+        (
+            |pose| pose.instances[3].morph_weights.truncate(4),
+            PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 },
+        ),
+        (
+            |pose| pose.instances[2].morph_weights.push(0.0),
+            PoseMismatch::MorphWeights { instance: 2, given: 1, needed: 0 },
+        ),
+    ];
+    for (perturb, expected) in perturbations {
+        let mut wrong = pose.clone();
+        perturb(&mut wrong);
+        gpu.submit(|encoder| {
+            let error = deformer.encode(encoder, &wrong, 0.0, None, None).err();
+            same("pose", &[error], &[Some(DeformError::Pose(expected))])
+        })?;
+    }
+    same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
+    let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };
+    match Deformer::new(&gpu.pipelines, &model, limited) {
+        Err(DeformError::Memory(MemoryError::Total { limit: 1000, .. })) => Ok(()),
+        other => Err(format!("memory limit: {:?}", other.err())),
+    }
+}

@@ -1,0 +1,5 @@
+//! The extraction without a device: the twins against brute force.
+
+mod brute_force;
+mod mesh_space_lights;
+mod predicates;

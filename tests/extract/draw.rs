@@ -1,0 +1,162 @@
+//! A caller's own render pass: indirect draws through the WGSL include.
+
+use rimline::gpu::{ListOptions, Results, include_wgsl, results_bind_group_layout};
+
+use crate::include::{LIGHTS, Scene, expected};
+use rimline_measure::cases::topologies;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::read;
+use rimline_measure::random::Random;
+use rimline_measure::{lights, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[("an_indirect_draw_covers_every_silhouette_edge_once", drawn)];
+
+/// Each valid edge colours the pixel of its own number; additive, so that one drawn twice shows.
+const PAINTER: &str = "
+const SIDE: u32 = 64u;
+override LIGHT: u32 = 0u;
+
+@vertex
+fn place(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+  let edge = rimline_silhouette(LIGHT, instance);
+  if (!edge.valid) {
+    return vec4<f32>(0.0, 0.0, 0.0, 0.0);
+  }
+  let pixel = vec2<f32>(vec2<u32>(edge.edge % SIDE, edge.edge / SIDE) + vec2<u32>(vertex & 1u, vertex >> 1u));
+  let scaled = 2.0 * pixel / f32(SIDE) - vec2<f32>(1.0);
+  return vec4<f32>(scaled.x, -scaled.y, 0.5, 1.0);
+}
+
+@fragment
+fn paint() -> @location(0) vec4<f32> {
+  return vec4<f32>(1.0 / 255.0);
+}
+";
+
+const SIDE: u32 = 64;
+
+/// The painter's pipeline for a light, over the results' bind group.
+fn pipeline(device: &wgpu::Device, results: &wgpu::BindGroupLayout, light: usize) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("painter"),
+        source: wgpu::ShaderSource::Wgsl(format!("{}{PAINTER}", include_wgsl(0)).into()),
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("painter"),
+        bind_group_layouts: &[Some(results)],
+        immediate_size: 0,
+    });
+    let added = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let constants = [("LIGHT", (light % 32) as f64)];
+    let compilation_options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("painter"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("place"),
+            compilation_options: compilation_options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("paint"),
+            compilation_options,
+            targets: &[Some(wgpu::ColorTargetState {
+                format: wgpu::TextureFormat::R8Unorm,
+                blend: Some(wgpu::BlendState { color: added, alpha: added }),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// The picture that a light's indirect draw makes, a byte an edge.
+fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
+    let device = &gpu.device;
+    let results = results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
+    let pipeline = pipeline(device, &results, light);
+    let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
+    let target = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("edges"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    let group = scene.group(&results, light / 32)?;
+    // Rows of a copied texture are 256 bytes apart.
+    let copied = gpu.storage(&vec![0_u8; 256 * SIDE as usize]);
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("edges"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw_indirect(scene.extractor.results().draw_arguments, Results::draw_offset(light));
+        drop(pass);
+        encoder.copy_texture_to_buffer(
+            target.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &copied,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None },
+            },
+            size,
+        );
+        Ok(())
+    })?;
+    let rows: Vec<u8> = gpu.read(&copied, usize::MAX)?;
+    Ok(rows.chunks(256).flat_map(|row| row[..SIDE as usize].to_vec()).collect())
+}
+
+fn drawn() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 82;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for case in topologies() {
+        let edges = case.2.edges().len();
+        if edges > (SIDE * SIDE) as usize {
+            return Err(format!("{}: {edges} edges do not fit the picture", case.0));
+        }
+        for capacity in [u32::MAX, 20] {
+            let lists = ListOptions { capacity: Some(capacity), ordered: false, vertices_per_edge: 4 };
+            let lights = lights(&mut random, LIGHTS);
+            let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
+            let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
+            for light in [3, 36] {
+                let found = draw(gpu, &scene, light)?;
+                let mut expected_pixels = vec![0_u8; (SIDE * SIDE) as usize];
+                for words in expected(&scene, &facing, light) {
+                    expected_pixels[words[1] as usize] = 1;
+                }
+                let what = format!("{}, capacity {capacity}, light {light}", case.0);
+                same(&what, &found, &expected_pixels)?;
+                expected_pixels[random.below(edges)] ^= 1;
+                must_fail("a missing edge", &same(&what, &found, &expected_pixels))?;
+            }
+        }
+    }
+    Ok(())
+}

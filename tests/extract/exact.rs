@@ -1,0 +1,269 @@
+//! Exact facing against big integers: every bit, no band, on the GPU and on the CPU.
+
+use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::shapes;
+
+use rimline_measure::cases::{case, hard_positions, topologies};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::{extract, read};
+use rimline_measure::predicates::{CLASSES, FACES, LIGHTS, Signs};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, lights, must_fail, oracle, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("exact_facing_is_exact_on_hard_positions", hard),
+    ("exact_facing_is_exact_on_any_topology", any_topology),
+    ("exact_facing_is_exact_for_triangles_of_any_magnitude", any_magnitude),
+    ("exact_facing_is_exact_about_the_window_of_fixed_point", window),
+    ("exact_facing_survives_an_overflowing_list", overflow),
+    ("exact_facing_ends_however_much_an_invocation_has_to_settle", full_invocations),
+    ("exact_facing_is_exact_for_every_class_of_pairs", every_class),
+];
+
+fn exact(max_lights: usize) -> ExtractorOptions {
+    ExtractorOptions { max_lights, masks: true, lists: None, ..Default::default() }
+}
+
+/// Every bit of GPU and twin is the oracle's.
+fn check(
+    gpu: &Gpu,
+    what: &str,
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
+    options: ExtractorOptions,
+) -> Result<(), String> {
+    let right = oracle::facing(positions, mesh.faces(), lights);
+    let twin = cpu::facing(positions, mesh.faces(), lights, Predicate::Exact, Threads::all());
+    same(&format!("{what}, twin"), &twin, &right)?;
+    let found = extract(gpu, positions, mesh, lights, options)?;
+    println!("{what}: {:?}", found.statistics);
+    same(&format!("{what}, GPU"), &found.facing, &right)?;
+    let mut wrong = found.facing;
+    wrong[mesh.faces().len() / 2] ^= 1;
+    must_fail("a flipped facing bit", &same(what, &wrong, &right))
+}
+
+fn hard() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 41;
+    println!("seeds from {first}");
+    for seed in first..if is_long() { first + 20 } else { first + 1 } {
+        for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(seed)) {
+            check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Lights on vertices, edges and faces and in their planes, beside ordinary ones.
+fn any_topology() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 42;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut cases = topologies();
+    cases.push(case("cube", shapes::cube()));
+    for (name, positions, mesh) in cases {
+        let mut lights = lights(&mut random, 20);
+        for index in 0..45 {
+            let [a, b, c] = mesh.faces()[random.below(mesh.faces().len())].map(|v| positions[v as usize]);
+            let (s, t) = match index % 3 {
+                0 => (0.0, 0.0),
+                1 => (random.between(0.0, 1.0), 0.0),
+                _ => (random.between(-2.0, 2.0), random.between(-2.0, 2.0)),
+            };
+            let on_plane: [f32; 3] = std::array::from_fn(|i| a[i] + s * (b[i] - a[i]) + t * (c[i] - a[i]));
+            lights.push(match index % 5 {
+                0 => Light::homogeneous([on_plane[0] * 3.0, on_plane[1] * 3.0, on_plane[2] * 3.0, 3.0]),
+                1 if on_plane != [0.0; 3] => Light::directional([b[0] - a[0], b[1] - a[1], b[2] - a[2]]),
+                _ => Light::point(on_plane),
+            });
+        }
+        lights.retain(|light| light.to_array() != [0.0; 4]);
+        check(gpu, &name, &positions, &mesh, &lights, exact(lights.len()))?;
+    }
+    Ok(())
+}
+
+/// A number of any exponent, or within a few of another.
+fn number(random: &mut Random, like: f32) -> f32 {
+    match random.below(6) {
+        0 => 0.0,
+        1 => like,
+        2 => f32::from_bits(like.to_bits() ^ 1),
+        3 => f32::from_bits(random.next() as u32 & 0x807f_ffff),
+        4 => random.between(-1.0, 1.0),
+        _ => loop {
+            let value = f32::from_bits(random.next() as u32);
+            if value.is_finite() {
+                break value;
+            }
+        },
+    }
+}
+
+fn any_magnitude() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 43;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for round in 0..if is_long() { 2000 } else { 20 } {
+        let mut like = 1.0;
+        let positions: Vec<[f32; 3]> = (0..40)
+            .map(|_| {
+                std::array::from_fn(|_| {
+                    like = number(&mut random, like);
+                    like
+                })
+            })
+            .collect();
+        let faces: Vec<[u32; 3]> = (0..300).map(|_| std::array::from_fn(|_| random.below(40) as u32)).collect();
+        let mesh = Mesh::new(&positions, &faces, Weld::Keep).map_err(|e| e.to_string())?;
+        let mut lights: Vec<Light> = (0..33)
+            .map(|index| {
+                let [x, y, z] = std::array::from_fn(|axis| {
+                    let like = positions[random.below(40)][axis];
+                    number(&mut random, like)
+                });
+                let w = [1.0, 0.0, number(&mut random, 1.0), -1.0, 1e-30, 1e30][index % 6];
+                Light::homogeneous([x, y, z, w])
+            })
+            .collect();
+        lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));
+        check(gpu, &format!("round {round}"), &positions, &mesh, &lights, exact(lights.len()))?;
+    }
+    Ok(())
+}
+
+/// A point of a plane whose axes have scales of their own, so that coordinates span as many bits as these differ by and
+/// 22 more; exactly on the plane, or a last bit beside it.
+fn in_scaled_plane(random: &mut Random, scales: [f32; 3]) -> [f32; 3] {
+    let bits = 1 + random.below(21);
+    let [a, b] = [0; 2].map(|_| random.below(2 << bits) as f32 - (1 << bits) as f32);
+    let [x, y, z] = scales;
+    [a * x, b * y, (a - b) * z]
+}
+
+/// Fixed point takes faces of up to 46 bits and lights of up to 48 on the GPU and 96 on the CPU: spans on both sides.
+fn window() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 45;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for round in 0..if is_long() { 2000 } else { 40 } {
+        let mut exponent = |from: i32, count: usize| 2.0_f32.powi(from + random.below(count) as i32);
+        let base = exponent(-50, 60);
+        let scales = [base, base * exponent(15, 14), base * exponent(0, 30)];
+        let positions: Vec<_> = (0..40).map(|_| in_scaled_plane(&mut random, scales)).collect();
+        let faces: Vec<[u32; 3]> = (0..200).map(|_| std::array::from_fn(|_| random.below(40) as u32)).collect();
+        let mesh = Mesh::new(&positions, &faces, Weld::Keep).map_err(|e| e.to_string())?;
+        let mut lights: Vec<Light> = (0..33)
+            .map(|index| {
+                let w = [1.0, 0.0, 3.0, -1.0, random.between(0.5, 2.0), 1024.0, 1e-6][index % 7];
+                let factor = if w == 0.0 { 1.0 } else { w };
+                let mut light = in_scaled_plane(&mut random, scales).map(|c| c * factor);
+                if index % 3 == 0 {
+                    let axis = random.below(3);
+                    light[axis] = if index % 2 == 0 { light[axis].next_up() } else { light[axis].next_down() };
+                }
+                Light::homogeneous([light[0], light[1], light[2], w])
+            })
+            .collect();
+        lights.retain(|light| light.to_array().iter().any(|&c| c != 0.0));
+        check(gpu, &format!("round {round}"), &positions, &mesh, &lights, exact(lights.len()))?;
+    }
+    Ok(())
+}
+
+fn overflow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for (name, (_, positions, mesh), lights) in hard_positions(&mut Random::new(44)) {
+        let options = ExtractorOptions { undecided_capacity: Some(3), ..exact(lights.len()) };
+        check(gpu, &name, &positions, &mesh, &lights, options)?;
+    }
+    Ok(())
+}
+
+/// The pairs of `tests/predicates.rs`: 200,000, 10 million in the long run. Each face's bit for the light that it was
+/// made for against big integers, all others against the twin.
+/// A workgroup of 64 that each have 48 faces, as many as a CPU's have; see ARCHITECTURE.md, "Decisions".
+const FULL: u32 = 64 * 48;
+
+/// Every pair beyond `f32` and beyond fixed point, 32 lights, and as many faces as fill an invocation's turns: llvmpipe
+/// ends an invocation's loops after 65,535 turns without a word.
+fn full_invocations() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 47;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut flat = || [random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0) * 1e-39];
+    let positions: Vec<[f32; 3]> = (0..3 * FULL).map(|_| flat()).collect();
+    let lights: Vec<Light> = (0..32).map(|_| Light::point(flat())).collect();
+    let faces: Vec<[u32; 3]> = (0..FULL).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| error.to_string())?;
+    let found = extract(gpu, &positions, &mesh, &lights, exact(lights.len()))?;
+    if found.statistics.undecided_pairs != 32 * FULL {
+        return Err(format!("not every pair is undecided: {:?}", found.statistics));
+    }
+    check(gpu, "flat", &positions, &mesh, &lights, exact(lights.len()))
+}
+
+fn every_class() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 45;
+    let cases = if is_long() { 10_000_000 } else { 200_000 };
+    let batches = usize::div_ceil(cases, CLASSES.len() * FACES);
+    println!("seed {seed}; {} cases", batches * CLASSES.len() * FACES);
+    let mut made: Option<(Mesh, Extractor)> = None;
+    for (number, class) in (0..).zip(&CLASSES) {
+        let mut random = Random::new(seed + 1000 * number);
+        let (mut counts, mut undecided, mut negative_control) = (Signs::default(), 0, false);
+        for index in 0..batches {
+            let what = format!("{}, batch {index}", class.name);
+            let batch = class.batch(&mut random);
+            // One mesh serves all batches: faces that share no vertex.
+            let (mesh, extractor) = match &mut made {
+                Some(made) => made,
+                none => {
+                    let mesh = Mesh::new(&batch.positions, &batch.faces, Weld::Keep).map_err(|e| e.to_string())?;
+                    let extractor =
+                        Extractor::new(&gpu.pipelines, &mesh, exact(LIGHTS)).map_err(|error| error.to_string())?;
+                    none.insert((mesh, extractor))
+                }
+            };
+            let buffer = gpu.storage(&batch.positions);
+            let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+            gpu.submit(|encoder| {
+                extractor.encode(encoder, positions, &batch.lights, None).map_err(|error| error.to_string())
+            })?;
+            let mut found = read(gpu, extractor, mesh, LIGHTS)?;
+            let twin = cpu::facing(&batch.positions, &batch.faces, &batch.lights, Predicate::Exact, Threads::all());
+            same(&format!("{what}, GPU and twin"), &found.facing, &twin)?;
+            let signs = batch.signs();
+            let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
+            let own = |masks: &[u32]| -> Vec<bool> {
+                (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
+            };
+            same(&format!("{what}, GPU"), &own(&found.facing), &right)?;
+            if !negative_control {
+                negative_control = true;
+                let face = random.below(FACES);
+                found.facing[face] ^= 1 << (face % LIGHTS);
+                must_fail("a flipped facing bit", &same(&what, &own(&found.facing), &right))?;
+            }
+            counts.count(&signs);
+            undecided += found.statistics.undecided_pairs as usize;
+        }
+        println!("{}: {counts:?}; {undecided} of {} pairs in integers", class.name, batches * FACES * LIGHTS);
+        class.check(counts)?;
+        if undecided == 0 && class.name != "random" {
+            return Err(format!("{}: the integers were never asked", class.name));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,35 @@
+//! The extraction's stages on the GPU. Without an adapter these tests fail; they are never passed over.
+
+mod assets;
+mod closure;
+mod draw;
+mod exact;
+mod facing;
+mod include;
+mod lights;
+mod limits;
+mod positions;
+mod refusals;
+mod stages;
+mod stress;
+
+use rimline_measure::harness;
+
+fn main() {
+    let tests = [
+        stages::TESTS,
+        exact::TESTS,
+        facing::TESTS,
+        closure::TESTS,
+        stress::TESTS,
+        lights::TESTS,
+        positions::TESTS,
+        include::TESTS,
+        draw::TESTS,
+        limits::TESTS,
+        refusals::TESTS,
+    ];
+    let mut trials = harness::gpu_trials(tests.concat());
+    trials.extend(assets::trials());
+    harness::run(trials);
+}

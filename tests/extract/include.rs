@@ -1,0 +1,217 @@
+//! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, IncludeError, ListOptions, PositionBuffer, include_wgsl, results_bind_group_layout,
+};
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Mesh, Method};
+use rimline_measure::shapes;
+
+use rimline_measure::cases::{Case, case, topologies};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::interleaved;
+use rimline_measure::on_gpu::read;
+use rimline_measure::random::Random;
+use rimline_measure::{lights, must_fail, same};
+
+pub(crate) const TESTS: &[Test] =
+    &[("the_include_reads_what_the_twin_finds", computed), ("the_include_refuses_what_it_cannot_read", refused)];
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+pub(crate) const LIGHTS: usize = 40;
+const OFFSET: u64 = 260;
+const STRIDE: u64 = 20;
+
+/// Eight words for each instance that a light's draw has.
+const READER: &str = "
+@group(0) @binding(0) var<storage, read> draws: array<vec4<u32>>;
+@group(0) @binding(1) var<storage, read_write> found: array<u32>;
+override LIGHT: u32 = 0u;
+
+@compute @workgroup_size(64)
+fn reader(@builtin(global_invocation_id) id: vec3<u32>) {
+  if (id.x >= draws[rimline_info.first_light + LIGHT].y) {
+    return;
+  }
+  let edge = rimline_silhouette(LIGHT, id.x);
+  let place = bitcast<u32>(rimline_position(edge.a).x) ^ bitcast<u32>(rimline_position(edge.b).y);
+  let words = array<u32, 8>(
+    u32(edge.valid), edge.edge, edge.a, edge.b, u32(edge.winding), edge.kind, place, rimline_silhouettes(LIGHT));
+  for (var at = 0u; at < 8u; at++) {
+    found[8u * id.x + at] = words[at];
+  }
+}
+";
+
+/// An extraction whose results are read by a shader of the test's.
+pub(crate) struct Scene {
+    pub(crate) mesh: Mesh,
+    positions: Vec<[f32; 3]>,
+    pub(crate) extractor: Extractor,
+    buffer: wgpu::Buffer,
+}
+
+impl Scene {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        (_, positions, mesh): Case,
+        lights: &[Light],
+        lists: ListOptions,
+    ) -> Result<Self, String> {
+        let options = ExtractorOptions { max_lights: LIGHTS, lists: Some(lists), ..Default::default() };
+        let mut scene = Self {
+            extractor: Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?,
+            buffer: gpu.storage(&interleaved(&positions, OFFSET, STRIDE)),
+            positions,
+            mesh,
+        };
+        let buffer = scene.buffer.clone();
+        gpu.submit(|encoder| scene.extractor.encode(encoder, bound(&buffer), lights, None).map_err(text))?;
+        Ok(scene)
+    }
+
+    pub(crate) fn group(&self, layout: &wgpu::BindGroupLayout, word: usize) -> Result<wgpu::BindGroup, String> {
+        self.extractor.results_bind_group(layout, word, bound(&self.buffer)).map_err(text)
+    }
+}
+
+fn bound(buffer: &wgpu::Buffer) -> PositionBuffer<'_> {
+    PositionBuffer { buffer, offset: OFFSET, stride: STRIDE }
+}
+
+/// What the reader found for a light: the valid edges, eight words each, in the order of the edges.
+fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, String> {
+    let device = &gpu.device;
+    let source = format!("{READER}{}", include_wgsl(1));
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("reader"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let results = results_bind_group_layout(device, wgpu::ShaderStages::COMPUTE);
+    let storage = |binding, read_only| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("reader"),
+        entries: &[storage(0, true), storage(1, false)],
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("reader"),
+        bind_group_layouts: &[Some(&own), Some(&results)],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("reader"),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some("reader"),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &[("LIGHT", (light % 32) as f64)],
+            ..Default::default()
+        },
+        cache: None,
+    });
+    let edges = scene.mesh.edges().len();
+    let found = gpu.storage(&vec![u32::MAX; 8 * edges]);
+    let draws = scene.extractor.results().draw_arguments;
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("reader"),
+        layout: &own,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: draws.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
+        ],
+    });
+    let results = scene.group(&results, light / 32)?;
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, &results, &[]);
+        pass.dispatch_workgroups(edges.div_ceil(64) as u32, 1, 1);
+        Ok(())
+    })?;
+    let mut valid: Vec<[u32; 8]> = gpu.read(&found, edges)?;
+    valid.retain(|words| words[0] == 1);
+    valid.sort_unstable_by_key(|words| words[1]);
+    Ok(valid)
+}
+
+/// What the reader ought to find.
+pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32; 8]> {
+    let mesh = &scene.mesh;
+    let masks = cpu::edges(mesh.edges(), facing, mesh.faces().len(), LIGHTS, Threads::ONE);
+    let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+    let list = cpu::compact(plane, light as u32 % 32, usize::MAX);
+    let entries = list.entries.iter().map(|entry| {
+        let index = entry & !cpu::WINDING;
+        let edge = mesh.edges().get(index as usize).expect("an edge of the mesh");
+        let [a, b] = edge.vertices;
+        let place = scene.positions[a as usize][0].to_bits() ^ scene.positions[b as usize][1].to_bits();
+        let winding = entry >> 31;
+        [1, index, a, b, winding, edge.kind as u32, place, list.count]
+    });
+    entries.collect()
+}
+
+fn computed() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 81;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for case in topologies() {
+        for (capacity, ordered) in [(u32::MAX, true), (u32::MAX, false), (20, true), (20, false)] {
+            let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 4 };
+            let lights = lights(&mut random, LIGHTS);
+            let scene = Scene::new(gpu, case.clone(), &lights, lists)?;
+            let facing = read(gpu, &scene.extractor, &scene.mesh, LIGHTS)?.facing;
+            for light in [0, 5, 31, 32, 39] {
+                let what = format!("{}, capacity {capacity}, light {light}", case.0);
+                let mut found = read_light(gpu, &scene, light)?;
+                let expected = expected(&scene, &facing, light);
+                same(&what, &found, &expected)?;
+                if let Some(first) = found.first_mut() {
+                    first[4] ^= 1;
+                    must_fail("a flipped winding bit", &same(&what, &found, &expected))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (_, positions, mesh) = case("cube", shapes::cube());
+    let buffer = gpu.storage(&positions);
+    let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
+    let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    let error = |options, word, positions| {
+        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        Ok::<_, String>(extractor.results_bind_group(&layout, word, positions).err())
+    };
+    let good = ExtractorOptions::default();
+    let without_lists = ExtractorOptions { lists: None, ..good };
+    let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
+    let odd = PositionBuffer { offset: 2, ..plain };
+    same("good", &[error(good, 0, plain)?], &[None])?;
+    same("no lists", &[error(without_lists, 0, plain)?], &[Some(IncludeError::NoLists)])?;
+    same("per edge", &[error(per_edge, 0, plain)?], &[Some(IncludeError::NoLists)])?;
+    let expected = IncludeError::NoSuchWord { word: 1, words: 1 };
+    same("word", &[error(good, 1, plain)?], &[Some(expected)])?;
+    match error(good, 0, odd)? {
+        Some(IncludeError::Positions(_)) => Ok(()),
+        other => Err(format!("odd offset: {other:?}")),
+    }
+}

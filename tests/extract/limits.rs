@@ -1,0 +1,127 @@
+//! Devices with less: results equal those of the shared device. What does not fit is in `refusals.rs`.
+
+use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::{Light, Mesh, Method};
+use rimline_measure::shapes::Shape;
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::models::{random_model, random_pose};
+use rimline_measure::on_gpu::{Found, check_deform, compare, interleaved, limited, read, repeated_torus, text};
+use rimline_measure::random::Random;
+use rimline_measure::{lights, same};
+
+pub(crate) const TESTS: &[Test] =
+    &[("small_limits_change_nothing", unchanged), ("small_limits_change_no_deformation", deform_unchanged)];
+
+/// How a case is run, on both devices alike.
+struct Run<'a> {
+    shape: &'a Shape,
+    lights: &'a [Light],
+    offset: u64,
+    stride: u64,
+    options: ExtractorOptions,
+}
+
+impl Run<'_> {
+    fn on(&self, gpu: &Gpu, mesh: &Mesh) -> Result<Found, String> {
+        let buffer = gpu.storage(&interleaved(&self.shape.positions, self.offset, self.stride));
+        let mut extractor = Extractor::new(&gpu.pipelines, mesh, self.options).map_err(text)?;
+        let bound = PositionBuffer { buffer: &buffer, offset: self.offset, stride: self.stride };
+        gpu.submit(|encoder| extractor.encode(encoder, bound, self.lights, None).map_err(text))?;
+        read(gpu, &extractor, mesh, self.options.max_lights)
+    }
+}
+
+fn scaled(shape: &Shape, scale: f32) -> Shape {
+    let positions = shape.positions.iter().map(|position| position.map(|c| c * scale)).collect();
+    Shape { positions, ..shape.clone() }
+}
+
+/// Bytes a binding and a buffer, workgroups, rings, segments, repeated faces, offset and stride: by the arithmetic in
+/// `windows`, positions and facing masks span one to four bindings.
+type Limited = (u64, u64, u32, [u32; 2], usize, [u64; 2]);
+
+const CASES: [Limited; 6] = [
+    (16 << 10, 1 << 20, 64, [20, 16], 0, [0, 12]),
+    (16 << 10, 1 << 20, 2, [60, 40], 0, [4, 12]),
+    (16 << 10, 1 << 20, 7, [70, 50], 3000, [260, 12]),
+    (16 << 10, 1 << 20, 64, [100, 54], 4000, [0, 12]),
+    (64 << 10, 256 << 10, 3, [80, 60], 0, [1000, 20]),
+    (64 << 10, 512 << 10, 64, [96, 64], 0, [8, 20]),
+];
+
+fn windows(bytes: u64, binding: u64) -> u64 {
+    bytes.div_ceil(binding)
+}
+
+fn unchanged() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 71;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut spans = [std::collections::BTreeSet::new(), std::collections::BTreeSet::new()];
+    for (binding, buffer, workgroups, [rings, segments], repeated, [offset, stride]) in CASES {
+        let small = limited(binding, buffer, workgroups)?;
+        let shape = repeated_torus(rings, segments, repeated);
+        let mesh = shape.mesh().map_err(text)?;
+        spans[0].insert(windows(offset % 256 + shape.positions.len() as u64 * stride, binding));
+        spans[1].insert(windows(mesh.faces().len() as u64 * 4, binding));
+        for (count, capacity) in [(1, 2000), (33, 100), (3, 1000)] {
+            let lights = lights(&mut random, count);
+            // Once so small that underflow could be anything, so that every face is undecided.
+            let scale = if count == 3 { 1e-30 } else { 1.0 };
+            let shape = scaled(&shape, scale);
+            for (method, ordered) in [(Method::FaceMask, false), (Method::FaceMask, true), (Method::PerEdge, true)] {
+                // Per-edge lists have room for all edges; where a binding does not, only the masks are compared.
+                let list_bytes = 4 * mesh.edges().len() as u64 * count.min(32) as u64;
+                let fits = method == Method::FaceMask || list_bytes <= binding;
+                let lists = ListOptions { capacity: Some(capacity), ordered, vertices_per_edge: 6 };
+                let run = Run {
+                    shape: &shape,
+                    lights: &lights,
+                    offset,
+                    stride,
+                    options: ExtractorOptions {
+                        max_lights: count,
+                        method,
+                        masks: true,
+                        lists: fits.then_some(lists),
+                        ..Default::default()
+                    },
+                };
+                let found = run.on(&small, &mesh)?;
+                let expected = run.on(gpu, &mesh)?;
+                let what = format!("{binding} bytes, {workgroups} workgroups, {rings}·{segments}, {count}, {method:?}");
+                compare(&what, &found, &expected, capacity, ordered)?;
+            }
+        }
+    }
+    let all = [1, 2, 3, 4].into();
+    if spans == [all, [1, 2, 3, 4].into()] {
+        Ok(())
+    } else {
+        Err(format!("bindings spanned by positions and facing masks: {spans:?}, meant to be 1 to 4 each"))
+    }
+}
+
+fn deform_unchanged() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(72);
+    let model = random_model(&mut random, 2500);
+    let pose = random_pose(&mut random, &model);
+    let expected = rimline_measure::on_gpu::deformed(
+        gpu,
+        &Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?,
+        &model,
+        &pose,
+    )?;
+    for (binding, workgroups) in [(32 << 10, 64), (32 << 10, 2), (64 << 10, 1)] {
+        let small = limited(binding, 1 << 20, workgroups)?;
+        let deformer = Deformer::new(&small.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+        let found = rimline_measure::on_gpu::deformed(&small, &deformer, &model, &pose)?;
+        check_deform(&found, &model, &pose)?;
+        same(&format!("{binding} bytes a binding, {workgroups} workgroups"), &found, &expected)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,116 @@
+//! A caller's own position buffer: any offset and stride, the caller's own vertex order, and what is refused.
+
+use rimline::Mesh;
+use rimline::gpu::{EncodeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, PositionError};
+use rimline::mesh::Weld;
+use rimline_measure::shapes;
+
+use rimline_measure::cases::{case, topologies};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::{extract, interleaved, read};
+use rimline_measure::random::Random;
+use rimline_measure::{lights, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("positions_lie_at_any_offset_and_stride", places),
+    ("wrong_position_buffers_are_typed_errors", refused),
+    ("faces_name_the_lowest_source_index", lowest_source_index),
+];
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+fn options() -> ExtractorOptions {
+    ExtractorOptions {
+        max_lights: 33,
+        masks: true,
+        lists: Some(ListOptions { ordered: true, ..Default::default() }),
+        ..Default::default()
+    }
+}
+
+fn places() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let lights = lights(&mut Random::new(51), 33);
+    for (name, positions, mesh) in topologies() {
+        let expected = extract(gpu, &positions, &mesh, &lights, options())?;
+        // One extractor for all, so that bind groups must follow the place.
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options()).map_err(text)?;
+        for offset in [0, 4, 252, 256, 260, 1000, 65_536 + 12] {
+            for stride in [12, 16, 20, 32, 48] {
+                let buffer = gpu.storage(&interleaved(&positions, offset, stride));
+                let bound = PositionBuffer { buffer: &buffer, offset, stride };
+                gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+                let found = read(gpu, &extractor, &mesh, lights.len())?;
+                let what = format!("{name}, offset {offset}, stride {stride}");
+                same(&what, &found.facing, &expected.facing)?;
+                same(&what, &found.masks, &expected.masks)?;
+                same(&what, &found.lists, &expected.lists)?;
+                same(&what, &[found.statistics], &[expected.statistics])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (_, positions, mesh) = case("cube", shapes::cube());
+    let buffer = gpu.storage(&positions);
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let lights = lights(&mut Random::new(52), 1);
+    let alignment = |offset, stride| PositionError::Alignment { offset, stride };
+    let too_short = |offset, stride, needed| PositionError::TooShort { vertices: 8, offset, stride, needed, bytes: 96 };
+    let mut cases = vec![
+        (0, 12, None),
+        (1, 12, Some(alignment(1, 12))),
+        (2, 12, Some(alignment(2, 12))),
+        (0, 13, Some(alignment(0, 13))),
+        (0, 8, Some(alignment(0, 8))),
+        (0, 0, Some(alignment(0, 0))),
+        (4, 12, Some(too_short(4, 12, 100))),
+        (0, 16, Some(too_short(0, 16, 124))),
+        (1 << 40, 12, Some(too_short(1 << 40, 12, 96 + (1 << 40)))),
+        (0, u64::MAX - 3, Some(too_short(0, u64::MAX - 3, u64::MAX))),
+        (u64::MAX - 3, 12, Some(too_short(u64::MAX - 3, 12, u64::MAX))),
+    ];
+    gpu.submit(|encoder| {
+        for (offset, stride, expected) in cases.drain(..) {
+            let bound = PositionBuffer { buffer: &buffer, offset, stride };
+            let error = extractor.encode(encoder, bound, &lights, None).err();
+            let what = format!("offset {offset}, stride {stride}");
+            same(&what, &[error], &[expected.map(EncodeError::Positions)])?;
+        }
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("vertices"),
+            size: 96,
+            usage: wgpu::BufferUsages::VERTEX,
+            mapped_at_creation: false,
+        });
+        let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+        let error = extractor.encode(encoder, bound, &lights, None).err();
+        same("no STORAGE", &[error], &[Some(EncodeError::Positions(PositionError::NotStorage))])
+    })
+}
+
+/// Every face has vertices of its own; welding names the first of each place, so the buffer is read as it lies.
+fn lowest_source_index() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let lights = lights(&mut Random::new(53), 33);
+    for (name, positions, mesh) in topologies() {
+        let split: Vec<_> = mesh.faces().iter().flatten().map(|&v| positions[v as usize]).collect();
+        let faces: Vec<_> = (0..mesh.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let welded = Mesh::new(&split, &faces, Weld::Data).map_err(text)?;
+        for (face, &corner) in welded.faces().iter().flatten().enumerate() {
+            let lowest = split.iter().position(|p| p == &split[face]).ok_or("not found")?;
+            same(&format!("{name}, corner {face}"), &[corner as usize], &[lowest])?;
+        }
+        let found = extract(gpu, &split, &welded, &lights, options())?;
+        let expected = extract(gpu, &positions, &mesh, &lights, options())?;
+        same(&format!("{name}, facing"), &found.facing, &expected.facing)?;
+        same(&format!("{name}, masks"), &found.masks, &expected.masks)?;
+    }
+    Ok(())
+}

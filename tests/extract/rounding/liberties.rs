@@ -1,0 +1,228 @@
+//! Arithmetic with the liberties that WGSL leaves an implementation, and the stages' `f32` formulas in it.
+
+use rimline::Light;
+
+use rimline_measure::band::scaled;
+use rimline_measure::random::Random;
+
+/// Which neighbour of an exact value is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rounding {
+    Up,
+    Down,
+    TowardsZero,
+    Nearest,
+    ByChance,
+    /// The one that makes the result larger, or smaller: the worst that can be, operation by operation.
+    Larger,
+    Smaller,
+}
+
+/// Whether a liberty is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Taken {
+    Never,
+    Always,
+    ByChance,
+}
+
+/// An implementation: how it rounds, fuses and flushes.
+pub(crate) struct Liberties {
+    random: Random,
+    rounding: Rounding,
+    fusing: Taken,
+    flushing: Taken,
+}
+
+impl Liberties {
+    pub(crate) fn new(seed: u64) -> Self {
+        let random = Random::new(seed);
+        Self { random, rounding: Rounding::ByChance, fusing: Taken::ByChance, flushing: Taken::ByChance }
+    }
+
+    /// Another implementation.
+    pub(crate) fn change(&mut self) {
+        use Rounding::{ByChance, Down, Larger, Nearest, Smaller, TowardsZero, Up};
+        const ROUNDINGS: [Rounding; 9] = [Up, Down, TowardsZero, Nearest, ByChance, Larger, Larger, Smaller, Smaller];
+        const TAKEN: [Taken; 3] = [Taken::Never, Taken::Always, Taken::ByChance];
+        self.rounding = ROUNDINGS[self.random.below(ROUNDINGS.len())];
+        self.fusing = TAKEN[self.random.below(3)];
+        self.flushing = TAKEN[self.random.below(3)];
+    }
+
+    fn takes(&mut self, liberty: Taken) -> bool {
+        match liberty {
+            Taken::Never => false,
+            Taken::Always => true,
+            Taken::ByChance => self.random.next() >> 63 != 0,
+        }
+    }
+
+    fn flush(&mut self, value: f32) -> f32 {
+        if value.is_subnormal() && self.takes(self.flushing) { 0.0 } else { value }
+    }
+
+    /// One of the two neighbours of an exact value, on whose growth the result depends with the sign of `effect`.
+    fn round(&mut self, exact: f64, effect: f64) -> f32 {
+        let near = exact as f32;
+        let [below, above] = match f64::from(near).partial_cmp(&exact) {
+            Some(std::cmp::Ordering::Less) => [near, near.next_up()],
+            Some(std::cmp::Ordering::Greater) => [near.next_down(), near],
+            _ => [near, near],
+        };
+        let is_up = match self.rounding {
+            Rounding::Up => true,
+            Rounding::Down => false,
+            Rounding::TowardsZero => exact < 0.0,
+            Rounding::Nearest => near == above,
+            Rounding::ByChance => self.takes(Taken::ByChance),
+            Rounding::Larger => effect > 0.0,
+            Rounding::Smaller => effect < 0.0,
+        };
+        let rounded = if is_up { above } else { below };
+        self.flush(rounded)
+    }
+
+    fn sum(&mut self, x: f32, y: f32, effect: f64) -> f32 {
+        let (x, y) = (self.flush(x), self.flush(y));
+        self.round(f64::from(x) + f64::from(y), effect)
+    }
+
+    /// x·y + z, fused or not; its growth and its product's have the same effect.
+    fn product_sum(&mut self, x: f32, y: f32, z: f32, effect: f64) -> f32 {
+        let (x, y) = (self.flush(x), self.flush(y));
+        let product = f64::from(x) * f64::from(y);
+        if self.takes(self.fusing) {
+            let z = self.flush(z);
+            self.round(product + f64::from(z), effect)
+        } else {
+            let product = self.round(product, effect);
+            self.sum(product, z, effect)
+        }
+    }
+
+    /// a·d − b·c, either product first.
+    fn cross(&mut self, [a, b]: [f32; 2], [c, d]: [f32; 2], effect: f64) -> f32 {
+        if self.random.next() >> 63 != 0 {
+            let second = self.product_sum(-b, c, 0.0, effect);
+            self.product_sum(a, d, second, effect)
+        } else {
+            let first = self.product_sum(a, d, 0.0, effect);
+            self.product_sum(-b, c, first, effect)
+        }
+    }
+
+    /// The determinant of the facing stage, `wgsl/facing.wgsl`; the light scaled as there.
+    pub(crate) fn determinant(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light) -> f32 {
+        // Components that are tiny beside the largest are rounded once.
+        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let l = [x, y, z];
+        // The result is u · (v × t) = v · (t × u) = t · (u × v): what each is multiplied by is its effect.
+        let exact = |p: [f32; 3], factor: f32, q: [f32; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| f64::from(p[i]) - f64::from(factor) * f64::from(q[i]))
+        };
+        let [u, v, t] = [exact(b, 1.0, a), exact(c, 1.0, a), exact(l, w, a)];
+        let [for_u, for_v, for_t] = [cross_product(v, t), cross_product(t, u), cross_product(u, v)];
+        let for_n = t;
+        let u: [f32; 3] = std::array::from_fn(|i| self.sum(b[i], -a[i], for_u[i]));
+        let v: [f32; 3] = std::array::from_fn(|i| self.sum(c[i], -a[i], for_v[i]));
+        let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i], for_t[i]));
+        let first = self.random.below(3);
+        let mut sum = 0.0;
+        for axis in [first, (first + 1) % 3, (first + 2) % 3] {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            let n = self.cross([u[y], u[z]], [v[y], v[z]], for_n[axis]);
+            sum = self.product_sum(n, t[axis], sum, 1.0);
+        }
+        self.flush(sum)
+    }
+
+    /// Runs with every rounding of a bound against it, where they are not at random: smaller is worse.
+    fn as_bound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let rounding = self.rounding;
+        if matches!(rounding, Rounding::Larger | Rounding::Smaller) {
+            self.rounding = Rounding::TowardsZero;
+        }
+        let result = run(self);
+        self.rounding = rounding;
+        result
+    }
+
+    fn add(&mut self, x: f32, y: f32) -> f32 {
+        self.sum(x, y, 1.0)
+    }
+
+    fn product(&mut self, x: f32, y: f32) -> f32 {
+        self.product_sum(x, y, 0.0, 1.0)
+    }
+
+    /// One bound for all lights, here of this one: `wgsl/filter.wgsl`, `face_bound`. `relative` is 10u there.
+    pub(crate) fn face_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+        self.as_bound(|with| with.face_bound_so_rounded(corners, light, relative))
+    }
+
+    fn face_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+        let [x, y, z, w] = scaled(light).map(|c| (c as f32).abs());
+        let w = w.max(inexact_w(light));
+        let sizes = [b, c].map(|corner| {
+            let side: [f32; 3] = std::array::from_fn(|i| self.add(corner[i], -a[i]).abs());
+            let sum = self.add(side[0], side[1]);
+            self.add(sum, side[2])
+        });
+        let size = self.product(sizes[0], sizes[1]);
+        let largest = [a, b, c].as_flattened().iter().fold(0.0_f32, |largest, c| largest.max(c.abs()));
+        let reach = (2.0 * largest).max(1.0);
+        let to_light = self.product_sum(largest, w, x.max(y).max(z), 1.0);
+        let least = self.product(2.0_f32.powi(-115), reach);
+        let least = self.product(least, reach);
+        let far = self.add(1.0, to_light);
+        let factor = self.product(relative, to_light);
+        let size = self.product(factor, size);
+        self.product_sum(least, far, size, 1.0)
+    }
+
+    /// A light's own bound: `wgsl/exact_facing.wgsl`, `filter_lights`, whose own underflow term is no smaller.
+    pub(crate) fn light_bound(&mut self, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+        self.as_bound(|with| with.light_bound_so_rounded(corners, light, relative))
+    }
+
+    fn light_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let l = [x, y, z];
+        let inexact = inexact_w(light);
+        let u: [f32; 3] = std::array::from_fn(|i| self.add(b[i], -a[i]).abs());
+        let v: [f32; 3] = std::array::from_fn(|i| self.add(c[i], -a[i]).abs());
+        let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i], 1.0).abs());
+        let q: [f32; 3] = std::array::from_fn(|i| self.product(inexact, a[i].abs()));
+        let mut size = 0.0;
+        for axis in 0..3 {
+            let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
+            let n = self.cross([u[y], u[z]], [-v[y], v[z]], 1.0);
+            let reach = self.add(t[axis], q[axis]);
+            size = self.product_sum(n, reach, size, 1.0);
+        }
+        let largest = |v: [f32; 3]| v.into_iter().fold(0.0, f32::max);
+        let reach = largest(u).max(largest(v)).max(1.0);
+        let least = self.product(2.0_f32.powi(-115), reach);
+        let least = self.product(least, reach);
+        let sum = self.add(largest(t), largest(q));
+        let sum = self.add(sum, 1.0);
+        let size = self.product(relative, size);
+        self.product_sum(least, sum, size, 1.0)
+    }
+}
+
+/// What stands for |w| where its product's error counts; NUMERICS.md, "Filter".
+fn inexact_w(light: Light) -> f32 {
+    let w = scaled(light)[3].abs();
+    match w {
+        0.0 => 0.0,
+        w if w < 2.0_f64.powi(-60) => 2.0_f32.powi(-36),
+        w if w.to_bits() << 12 == 0 => 0.0,
+        w => w as f32,
+    }
+}
+
+fn cross_product(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+}

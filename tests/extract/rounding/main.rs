@@ -1,0 +1,134 @@
+//! The band and the filter's bounds of NUMERICS.md hold for any arithmetic that WGSL allows: every rounding up, down,
+//! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
+
+mod liberties;
+mod pairs;
+
+use liberties::Liberties;
+use rimline::Light;
+use rimline_measure::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
+use rimline_measure::oracle::ExactFace;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+
+type Outcome = Result<(), String>;
+
+fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, String> {
+    let mut random = Random::new(seed);
+    let mut liberties = Liberties::new(seed + 1);
+    let mut outside = 0;
+    for round in 0..rounds {
+        let (corners, light) = pairs::hard(&mut random);
+        if !is_outside(corners, light, bound) {
+            continue;
+        }
+        outside += 1;
+        let exact = ExactFace::new(&corners, [0, 1, 2]).ok_or("no face")?.sign(light);
+        for _ in 0..4 {
+            liberties.change();
+            let determinant = liberties.determinant(corners, light);
+            if (determinant > 0.0) != (exact > 0) {
+                return Err(format!("round {round}: {corners:?}, {light:?}: {determinant:e}, exactly {exact}"));
+            }
+        }
+    }
+    Ok(outside)
+}
+
+#[test]
+fn the_band_holds_for_any_rounding() -> Outcome {
+    let seed = 101;
+    println!("seed {seed}");
+    let rounds = if is_long() { 5_000_000 } else { 60_000 };
+    let outside = certificates_hold(seed, rounds, facing_bound)?;
+    println!("{outside} of {rounds} pairs outside the band");
+    if outside * 20 < rounds || outside > rounds / 20 * 19 {
+        return Err(format!("{outside} of {rounds} outside: neither side of the band is tried enough"));
+    }
+    must_fail("a bound without the term in Q", &certificates_hold(seed, rounds, facing_bound_without_q))
+}
+
+/// A bound of the filter at a number of units of the last place.
+type FilterBound = fn(&mut Liberties, [[f32; 3]; 3], Light, f32) -> f32;
+
+/// What trials of a bound came to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Trials {
+    decided: usize,
+    /// Decided, and not the exact sign.
+    wrong: usize,
+    /// The largest error of a determinant beside its bound.
+    largest_error: f64,
+}
+
+/// Tries the filter at a relative bound of `units` of the last place.
+fn try_filter(seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Trials {
+    let mut random = Random::new(seed);
+    let mut liberties = Liberties::new(seed + 1);
+    let mut trials = Trials::default();
+    for _ in 0..rounds {
+        let (corners, light) = pairs::any(&mut random);
+        let is_large = corners.iter().flatten().any(|c| c.abs() >= 2.0_f32.powi(40));
+        let Some(face) = ExactFace::new(&corners, [0, 1, 2]) else {
+            continue;
+        };
+        // What the stages leave undecided, whatever the bound.
+        if is_large {
+            continue;
+        }
+        liberties.change();
+        let determinant = liberties.determinant(corners, light);
+        let bound = bound_of(&mut liberties, corners, light, units * f32::EPSILON);
+        // In f64 it is exact to 2⁻⁴⁹ P, and the bound is more than 2⁻²⁴ P.
+        let exact = facing_bound(corners, light).0;
+        trials.largest_error = trials.largest_error.max((f64::from(determinant) - exact).abs() / f64::from(bound));
+        if determinant.abs() > bound {
+            trials.decided += 1;
+            trials.wrong += usize::from((determinant > 0.0) != (face.sign(light) > 0));
+        }
+    }
+    trials
+}
+
+/// Nothing is decided wrongly, and no error exceeds the bound, whether it would have mattered or not.
+fn filter_holds(name: &str, seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Outcome {
+    let Trials { decided, wrong, largest_error } = try_filter(seed, rounds, units, bound_of);
+    println!(
+        "{name} bound at {units} units: {decided} of {rounds} pairs decided, {wrong} of them wrongly; the largest error \
+         is {largest_error:.3} of it"
+    );
+    if decided * 20 < rounds || decided > rounds / 20 * 19 {
+        return Err(format!("{name} bound: {decided} of {rounds} decided: neither side is tried enough"));
+    }
+    if wrong != 0 || largest_error > 1.0 {
+        return Err(format!("{name} bound at {units} units: {wrong} wrong, the largest error {largest_error} of it"));
+    }
+    Ok(())
+}
+
+/// A light's bound that forgets what may be lost with a tiny w.
+fn light_bound_without_tiny_w(with: &mut Liberties, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+    let [x, y, z, w] = light.to_array();
+    let is_tiny = scaled(light)[3].abs() < 2.0_f64.powi(-60);
+    with.light_bound(corners, Light::homogeneous([x, y, z, if is_tiny { 0.0 } else { w }]), relative)
+}
+
+/// Ten units, as NUMERICS.md, "Filter", has it, decide nothing wrongly; one unit does, and ten without a tiny w's share.
+#[test]
+fn the_filter_decides_rightly_for_any_rounding() -> Outcome {
+    let seed = 103;
+    println!("seed {seed}");
+    let rounds = if is_long() { 10_000_000 } else { 200_000 };
+    let bounds: [(&str, FilterBound); 2] = [("a light's", Liberties::light_bound), ("a face's", Liberties::face_bound)];
+    for (name, bound_of) in bounds {
+        filter_holds(name, seed, rounds, 10.0, bound_of)?;
+        let Trials { decided, wrong, .. } = try_filter(seed, 200_000, 1.0, bound_of);
+        println!("negative control: {name} bound at 1 unit decides {wrong} of {decided} wrongly");
+        if wrong == 0 {
+            return Err(format!("negative control: {name} bound at a tenth decides as well"));
+        }
+        must_fail("a tenth of the bound", &filter_holds(name, seed, 200_000, 1.0, bound_of))?;
+    }
+    let without = filter_holds("a light's, no tiny w's,", seed, 200_000, 10.0, light_bound_without_tiny_w);
+    must_fail("a bound without the error of a tiny w", &without)
+}

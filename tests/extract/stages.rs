@@ -1,0 +1,174 @@
+//! Every stage against its CPU twin.
+
+use rimline::Method;
+use rimline::gpu::{ExtractorOptions, ListOptions};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::DrawShape;
+
+use rimline_measure::band::check_facing;
+use rimline_measure::cases::topologies;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::extract;
+use rimline_measure::random::Random;
+use rimline_measure::{lights, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("edges_equal_their_twin", edges),
+    ("ordered_lists_equal_their_twin", ordered_lists),
+    ("unordered_lists_hold_the_same_edges", unordered_lists),
+    ("per_edge_keeps_to_its_lights", per_edge),
+    ("overflowing_lists_are_counted_and_drawn_whole", overflow),
+];
+
+const LIGHT_COUNTS: [usize; 6] = [1, 12, 31, 32, 33, 100];
+
+/// Lights of all counts for a case, and the masks that follow from the facing bits the GPU found: those are checked by
+/// themselves (`facing.rs`), and all that comes after is integers.
+fn edges() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 1;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for (name, positions, mesh) in topologies() {
+        for count in LIGHT_COUNTS {
+            let lights = lights(&mut random, count);
+            let options = ExtractorOptions { max_lights: count, masks: true, lists: None, ..Default::default() };
+            let found = extract(gpu, &positions, &mesh, &lights, options)?;
+            let what = format!("{name}, {count} lights");
+            check_facing(&what, &found.facing, &positions, mesh.faces(), &lights)?;
+            let masks = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
+            same(&format!("{what}, masks"), &found.masks, &masks)?;
+            let mut wrong = found.masks;
+            wrong[random.below(masks.len())].winding ^= 1;
+            must_fail("a flipped winding bit", &same(&what, &wrong, &masks))?;
+            let live = |word: usize| 1_u64.checked_shl((count - 32 * word) as u32).map_or(u64::MAX, |bit| bit - 1);
+            for (at, masks) in masks.iter().enumerate() {
+                if u64::from(masks.silhouette | masks.winding) & !live(at / mesh.edges().len()) != 0 {
+                    return Err(format!("{what}: record {at} has bits past the lights"));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn list_options(capacity: Option<u32>, ordered: bool) -> ListOptions {
+    ListOptions { capacity, ordered, vertices_per_edge: 6 }
+}
+
+fn ordered_lists() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(2);
+    for (name, positions, mesh) in topologies() {
+        for (count, masks) in LIGHT_COUNTS.into_iter().flat_map(|count| [(count, false), (count, true)]) {
+            let lights = lights(&mut random, count);
+            let options = ExtractorOptions {
+                max_lights: count,
+                masks,
+                lists: Some(list_options(None, true)),
+                ..Default::default()
+            };
+            let found = extract(gpu, &positions, &mesh, &lights, options)?;
+            let twins = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), count, Threads::all());
+            for light in 0..count {
+                let plane = &twins[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+                let twin = cpu::compact(plane, light as u32 % 32, usize::MAX);
+                let what = format!("{name}, light {light} of {count}");
+                same(&format!("{what}, list"), &found.lists[light], &twin.entries)?;
+                same(&format!("{what}, count"), &[found.counts[light]], &[twin.count])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn unordered_lists() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(3);
+    for (name, positions, mesh) in topologies() {
+        for count in LIGHT_COUNTS {
+            let lights = lights(&mut random, count);
+            let unordered = ExtractorOptions {
+                max_lights: count,
+                lists: Some(list_options(Some(u32::MAX), false)),
+                ..Default::default()
+            };
+            let ordered = ExtractorOptions { lists: Some(list_options(Some(u32::MAX), true)), ..unordered };
+            let mut found = extract(gpu, &positions, &mesh, &lights, unordered)?;
+            let expected = extract(gpu, &positions, &mesh, &lights, ordered)?;
+            found.lists.iter_mut().for_each(|list| list.sort_by_key(|entry| entry & !cpu::WINDING));
+            same(&format!("{name}, {count} lights, lists"), &found.lists, &expected.lists)?;
+            same(&format!("{name}, {count} lights, draws"), &found.draws, &expected.draws)?;
+        }
+    }
+    Ok(())
+}
+
+fn overflow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4);
+    let lights = lights(&mut random, 40);
+    for (name, positions, mesh) in topologies() {
+        let whole =
+            ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(u32::MAX), true)), ..Default::default() };
+        let whole = extract(gpu, &positions, &mesh, &lights, whole)?;
+        for ordered in [false, true] {
+            let options =
+                ExtractorOptions { max_lights: 40, lists: Some(list_options(Some(20), ordered)), ..Default::default() };
+            let found = extract(gpu, &positions, &mesh, &lights, options)?;
+            same(&format!("{name}, counts"), &found.counts, &whole.counts)?;
+            let shape = DrawShape { lights: 40, capacity: 20, edges: mesh.edges().len() as u32, vertices_per_edge: 6 };
+            let (draws, overflowed) = cpu::arguments(shape, &whole.counts);
+            same(&format!("{name}, draws"), &found.draws, &draws)?;
+            same(&format!("{name}, overflowed"), &[found.statistics.overflowed_lists], &[overflowed])?;
+            for (list, whole) in found.lists.iter().zip(&whole.lists) {
+                if ordered {
+                    same(&format!("{name}, list"), list, &whole[..whole.len().min(20)])?;
+                } else if !list.iter().all(|entry| whole.contains(entry)) {
+                    return Err(format!("{name}: a list holds what is no silhouette"));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Masks of the 2003 method have no bits past the lights, and its lists hold what its masks say.
+fn per_edge() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 6;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for (name, positions, mesh) in topologies() {
+        for (count, max_lights) in [(1, 1), (5, 5), (33, 33), (5, 100)] {
+            let lights = lights(&mut random, count);
+            let options = ExtractorOptions {
+                max_lights,
+                method: Method::PerEdge,
+                masks: true,
+                lists: Some(list_options(Some(u32::MAX), false)),
+                ..Default::default()
+            };
+            let found = extract(gpu, &positions, &mesh, &lights, options)?;
+            let what = format!("{name}, {count} lights of {max_lights}");
+            for light in 0..max_lights {
+                let plane = &found.masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+                let expected = cpu::compact(plane, light as u32 % 32, usize::MAX);
+                let expected = if light < count { expected } else { cpu::CompactedList::default() };
+                let mut list = found.lists[light].clone();
+                list.sort_by_key(|entry| entry & !cpu::WINDING);
+                same(&format!("{what}, list {light}"), &list, &expected.entries)?;
+                same(&format!("{what}, draw {light}"), &[found.draws[light].instance_count], &[expected.count])?;
+            }
+            for (word, plane) in found.masks.chunks(mesh.edges().len()).take(count.div_ceil(32)).enumerate() {
+                let lights = (count - 32 * word).min(32) as u32;
+                let past = u32::MAX.checked_shl(lights).unwrap_or(0);
+                if plane.iter().any(|masks| (masks.silhouette | masks.winding) & past != 0) {
+                    return Err(format!("{what}: bits past the lights"));
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! Meshes: welding and edge records.
+
+mod topology;

@@ -1,0 +1,239 @@
+//! Edge records against a brute-force oracle that is written from their definition.
+
+mod oracle {
+    //! The definition of edge records, word for word and quadratic at each edge.
+
+    use std::collections::HashMap;
+
+    use rimline::mesh::{Edge, EdgeKind};
+
+    /// One face at an edge: its index, its corner there, and whether it runs from the lower vertex to the upper.
+    #[derive(Clone, Copy)]
+    struct Traversal {
+        face: u32,
+        corner: usize,
+        upwards: bool,
+    }
+
+    pub(crate) fn edge_records(faces: &[[u32; 3]]) -> Vec<Edge> {
+        let mut edges: HashMap<[u32; 2], Vec<Traversal>> = HashMap::new();
+        for (face, &[a, b, c]) in faces.iter().enumerate() {
+            if a == b || b == c || c == a {
+                continue;
+            }
+            for (corner, (from, to)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+                edges.entry([from.min(to), from.max(to)]).or_default().push(Traversal {
+                    face: face as u32,
+                    corner,
+                    upwards: from < to,
+                });
+            }
+        }
+        let mut records = Vec::new();
+        for (edge, mut left) in edges {
+            // Opposite traversals first, then any two, then single ones; in each round the lowest faces first.
+            for allowed in [|a: Traversal, b: Traversal| a.upwards != b.upwards, |_, _| true] {
+                while let Some((i, j)) = first_pair(&left, allowed) {
+                    let second = left.remove(j);
+                    let first = left.remove(i);
+                    records.push(record(edge, first, Some(second)));
+                }
+            }
+            records.extend(left.into_iter().map(|single| record(edge, single, None)));
+        }
+        records.sort_by_key(|&(place, _)| place);
+        records.into_iter().map(|(_, edge)| edge).collect()
+    }
+
+    fn first_pair(left: &[Traversal], allowed: fn(Traversal, Traversal) -> bool) -> Option<(usize, usize)> {
+        (0..left.len()).flat_map(|i| (i + 1..left.len()).map(move |j| (i, j))).find(|&(i, j)| allowed(left[i], left[j]))
+    }
+
+    fn record([low, high]: [u32; 2], first: Traversal, second: Option<Traversal>) -> ((u32, usize), Edge) {
+        let kind = match second {
+            None => EdgeKind::Boundary,
+            Some(second) if second.upwards == first.upwards => EdgeKind::Inconsistent,
+            Some(_) => EdgeKind::Consistent,
+        };
+        let edge = Edge {
+            vertices: if first.upwards { [low, high] } else { [high, low] },
+            face_0: first.face,
+            face_1: second.map(|second| second.face),
+            kind,
+        };
+        ((first.face, first.corner), edge)
+    }
+}
+
+use rimline::Mesh;
+use rimline::mesh::{Edge, EdgeCounts, EdgeKind};
+use rimline_measure::shapes::{self, Shape};
+
+/// Random numbers for the soups (xorshift64*).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u32) -> u32 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        ((self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) % u64::from(bound)) as u32
+    }
+}
+
+/// Faces thrown over few vertices: most edges have many faces, many faces are duplicates or degenerate. Each vertex
+/// has a place of its own.
+fn soup(seed: u64) -> Shape {
+    let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    let vertices = 3 + random.below(if seed.is_multiple_of(3) { 40 } else { 8 });
+    let faces = 1 + random.below(120);
+    Shape {
+        positions: (0..vertices).map(|v| [v as f32, 0.0, 0.0]).collect(),
+        faces: (0..faces).map(|_| [(); 3].map(|()| random.below(vertices))).collect(),
+    }
+}
+
+fn mesh(shape: &Shape) -> Mesh {
+    shape.mesh().expect("a mesh")
+}
+
+/// The first difference between a mesh's records and the oracle's.
+fn difference(records: &[Edge], faces: &[[u32; 3]]) -> Option<String> {
+    let expected = oracle::edge_records(faces);
+    if records.len() != expected.len() {
+        return Some(format!("{} records, not {}", records.len(), expected.len()));
+    }
+    let place = records.iter().zip(&expected).position(|(a, b)| a != b)?;
+    Some(format!("record {place}: {:?}, not {:?}", records[place], expected[place]))
+}
+
+fn assert_like_oracle(name: &str, shape: &Shape) {
+    let mesh = mesh(shape);
+    let records: Vec<Edge> = mesh.edges().iter().collect();
+    assert_eq!(difference(&records, &shape.faces), None, "{name}");
+    let count = |kind| records.iter().filter(|edge| edge.kind == kind).count();
+    let counts = EdgeCounts {
+        consistent: count(EdgeKind::Consistent),
+        inconsistent: count(EdgeKind::Inconsistent),
+        boundary: count(EdgeKind::Boundary),
+    };
+    assert_eq!(mesh.edges().counts(), counts, "{name}");
+    assert_eq!(mesh.edges().get(0), records.first().copied(), "{name}");
+    assert_eq!(mesh.edges().get(records.len()), None, "{name}");
+}
+
+fn all_shapes() -> Vec<(&'static str, Shape)> {
+    vec![
+        ("cube", shapes::cube()),
+        ("torus", shapes::torus(17, 9, 1.0, 0.25)),
+        ("sphere", shapes::sphere(7)),
+        ("blob", shapes::blob(9, 0.4, 1)),
+        ("plane grid", shapes::plane_grid(6, 5)),
+        ("moebius", shapes::moebius(12, 3)),
+        ("three sheets", shapes::three_sheets(5)),
+        ("fan of few", shapes::fan(11)),
+        // Hubs with more edges than the insertion sort takes: the second counting sort.
+        ("fan of many", shapes::fan(500)),
+    ]
+}
+
+#[test]
+fn random_soups_give_the_oracle_s_records() {
+    for seed in 0..600 {
+        assert_like_oracle(&format!("seed {seed}"), &soup(seed));
+    }
+}
+
+#[test]
+fn shapes_give_the_oracle_s_records() {
+    for (name, shape) in all_shapes() {
+        assert_like_oracle(name, &shape);
+        assert_like_oracle(&format!("{name}, shuffled"), &shape.shuffled(1));
+    }
+}
+
+#[test]
+fn a_hub_in_a_soup_gives_the_oracle_s_records() {
+    for seed in 0..40 {
+        let (mut fan, soup) = (shapes::fan(60 + seed), soup(u64::from(seed)));
+        let count = fan.positions.len() as u32;
+        fan.faces.extend(soup.faces.iter().map(|face| face.map(|v| v % count)));
+        assert_like_oracle(&format!("seed {seed}"), &fan);
+        assert_like_oracle(&format!("seed {seed}, shuffled"), &fan.shuffled(u64::from(seed)));
+    }
+}
+
+#[test]
+fn the_comparison_notices_one_changed_record() {
+    // Closed, so every change is one.
+    let shape = shapes::torus(5, 4, 1.0, 0.25);
+    let records: Vec<Edge> = mesh(&shape).edges().iter().collect();
+    let changes: [fn(&mut Vec<Edge>); 6] = [
+        |records| records[20].vertices.swap(0, 1),
+        |records| records[20].face_0 += 1,
+        |records| records[20].face_1 = None,
+        |records| records[20].kind = EdgeKind::Boundary,
+        |records| records.swap(20, 21),
+        |records| records.truncate(records.len() - 1),
+    ];
+    assert_eq!(difference(&records, &shape.faces), None);
+    for (index, change) in changes.iter().enumerate() {
+        let mut changed = records.clone();
+        change(&mut changed);
+        assert!(difference(&changed, &shape.faces).is_some(), "change {index}");
+    }
+}
+
+/// How often each undirected edge, named by its ends' positions, has a record of each kind.
+fn summary(shape: &Shape) -> Vec<([[u32; 3]; 2], EdgeKind)> {
+    let at = |v: u32| shape.positions[v as usize].map(f32::to_bits);
+    let mut summary: Vec<_> = mesh(shape)
+        .edges()
+        .iter()
+        .map(|edge| {
+            let mut ends = edge.vertices.map(at);
+            ends.sort_unstable();
+            (ends, edge.kind)
+        })
+        .collect();
+    summary.sort_unstable_by_key(|&(ends, kind)| (ends, kind as u8));
+    summary
+}
+
+#[test]
+fn shuffling_keeps_edges_and_kinds() {
+    let soups = (0..200).map(soup);
+    let shapes = all_shapes().into_iter().map(|(_, shape)| shape);
+    for (index, shape) in soups.chain(shapes).enumerate() {
+        // Also where an edge has more than two faces: how many pair up oppositely, and alike, is a matter of counts.
+        assert_eq!(summary(&shape.shuffled(index as u64)), summary(&shape), "mesh {index}");
+    }
+}
+
+#[test]
+fn every_face_edge_is_in_one_record() {
+    for seed in 0..200 {
+        let shape = soup(seed);
+        let mesh = mesh(&shape);
+        let sides: usize = mesh.edges().iter().map(|edge| 1 + usize::from(edge.face_1.is_some())).sum();
+        assert_eq!(sides, 3 * (mesh.faces().len() - mesh.degenerate_faces()), "seed {seed}");
+        assert!(mesh.edges().iter().all(|edge| edge.face_1.is_none_or(|face_1| edge.face_0 < face_1)), "seed {seed}");
+    }
+}
+
+#[test]
+fn closed_meshes_take_at_most_28_bytes_a_face() {
+    for (name, shape) in all_shapes() {
+        let mesh = mesh(&shape);
+        let limit = if mesh.is_closed() { 28 } else { 48 };
+        let (bytes, faces) = (mesh.topology_bytes(), shape.faces.len());
+        assert!(bytes <= limit * faces, "{name}: {bytes} bytes for {faces} faces");
+    }
+}
+
+#[test]
+fn faces_that_are_all_degenerate_have_no_records() {
+    let mesh = Mesh::from_faces(2, vec![[0, 0, 1], [1, 1, 1]]).expect("a mesh");
+    assert!(mesh.edges().is_empty());
+    assert_eq!((mesh.degenerate_faces(), mesh.topology_bytes()), (2, 0));
+}

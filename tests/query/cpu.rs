@@ -1,0 +1,3 @@
+//! The shadow depth query without a device.
+
+mod shadow_depth;

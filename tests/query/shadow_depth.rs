@@ -1,0 +1,191 @@
+//! The shadow depth query's CPU twin: against brute force, and what must hold of any such count.
+
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, LightError};
+use rimline_measure::random::Random;
+use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
+use rimline_measure::shapes::{self, Shape};
+use rimline_measure::{is_long, must_fail, same, shadow_oracle};
+
+type Outcome = Result<(), String>;
+
+fn depths(shape: &Shape, points: &[[f32; 3]], lights: &[Light]) -> Vec<i32> {
+    cpu::shadow_depth(&shape.positions, &shape.faces, points, lights, Threads::all()).expect("good lights")
+}
+
+fn case_depths(case: &ShadowCase) -> Vec<i32> {
+    depths(&case.shape, &case.points, &case.lights)
+}
+
+#[test]
+fn cases_worked_by_hand() {
+    let shape = Shape {
+        positions: vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
+        faces: vec![[0, 1, 2], [2, 1, 0], [0, 0, 1]],
+    };
+    let below = [1.0, 1.0, -1.0];
+    let one = |point, light| depths(&shape, &[point], &[light])[0];
+    assert_eq!(one(below, Light::point([1.0, 1.0, 1.0])), 2, "twice there, once each way round");
+    assert_eq!(one(below, Light::point([1.0, 1.0, -0.5])), 0, "before it");
+    assert_eq!(one(below, Light::directional([0.0, 0.0, 1.0])), 2);
+    assert_eq!(one(below, Light::directional([0.0, 0.0, -1.0])), 0);
+    assert_eq!(one([3.0, 3.0, -1.0], Light::directional([0.0, 0.0, 1.0])), 0, "beside it");
+    assert_eq!(one([1.0, 1.0, 0.0], Light::directional([0.0, 0.0, 1.0])), 0, "on it");
+    assert_eq!(one(below, Light::point([1.0, 1.0, 0.0])), 0, "the light on it");
+    assert_eq!(one([9.0, 1.0, 0.0], Light::point([-9.0, 1.0, 0.0])), 0, "along it");
+    // Through the edge y = 0: the light moves towards +y next to nothing, and the line with it, into the face.
+    assert_eq!(one([1.0, 0.0, -1.0], Light::point([1.0, 0.0, 1.0])), 2);
+    // Through the vertex at the origin, and through the one on the x axis, which the line leaves towards +x.
+    assert_eq!(one([0.0, 0.0, -1.0], Light::point([0.0, 0.0, 1.0])), 2);
+    assert_eq!(one([4.0, 0.0, -1.0], Light::point([4.0, 0.0, 1.0])), 0);
+    assert_eq!(one([f32::NAN, 0.0, 0.0], Light::point([4.0, 0.0, 1.0])), -1);
+    assert!(depths(&shape, &[], &[Light::point([0.0; 3])]).is_empty());
+}
+
+#[test]
+fn refused_lights() {
+    let refused = |lights: &[Light]| {
+        cpu::shadow_depth(&[[0.0; 3]], &[[0, 0, 0]], &[[0.0; 3]], lights, Threads::ONE).expect_err("a bad light")
+    };
+    let good = Light::point([1.0, 2.0, 3.0]);
+    assert_eq!(refused(&[]), LightError::None);
+    assert_eq!(refused(&[good, Light::homogeneous([0.0; 4])]), LightError::Zero { index: 1 });
+    let negative = refused(&[good, good, Light::homogeneous([1.0, 1.0, 1.0, -2.0])]);
+    assert_eq!(negative, LightError::NegativeWeight { index: 2, w: -2.0 });
+    assert!(matches!(refused(&[Light::point([f32::NAN; 3])]), LightError::NotFinite { index: 0, .. }));
+    assert!(matches!(refused(&vec![good; 1025]), LightError::TooMany { count: 1025, .. }));
+}
+
+#[test]
+fn depths_are_those_of_brute_force() -> Outcome {
+    let first = 61;
+    println!("seeds from {first}");
+    let (mut queries, mut deepest) = (0, 0);
+    let (rounds, counts) = if is_long() { (4, [24, 8]) } else { (1, [12, 6]) };
+    for seed in first..first + rounds {
+        let mut random = Random::new(seed);
+        for case in shadow_cases(&mut random, counts[0], counts[1]) {
+            let ShadowCase { name, shape, points, lights } = &case;
+            // The whole of a larger mesh is brute force's limit; some of its faces are a mesh, too.
+            let few = Shape { faces: shape.faces.iter().copied().take(600).collect(), ..shape.clone() };
+            let mut found = depths(&few, points, lights);
+            let right = shadow_oracle::shadow_depth(&few.positions, &few.faces, points, lights);
+            same(&format!("{name}, seed {seed}"), &found, &right)?;
+            queries += found.len();
+            deepest = deepest.max(found.iter().copied().max().unwrap_or(0));
+            let middle = found.len() / 2;
+            found[middle] += 1;
+            must_fail("one more", &same(name, &found, &right))?;
+        }
+    }
+    println!("{queries} queries, the deepest {deepest}");
+    if deepest < 5 { Err("nothing was deep".to_owned()) } else { Ok(()) }
+}
+
+/// Whole boxes, points and lights, where most segments tie. A box is convex, so that every count is known.
+#[test]
+fn ties_agree_with_topology() -> Outcome {
+    let first = 71;
+    println!("seeds from {first}");
+    let mut seen = [0; 3];
+    for seed in first..first + if is_long() { 400 } else { 20 } {
+        let (case, corners) = lattice(&mut Random::new(seed), [1, 200, 20]);
+        let [low, high] = corners[0];
+        let strictly = |p: [f32; 3], w: f32| {
+            // 1 inside, 0 on the surface, −1 outside.
+            let axes = (0..3).map(|axis| {
+                let (low, high) = (low[axis] as f32 * w, high[axis] as f32 * w);
+                let inside = p[axis] > low && p[axis] < high;
+                i32::from(inside) - i32::from(p[axis] < low || p[axis] > high)
+            });
+            axes.min().unwrap_or(0)
+        };
+        let found = case_depths(&case);
+        for (query, depth) in found.iter().enumerate() {
+            let (point, light) = (case.points[query / case.lights.len()], case.lights[query % case.lights.len()]);
+            let light_side = if light.w == 0.0 { -1 } else { strictly(light.xyz, light.w) };
+            let right = match [strictly(point, 1.0), light_side] {
+                [1, 1] => *depth == 0,
+                [1, -1] | [-1, 1] => *depth == 1,
+                [-1, -1] => *depth == 0 || *depth == 2,
+                _ => *depth <= 2,
+            };
+            if !right {
+                return Err(format!("seed {seed}: {depth} from {point:?} to {light:?} for {low:?} … {high:?}"));
+            }
+            seen[*depth as usize] += 1;
+        }
+    }
+    println!("depths 0, 1, 2: {seen:?}");
+    if seen.iter().all(|&count| count > 1000) { Ok(()) } else { Err(format!("too few of a kind: {seen:?}")) }
+}
+
+/// Inside or outside a torus by its equation; a negative control moves every point.
+#[test]
+fn parity_tells_inside_from_outside() {
+    let shape = shapes::torus(96, 48, 1.0, 0.4);
+    let mut random = Random::new(81);
+    let (mut points, mut insides) = (Vec::new(), Vec::new());
+    while points.len() < 600 {
+        let p = random.direction().map(|c| c * random.between(0.0, 1.6));
+        let about_axis = |[i, j, k]: [usize; 3]| ((p[i].hypot(p[j]) - 1.0).hypot(p[k]) - 0.4).abs() > 0.02;
+        // The axis is whichever the shape has: its vertices' least extent.
+        let thin = (0..3).min_by(|&i, &j| extent(&shape, i).total_cmp(&extent(&shape, j))).expect("three axes");
+        let axes = [(thin + 1) % 3, (thin + 2) % 3, thin];
+        if about_axis(axes) {
+            insides.push((p[axes[0]].hypot(p[axes[1]]) - 1.0).hypot(p[axes[2]]) < 0.4);
+            points.push(p);
+        }
+    }
+    let lights = [
+        Light::point([3.0, 2.0, 5.0]),
+        Light::directional([0.0, 1.0, 0.0]),
+        Light::directional([1.0, 0.0, 0.0]),
+        Light::homogeneous([0.0, 0.0, 9.0, 1.7]),
+    ];
+    let found = depths(&shape, &points, &lights);
+    let wrong = |insides: &[bool]| {
+        let agrees = |(query, &depth): (usize, &i32)| (depth % 2 == 1) == insides[query / lights.len()];
+        found.iter().enumerate().filter(|&query| !agrees(query)).count()
+    };
+    assert!(insides.iter().filter(|&&inside| inside).count() > 50, "some are inside");
+    assert_eq!(wrong(&insides), 0);
+    let others: Vec<bool> = insides.iter().skip(1).chain(insides.first()).copied().collect();
+    assert!(wrong(&others) > 0, "negative control");
+}
+
+fn extent(shape: &Shape, axis: usize) -> f32 {
+    let values = || shape.positions.iter().map(|p| p[axis]);
+    values().fold(f32::MIN, f32::max) - values().fold(f32::MAX, f32::min)
+}
+
+#[test]
+fn the_order_of_faces_vertices_and_corners_does_not_matter() -> Outcome {
+    let mut random = Random::new(91);
+    let mut cases = vec![lattice(&mut random, [6, 100, 12]).0];
+    cases.extend(shadow_cases(&mut random, 30, 6).into_iter().filter(|case| case.name != "not finite"));
+    for case in cases {
+        let expected = case_depths(&case);
+        let shuffled = case.shape.shuffled(random.next());
+        same(&format!("{}, shuffled", case.name), &depths(&shuffled, &case.points, &case.lights), &expected)?;
+        let turned = case.shape.faces.iter().map(|&[a, b, c]| match random.below(4) {
+            0 => [b, c, a],
+            1 => [c, a, b],
+            2 => [c, b, a],
+            _ => [a, b, c],
+        });
+        let turned = Shape { positions: case.shape.positions.clone(), faces: turned.collect() };
+        same(&format!("{}, turned", case.name), &depths(&turned, &case.points, &case.lights), &expected)?;
+        let twice = [case.shape.faces.clone(), case.shape.faces.clone()].concat();
+        let twice = Shape { positions: case.shape.positions.clone(), faces: twice };
+        let doubled: Vec<i32> = expected.iter().map(|&depth| if depth < 0 { depth } else { 2 * depth }).collect();
+        same(&format!("{}, twice", case.name), &depths(&twice, &case.points, &case.lights), &doubled)?;
+        let mut first_gone = case.shape.clone();
+        first_gone.faces.drain(..case.shape.faces.len() / 2);
+        if expected.iter().sum::<i32>() > 0 {
+            let outcome = same(&case.name, &depths(&first_gone, &case.points, &case.lights), &expected);
+            must_fail("half of the faces gone", &outcome)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,252 @@
+//! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
+
+use rimline::gpu::{
+    MemoryError, PositionBuffer, PositionError, QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
+};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::FaceCluster;
+use rimline::{Light, LightError, Mesh};
+use rimline_measure::shapes::{self, Shape};
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::interleaved;
+use rimline_measure::on_gpu::{limited, text};
+use rimline_measure::random::Random;
+use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
+use rimline_measure::{is_long, lights, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("shadow_boxes_are_those_of_the_twin", boxes),
+    ("shadow_depth_is_that_of_the_twin", twin),
+    ("exact_shadow_depth_settles_many_ties", ties),
+    ("shadow_depth_does_not_depend_on_skipping_or_splitting", splits),
+    ("shadow_depth_on_small_limits_and_any_stride", small_limits),
+    ("shadow_depth_refuses_with_typed_errors", refusals),
+];
+
+/// Where points and positions lie: offset and stride.
+const TIGHT: [u64; 2] = [0, 12];
+
+fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
+    Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(text)
+}
+
+/// The depths as the GPU finds them.
+fn found(
+    gpu: &Gpu,
+    case: &ShadowCase,
+    options: ShadowQueryOptions,
+    [offset, stride]: [u64; 2],
+) -> Result<Vec<i32>, String> {
+    let mesh = mesh_of(&case.shape)?;
+    let mut query = ShadowQuery::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+    let positions = gpu.storage(&interleaved(&case.shape.positions, offset, stride));
+    let points = gpu.storage(&interleaved(&case.points, offset, stride));
+    let [positions, points] = [&positions, &points].map(|buffer| PositionBuffer { buffer, offset, stride });
+    gpu.submit(|encoder| {
+        query.encode(encoder, positions, points, case.points.len() as u32, &case.lights, None).map_err(text)
+    })?;
+    gpu.read(query.depths(), case.points.len() * case.lights.len())
+}
+
+fn expected(case: &ShadowCase) -> Result<Vec<i32>, String> {
+    let Shape { positions, faces } = &case.shape;
+    cpu::shadow_depth(positions, faces, &case.points, &case.lights, Threads::all()).map_err(text)
+}
+
+fn room(case: &ShadowCase) -> ShadowQueryOptions {
+    ShadowQueryOptions {
+        max_points: case.points.len() as u32,
+        max_lights: case.lights.len(),
+        ..ShadowQueryOptions::default()
+    }
+}
+
+/// All cases in a long run; else a few, since a software GPU takes a second for each one's pipelines.
+fn chosen(mut cases: Vec<ShadowCase>) -> Vec<ShadowCase> {
+    const FEW: [&str; 7] =
+        ["moebius", "soup by 1e-40", "moved by 1e6", "far lights", "lattice", "any magnitude", "not finite"];
+    let mut seen = Vec::new();
+    cases.retain(|case| {
+        let is_new = !seen.contains(&case.name);
+        seen.push(case.name.clone());
+        is_long() || is_new && FEW.iter().any(|few| case.name.starts_with(few))
+    });
+    cases
+}
+
+fn twin() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 101;
+    println!("seeds from {first}");
+    let (rounds, counts) = if is_long() { (2, [100, 33]) } else { (1, [60, 8]) };
+    for seed in first..first + rounds {
+        for case in chosen(shadow_cases(&mut Random::new(seed), counts[0], counts[1])) {
+            let right = expected(&case)?;
+            let mut depths = found(gpu, &case, room(&case), TIGHT)?;
+            same(&format!("{}, seed {seed}", case.name), &depths, &right)?;
+            let last = depths.len() - 1;
+            depths[last] -= 1;
+            must_fail("one less", &same(&case.name, &depths, &right))?;
+        }
+    }
+    Ok(())
+}
+
+fn ties() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 121;
+    println!("seeds from {first}");
+    for seed in first..first + if is_long() { 10 } else { 1 } {
+        let (case, _) = lattice(&mut Random::new(seed), [20, 500, 33]);
+        same(&format!("seed {seed}"), &found(gpu, &case, room(&case), TIGHT)?, &expected(&case)?)?;
+    }
+    Ok(())
+}
+
+/// A mesh of several groups, points and 40 lights, ordinary and not; faces in order and shuffled.
+fn larger() -> [ShadowCase; 2] {
+    let mut random = Random::new(141);
+    let shape = shapes::torus(70, 50, 1.0, 0.4);
+    let points: Vec<_> = (0..300).map(|_| random.direction().map(|c| c * random.between(0.0, 2.0))).collect();
+    let lights = lights(&mut random, 40);
+    let case = ShadowCase { name: "torus".to_owned(), shape, points, lights };
+    let mut shuffled = ShadowCase { name: "shuffled".to_owned(), shape: case.shape.shuffled(3), ..case.clone() };
+    shuffled.points[17][1] = f32::INFINITY;
+    shuffled.shape.positions[1000][0] = f32::NAN;
+    // So far away that nothing of it can be told in f32: its clusters' boxes do not count.
+    shuffled.shape.positions[2000] = [1e15, 0.0, 1e15];
+    [case, shuffled]
+}
+
+fn splits() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for case in larger() {
+        let right = expected(&case)?;
+        for (skip, work) in [(true, 1 << 28), (false, 1)] {
+            let options = ShadowQueryOptions { skip, work_per_dispatch: work, max_points: 333, ..room(&case) };
+            let what = format!("{}, skip {skip}, {work} a dispatch", case.name);
+            same(&what, &found(gpu, &case, options, TIGHT)?, &right)?;
+        }
+    }
+    // Two encodes in one encoder, fewer points and lights than there is room for; none of a query before is left.
+    let case = &larger()[0];
+    let few = ShadowCase { points: case.points[..7].to_vec(), lights: case.lights[3..5].to_vec(), ..case.clone() };
+    let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(case)).map_err(text)?;
+    let buffers = [&case.shape.positions, &case.points].map(|points| gpu.storage(points));
+    let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
+    gpu.submit(|encoder| {
+        query.encode(encoder, positions, points, 300, &case.lights, None).map_err(text)?;
+        query.encode(encoder, positions, points, 7, &few.lights, None).map_err(text)?;
+        query.encode(encoder, positions, points, 0, &few.lights, None).map_err(text)
+    })?;
+    same("few", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
+}
+
+fn small_limits() -> Result<(), String> {
+    for (binding, workgroups, place) in
+        [(48 << 10, 64, [4, 12]), (64 << 10, 32, [260, 20]), (128 << 10, 33, [1000, 48])]
+    {
+        let small = limited(binding, 2 << 20, workgroups)?;
+        let [_, case] = larger();
+        let depths = found(&small, &case, room(&case), place)?;
+        same(&format!("{binding} bytes, {workgroups} workgroups"), &depths, &expected(&case)?)?;
+    }
+    Ok(())
+}
+
+fn boxes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(151);
+    for case in chosen(shadow_cases(&mut random, 1, 1)).into_iter().skip(3).chain(larger()) {
+        let Shape { positions, faces } = &case.shape;
+        let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
+        let buffers = [positions, &case.points].map(|points| gpu.storage(points));
+        let [bound, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
+        gpu.submit(|encoder| query.encode(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
+        let right = cpu::shadow_boxes(positions, faces, Threads::all());
+        let mut clusters: Vec<FaceCluster> = gpu.read(query.clusters(), right.len())?;
+        same(&case.name, &clusters, &right)?;
+        clusters[0].low[1] ^= 1;
+        must_fail("another box", &same(&case.name, &clusters, &right))?;
+    }
+    Ok(())
+}
+
+fn expect<T, E: std::fmt::Debug>(what: &str, outcome: Result<T, E>, fits: fn(&E) -> bool) -> Result<(), String> {
+    match outcome {
+        Err(error) if fits(&error) => Ok(()),
+        other => Err(format!("{what}: {:?}", other.err())),
+    }
+}
+
+/// What is wrong, positions and points, how many points, lights, and the error that must come.
+type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&QueryError) -> bool);
+
+fn refusals() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mesh = mesh_of(&shapes::torus(70, 50, 1.0, 0.4))?;
+    let options = ShadowQueryOptions { max_points: 10, max_lights: 2, ..ShadowQueryOptions::default() };
+    let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.pipelines, &mesh, options);
+    expect("no lights", new(gpu, ShadowQueryOptions { max_lights: 0, ..options }), |error| {
+        matches!(error, ShadowQueryError::Light(LightError::None))
+    })?;
+    expect("many lights", new(gpu, ShadowQueryOptions { max_lights: 1025, ..options }), |error| {
+        matches!(error, ShadowQueryError::Light(LightError::TooMany { count: 1025, limit: 1024 }))
+    })?;
+    expect("many depths", new(gpu, ShadowQueryOptions { max_points: u32::MAX, ..options }), |error| {
+        matches!(error, ShadowQueryError::Memory(MemoryError::Buffer { label: "depths", .. }))
+    })?;
+    expect("little memory", new(gpu, ShadowQueryOptions { memory_limit: Some(1000), ..options }), |error| {
+        matches!(error, ShadowQueryError::Memory(MemoryError::Total { limit: 1000, .. }))
+    })?;
+    expect("small bindings", new(&limited(8 << 10, 1 << 20, 64)?, options), |error| {
+        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "a group of faces", .. }))
+    })?;
+    let many = ShadowQueryOptions { max_lights: 32, max_points: 1000, ..options };
+    expect("small bindings, many lights", new(&limited(16 << 10, 1 << 20, 64)?, many), |error| {
+        matches!(error, ShadowQueryError::Memory(MemoryError::Binding { what: "64 points", .. }))
+    })?;
+
+    let mut query = new(gpu, options).map_err(text)?;
+    let vertices = gpu.storage(&vec![[0.0_f32; 3]; 3500]);
+    let points = gpu.storage(&[[0.0_f32; 3]; 10]);
+    let plain = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 1 << 16,
+        usage: wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
+    let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
+    let cases: [Refused<'_>; 8] = [
+        ("no lights", good, 1, vec![], |error| matches!(error, QueryError::Light(LightError::None))),
+        ("many lights", good, 1, vec![light; 3], |error| {
+            matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
+        }),
+        ("a negative w", good, 1, vec![Light::homogeneous([1.0, 1.0, 1.0, -1.0])], |error| {
+            matches!(error, QueryError::Light(LightError::NegativeWeight { index: 0, .. }))
+        }),
+        ("many points", good, 11, vec![light], |error| {
+            matches!(error, QueryError::TooManyPoints { count: 11, limit: 10 })
+        }),
+        ("short positions", [good[1]; 2], 1, vec![light], |error| {
+            matches!(error, QueryError::Positions(PositionError::TooShort { .. }))
+        }),
+        ("short points", [good[0], at(&points, 4, 12)], 10, vec![light], |error| {
+            matches!(error, QueryError::Points(PositionError::TooShort { vertices: 10, .. }))
+        }),
+        ("a bad stride", [good[0], at(&points, 0, 10)], 1, vec![light], |error| {
+            matches!(error, QueryError::Points(PositionError::Alignment { stride: 10, .. }))
+        }),
+        ("no storage", [good[0], at(&plain, 0, 12)], 1, vec![light], |error| {
+            matches!(error, QueryError::Points(PositionError::NotStorage))
+        }),
+    ];
+    for (what, [positions, points], count, lights, fits) in cases {
+        gpu.submit(|encoder| expect(what, query.encode(encoder, positions, points, count, &lights, None), fits))?;
+    }
+    // Without a fault nothing is refused.
+    gpu.submit(|encoder| query.encode(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text))
+}

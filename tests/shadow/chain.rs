@@ -1,0 +1,215 @@
+//! All that `ShadowVolumes` records, from extraction to draws, against the twins in a row.
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, ListOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowVolumes,
+};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::{Masks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
+use rimline::shadow::{
+    CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+};
+use rimline::{Counting, Light, Mesh, Predicate};
+
+use crate::stages::{PLACES, placed, shape};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::random::Random;
+use rimline_measure::same;
+use rimline_measure::scenes::{Scene, scene};
+
+pub(crate) const TESTS: &[Test] = &[("shadow_volumes_choose_as_the_twins_in_a_row", chain)];
+
+/// Every method, and its code.
+const METHODS: [(Counting, u32); 5] = [
+    (Counting::Auto, COUNT_AUTO),
+    (Counting::ZpPlus, COUNT_ZP_PLUS),
+    (Counting::ZpPlusPaper, COUNT_ZP_PAPER),
+    (Counting::ZFail, COUNT_Z_FAIL),
+    (Counting::ZPass, COUNT_Z_PASS),
+];
+
+const LIGHTS: usize = 40;
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+/// What is a distance has a division and a square root in it, which WGSL lets be off by some units of the last place:
+/// nothing is decided by those bits. Eight units are let pass.
+fn rounded_alike(found: Vec<ShadowLight>, twins: &[ShadowLight]) -> Vec<ShadowLight> {
+    let near = |found: f32, twin: f32| {
+        if (found - twin).abs() <= 8.0 * f32::EPSILON * twin.abs() { twin } else { found }
+    };
+    let pair = |(found, twin): (ShadowLight, &ShadowLight)| ShadowLight {
+        frustum_near: near(found.frustum_near, twin.frustum_near),
+        end: near(found.end, twin.end),
+        ..found
+    };
+    found.into_iter().zip(twins).map(pair).collect()
+}
+
+/// What the twins make of a scene.
+struct Twins {
+    lights: Vec<ShadowLight>,
+    draws: Vec<ShadowDraws>,
+    statistics: ShadowStatistics,
+    /// Lights that ZP+ as published left to z-fail.
+    switched: usize,
+}
+
+/// The silhouettes of a caster, light by light.
+struct Silhouettes<'a> {
+    mesh: &'a Mesh,
+    positions: &'a [[f32; 3]],
+    masks: Vec<Masks>,
+    /// Room in the GPU's lists.
+    capacity: u32,
+}
+
+impl Silhouettes<'_> {
+    fn count(&self, light: usize) -> u32 {
+        self.list(light).count
+    }
+
+    fn list(&self, light: usize) -> cpu::CompactedList {
+        let edges = self.mesh.edges().len();
+        cpu::compact(&self.masks[light / 32 * edges..][..edges], light as u32 % 32, usize::MAX)
+    }
+
+    /// Edges as stages see them that read a list: all of them where it overflowed.
+    fn listed(&self, light: usize) -> Vec<u32> {
+        let list = self.list(light);
+        if list.count > self.capacity {
+            return (0..self.mesh.edges().len() as u32).collect();
+        }
+        list.entries.iter().map(|entry| entry & !cpu::WINDING).collect()
+    }
+
+    fn ends(&self, edge: u32) -> [[f32; 3]; 2] {
+        self.mesh.edges().vertices()[edge as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// No stencil count of the light is above this.
+    fn bound(&self, index: usize, light: &ShadowLight) -> u32 {
+        let corners = |face: &[u32; 3]| face.map(|vertex| self.positions[vertex as usize]);
+        let finite = self.mesh.faces().iter().map(corners).filter(|face| face.iter().all(|&p| cpu::is_finite(p)));
+        let empty = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        let corners = finite.flatten().fold(empty, |[low, high], p| {
+            let axis = |choose: fn(f32, f32) -> f32, so_far: [f32; 3]| {
+                std::array::from_fn(|axis| choose(so_far[axis], p[axis]))
+            };
+            [axis(f32::min, low), axis(f32::max, high)]
+        });
+        let is_boundary = |edge: u32| self.mesh.edges().packed_faces()[edge as usize][1] == rimline::mesh::NO_FACE;
+        let edges = self.listed(index).into_iter().map(|edge| (self.ends(edge), is_boundary(edge)));
+        cpu::stencil_bound(light, corners, self.mesh.faces().len() as u32, edges)
+    }
+}
+
+fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twins, String> {
+    let (_, positions, mesh) = &scene.caster;
+    let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+    let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+    let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), LIGHTS, Threads::ONE);
+    let silhouettes = Silhouettes { mesh, positions, masks, capacity: shape.capacity };
+    let view = scene.camera.view().map_err(text)?;
+    let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+    cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
+    let mut switched = 0;
+    for (number, light) in lights.iter_mut().enumerate() {
+        let is_published = light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PAPER;
+        let ends = || silhouettes.listed(number).into_iter().map(|edge| silhouettes.ends(edge));
+        if is_published && cpu::paper_cases(&view, light, ends()) {
+            light.counting = COUNT_Z_FAIL;
+            switched += 1;
+        }
+    }
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
+    let caps: Vec<_> = caps.iter().map(|lists| [lists[0].len() as u32, lists[1].len() as u32]).collect();
+    let counts: Vec<_> = (0..LIGHTS).map(|light| silhouettes.count(light)).collect();
+    let (draws, mut statistics) = cpu::shadow_arguments(shape, &counts, &caps, &lights);
+    if bounds_counts {
+        let bounds: Vec<u32> =
+            lights.iter().enumerate().map(|(number, light)| silhouettes.bound(number, light)).collect();
+        statistics.count_bound = bounds.iter().copied().max().unwrap_or(0);
+        statistics.may_wrap = bounds.iter().filter(|&&bound| bound > 255).count() as u32;
+    }
+    Ok(Twins { lights, draws, statistics, switched })
+}
+
+/// In each counting method, with lists that fit or overflow.
+fn chain() -> Result<(), String> {
+    // z-fail needs depth to be unclipped where the camera has a far plane.
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let seed = 104;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut overflowed, mut doubled, mut switched, mut ended, mut bounded) = (0, 0, 0, 0, 0);
+    for (counting, code) in METHODS {
+        for number in 0..6 {
+            let scene = scene(&mut random, number, LIGHTS);
+            let (name, (_, positions, mesh)) = (&scene.name, &scene.caster);
+            let (depth, has_far_plane) = (scene.camera.depth, scene.camera.has_far_plane());
+            let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
+            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
+            let capacity = [None, Some(30)][number % 2];
+            let lists = ListOptions { capacity, ordered: false, vertices_per_edge: 4 };
+            // Ten more than are used.
+            let options = ExtractorOptions { max_lights: LIGHTS + 10, lists: Some(lists), ..Default::default() };
+            let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
+            let options = ShadowOptions {
+                every_face: number == 3,
+                cap_capacity: [None, Some(9)][number / 2 % 2],
+                skip_unseen: number != 4,
+                end_at_range: number % 3 == 2,
+                bound_counts: number % 2 == 1 || number == 0,
+                memory_limit: None,
+            };
+            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, options).map_err(text)?;
+            let place = PLACES[number % 3];
+            let buffer = placed(gpu, positions, place);
+            let bound =
+                PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
+            let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+            gpu.submit(|encoder| {
+                extractor.encode(encoder, bound, &plain, None).map_err(text)?;
+                volumes.encode(encoder, &extractor, bound, &scene.camera, &scene.lights, None).map_err(text)
+            })?;
+            let shape = shape(mesh, LIGHTS, place);
+            let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlusPaper);
+            let default = if lists_all { shape.faces } else { 1024 + 16 * mesh.faces().len().isqrt() as u32 };
+            let shape = ShadowShape {
+                averted: if options.every_face { 0 } else { shape.averted },
+                counting: code,
+                skip_unseen: u32::from(options.skip_unseen),
+                end_at_range: u32::from(options.end_at_range),
+                capacity: extractor.results().capacity,
+                cap_capacity: options.cap_capacity.unwrap_or(default.min(shape.faces)),
+                ..shape
+            };
+            let twins = twins(&scene, &shape, options.bound_counts)?;
+            let what = format!("{counting:?}, {name}");
+            let found = rounded_alike(gpu.read(volumes.lights(), LIGHTS)?, &twins.lights);
+            same(&format!("{what}, lights"), &found, &twins.lights)?;
+            let found: Vec<ShadowDraws> = gpu.read(volumes.draw_arguments(), LIGHTS + 10)?;
+            same(&format!("{what}, draws"), &found[..LIGHTS], &twins.draws)?;
+            same(&format!("{what}, lights not in use"), &found[LIGHTS..], &[bytemuck::Zeroable::zeroed(); 10])?;
+            let found: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
+            same(&format!("{what}, statistics"), &found, &[twins.statistics])?;
+            overflowed += twins.statistics.overflowed_caps;
+            ended += twins.statistics.ended;
+            bounded += u32::from(twins.statistics.count_bound > 0);
+            switched += twins.switched;
+            doubled += twins.lights.iter().filter(|light| light.casting == CAST_EVERY).count();
+        }
+    }
+    println!(
+        "{overflowed} lights with lists that overflow, {doubled} with every face, {switched} switched, {ended} ended, \
+         {bounded} scenes with a bound"
+    );
+    if overflowed.min(ended).min(bounded) == 0 || doubled.min(switched) == 0 {
+        return Err("too few of a kind".to_owned());
+    }
+    Ok(())
+}

@@ -1,0 +1,328 @@
+//! What is chosen for shadow volumes, against truth in `f64`: a cap is never missed, nothing that is seen is skipped.
+
+use rimline::glam::{DMat4, DVec3, DVec4};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
+use rimline::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::{DepthDirection, Light, Predicate, ShadowCamera};
+use rimline_measure::is_long;
+use rimline_measure::random::Random;
+use rimline_measure::scenes::{Scene, scene};
+
+type Outcome = Result<(), String>;
+
+/// Inside of a plane only by more than this part of its terms: what `f64` leaves no doubt about.
+const CERTAIN: f64 = 1e-10;
+
+/// A linear function of homogeneous points, negative outside.
+struct Plane(DVec4);
+
+impl Plane {
+    fn value(&self, p: DVec4) -> f64 {
+        self.beyond(p, CERTAIN)
+    }
+
+    /// 0 where not by more than a part of the terms.
+    fn beyond(&self, p: DVec4, part: f64) -> f64 {
+        let terms = self.0 * p;
+        let value = terms.element_sum();
+        if value.abs() <= part * terms.abs().element_sum() { 0.0 } else { value }
+    }
+}
+
+/// The plane through three homogeneous points, turned so that `inside` is not outside.
+fn plane_through([a, b, c]: [DVec4; 3], inside: DVec4) -> Plane {
+    let [a, b, c] = [a, b, c].map(|p| p / p.abs().max_element());
+    let minor = |axis: usize| {
+        let rows = DMat4::from_cols(a, b, c, DVec4::AXES[axis]);
+        rows.determinant()
+    };
+    let plane = DVec4::new(minor(0), minor(1), minor(2), minor(3));
+    Plane(if plane.dot(inside) < 0.0 { -plane } else { plane })
+}
+
+/// What of a polygon of homogeneous points lies inside of all planes is more than its boundary.
+fn meets(polygon: &[DVec4], planes: &[Plane]) -> bool {
+    let mut polygon = polygon.to_vec();
+    for plane in planes {
+        let mut kept = Vec::new();
+        for (at, &p) in polygon.iter().enumerate() {
+            let q = polygon[(at + 1) % polygon.len()];
+            let (v, w) = (plane.value(p), plane.value(q));
+            if v > 0.0 {
+                kept.push(p);
+            }
+            if v * w < 0.0 {
+                kept.push(p * (w / (w - v)) + q * (v / (v - w)));
+            }
+        }
+        polygon = kept;
+    }
+    !polygon.is_empty()
+}
+
+/// A camera in `f64`, about its origin.
+struct Eye {
+    origin: DVec3,
+    matrix: DMat4,
+    /// Of the near rectangle, around it.
+    corners: [DVec4; 4],
+    middle: DVec4,
+    /// The near plane: height over it, up to a factor.
+    near: DVec4,
+}
+
+impl Eye {
+    fn new(camera: &ShadowCamera) -> Self {
+        let matrix = camera.view_projection.as_dmat4();
+        let inverse = matrix.inverse();
+        let (z, near) = match camera.depth {
+            DepthDirection::Reversed => (1.0, matrix.row(3) - matrix.row(2)),
+            DepthDirection::Standard => (0.0, matrix.row(2)),
+        };
+        let corner = |x, y| {
+            let p = inverse * DVec4::new(x, y, z, 1.0);
+            p / p.w
+        };
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let middle = corner(0.0, 0.0);
+        Self { origin: camera.origin.as_dvec3(), matrix, corners, middle, near }
+    }
+
+    fn place(&self, position: [f32; 3]) -> DVec4 {
+        (DVec3::from_array(position.map(f64::from)) - self.origin).extend(1.0)
+    }
+
+    fn light(&self, light: Light) -> DVec4 {
+        let [x, y, z, w] = light.to_array().map(f64::from);
+        (DVec3::new(x, y, z) - w * self.origin).extend(w)
+    }
+
+    /// Planes of the pyramid between light and near rectangle.
+    fn pyramid(&self, light: DVec4) -> [Plane; 5] {
+        let side = |at: usize| plane_through([light, self.corners[at], self.corners[(at + 1) % 4]], self.middle);
+        let near = if self.near.dot(light) < 0.0 { -self.near } else { self.near };
+        [side(0), side(1), side(2), side(3), Plane(near)]
+    }
+
+    fn frustum(&self) -> [Plane; 5] {
+        let row = |axis| self.matrix.row(axis);
+        let [x, y, w] = [row(0), row(1), row(3)];
+        [Plane(w + x), Plane(w - x), Plane(w + y), Plane(w - y), Plane(self.near)]
+    }
+}
+
+/// A polygon between the light and the near rectangle.
+fn is_needed(eye: &Eye, light: DVec4, triangle: [DVec4; 3]) -> bool {
+    let planes = eye.pyramid(light);
+    // A flat pyramid has no inside: the light is on the near plane.
+    planes.iter().all(|plane| plane.value(eye.middle) > 0.0 || plane.0 == planes[4].0)
+        && planes[4].value(light) > 0.0
+        && meets(&triangle, &planes)
+}
+
+/// Whether the volume of a triangle meets the frustum.
+fn is_seen(eye: &Eye, light: DVec4, [a, b, c]: [DVec4; 3]) -> bool {
+    let far = |p: DVec4| (light.w * p.truncate() - light.truncate()).extend(0.0);
+    let polygons = [vec![a, b, c], vec![far(a), far(b), far(c)]];
+    let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| vec![p, q, far(q), far(p)]);
+    let frustum = eye.frustum();
+    polygons.iter().chain(&sides).any(|polygon| meets(polygon, &frustum)) || is_needed(eye, light, [a, b, c])
+}
+
+/// A scene as the stages see it.
+struct Chosen {
+    view: ShadowView,
+    lights: Vec<ShadowLight>,
+    facing: Vec<u32>,
+    caps: Vec<[Vec<u32>; 2]>,
+    is_closed: bool,
+}
+
+fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
+    let (_, positions, mesh) = &scene.caster;
+    let view = scene.camera.view().expect("a good camera");
+    let counts = mesh.edges().counts();
+    let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
+    let shape = ShadowShape {
+        lights: scene.lights.len() as u32,
+        faces: mesh.faces().len() as u32,
+        averted: u32::from(is_closed),
+        counting: COUNT_AUTO,
+        skip_unseen: u32::from(skip_unseen),
+        cap_groups: 1,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
+    let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+    let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
+    Chosen { view, lights, facing, caps, is_closed }
+}
+
+/// How often the tests were right to be cautious.
+#[derive(Debug, Default)]
+struct Tally {
+    pairs: usize,
+    skipped: usize,
+    unseen_and_kept: usize,
+    every_face: usize,
+    zp_plus: usize,
+    zp_plus_with_caps: usize,
+    caps_needed: usize,
+    faces_listed: usize,
+    faces_needed: usize,
+}
+
+/// Distance from a point to the box of a caster's faces, and the box.
+fn caster_box(scene: &Scene) -> [DVec3; 2] {
+    let (_, positions, mesh) = &scene.caster;
+    let corners = mesh.faces().iter().flatten().map(|&v| DVec3::from_array(positions[v as usize].map(f64::from)));
+    corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
+}
+
+fn triangles(scene: &Scene, eye: &Eye) -> Vec<Option<[DVec4; 3]>> {
+    let (_, positions, mesh) = &scene.caster;
+    let triangle = |&[a, b, c]: &[u32; 3]| {
+        (a != b && b != c && c != a).then(|| [a, b, c].map(|v| eye.place(positions[v as usize])))
+    };
+    mesh.faces().iter().map(triangle).collect()
+}
+
+/// No face between light and near rectangle is missing, and none that does not cast is there.
+fn check_caps(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
+    let eye = Eye::new(&scene.camera);
+    let triangles = triangles(scene, &eye);
+    let faces = triangles.len();
+    for (index, (light, lists)) in chosen.lights.iter().zip(&chosen.caps).enumerate() {
+        if light.casting == CAST_NOTHING {
+            continue;
+        }
+        // As the stages see it: any other w than 0 and powers of two moves it by a unit in its last place.
+        let given = eye.light(Light::homogeneous(light.light));
+        let plane = &chosen.facing[index / 32 * faces..][..faces];
+        let mut needed = 0;
+        for (face, triangle) in triangles.iter().enumerate() {
+            let faces_light = plane[face] >> (index % 32) & 1 != 0;
+            let casts = light.casting == CAST_EVERY || !faces_light;
+            let listed = lists.iter().map(|list| list.binary_search(&(face as u32)).is_ok()).collect::<Vec<_>>();
+            if (!casts || triangle.is_none()) && listed.contains(&true) {
+                return Err(format!("{}: light {index}, face {face} does not cast and is listed", scene.name));
+            }
+            let Some(triangle) = triangle.filter(|_| casts) else { continue };
+            if is_needed(&eye, given, triangle) {
+                needed += 1;
+                if light.counting != COUNT_ZP_PLUS || !listed.contains(&true) {
+                    return Err(format!("{}: light {index} ({light:?}) lacks the cap of face {face}", scene.name));
+                }
+                // Fronts of faces that face the light are seen from the light, and so from behind the near plane
+                // where the light is on the eye's side; the stages see the near plane rounded to `f32`.
+                let height = Plane(eye.near).beyond(given, 1e-6);
+                let front = faces_light == (height < 0.0);
+                if height != 0.0 && listed[usize::from(front)] {
+                    return Err(format!("{}: light {index}, face {face} is in the wrong list", scene.name));
+                }
+            }
+        }
+        let listed = lists.iter().map(Vec::len).sum::<usize>();
+        tally.every_face += usize::from(light.casting == CAST_EVERY);
+        tally.zp_plus += usize::from(light.counting == COUNT_ZP_PLUS);
+        tally.zp_plus_with_caps += usize::from(listed > 0);
+        tally.caps_needed += usize::from(needed > 0);
+        tally.faces_listed += listed;
+        tally.faces_needed += needed;
+    }
+    Ok(())
+}
+
+/// What is skipped is out of range or out of sight; what is clearly out of range is skipped.
+fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
+    let eye = Eye::new(&scene.camera);
+    let triangles = triangles(scene, &eye);
+    let [low, high] = caster_box(scene);
+    for (index, light) in chosen.lights.iter().enumerate() {
+        let given = scene.lights[index];
+        let [x, y, z, w] = given.light.to_array().map(f64::from);
+        let place = DVec3::new(x, y, z) / w;
+        let distance = (low - place).max(place - high).max(DVec3::ZERO).length();
+        let range = f64::from(given.range);
+        let rounding = 1e-5 * range + 1e-6 * place.length().max(low.length());
+        let (in_range, out_of_range) =
+            (w == 0.0 || distance < range - rounding, w != 0.0 && distance > range + rounding);
+        let is_skipped = light.casting == CAST_NOTHING;
+        if out_of_range && !is_skipped {
+            return Err(format!("{}: light {index}, {distance} away, reaches beyond its {range}", scene.name));
+        }
+        tally.pairs += 1;
+        tally.skipped += usize::from(is_skipped);
+        if in_range {
+            let at = eye.light(Light::homogeneous(light.light));
+            let seen = triangles.iter().flatten().any(|&triangle| is_seen(&eye, at, triangle));
+            if seen && is_skipped {
+                return Err(format!("{}: light {index} is skipped and its shadow seen", scene.name));
+            }
+            tally.unseen_and_kept += usize::from(!seen && !is_skipped);
+        }
+    }
+    Ok(())
+}
+
+/// Averted faces serve only where the near rectangle is outside of the caster's box.
+fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
+    let eye = Eye::new(&scene.camera);
+    let [low, high] = caster_box(scene);
+    let corners = eye.corners.map(|corner| corner.truncate() + eye.origin);
+    let near_low = corners.iter().fold(DVec3::INFINITY, |low, &corner| low.min(corner));
+    let near_high = corners.iter().fold(DVec3::NEG_INFINITY, |high, &corner| high.max(corner));
+    let meet = low.cmple(near_high).all() && high.cmpge(near_low).all();
+    for (index, light) in chosen.lights.iter().enumerate() {
+        if light.casting == CAST_AVERTED && (meet || !chosen.is_closed) {
+            return Err(format!("{}: light {index} has averted faces alone", scene.name));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_cap_is_never_missed_and_nothing_seen_is_skipped() -> Outcome {
+    let seed = 91;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    // By distance from the origin: none (twice), 1e3, 1e5.
+    let mut tallies: [Tally; 4] = Default::default();
+    let (mut control, mut scenes) = (0, 0);
+    for number in 0..if is_long() { 3000 } else { 48 } {
+        let scene = scene(&mut random, number, 36);
+        let chosen = choose(&scene, true);
+        let tally = &mut tallies[number % 4];
+        check_skipped(&scene, &chosen, tally)?;
+        check_casting(&scene, &chosen)?;
+        check_caps(&scene, &chosen, tally)?;
+        scenes += 1;
+        // Negative controls: a choice of z-pass, and a cap's list short of a face that is needed.
+        let mut wrong = choose(&scene, true);
+        for (light, lists) in wrong.lights.iter_mut().zip(&mut wrong.caps) {
+            light.counting = COUNT_Z_PASS;
+            lists.iter_mut().for_each(Vec::clear);
+        }
+        let mut unused = Tally::default();
+        control += usize::from(check_caps(&scene, &wrong, &mut unused).is_err());
+        if chosen.is_closed && chosen.lights.iter().any(|light| light.casting == CAST_EVERY) {
+            wrong.lights.iter_mut().for_each(|light| light.casting = CAST_AVERTED);
+            let outcome = check_casting(&scene, &wrong);
+            if chosen.view.near_min != chosen.view.near_max {
+                control += usize::from(outcome.is_err());
+            }
+        }
+        wrong.lights.iter_mut().for_each(|light| light.casting = CAST_NOTHING);
+        let outcome = check_skipped(&scene, &wrong, &mut unused);
+        control += usize::from(outcome.is_err());
+    }
+    for tally in &tallies {
+        println!("{tally:?}");
+    }
+    assert!(control > scenes, "negative controls fail: {control} of {scenes} scenes");
+    assert!(tallies.iter().all(|tally| tally.caps_needed > 20 && tally.skipped > 20), "not vacuous");
+    Ok(())
+}

@@ -1,0 +1,332 @@
+//! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
+
+use rimline::glam::Vec4;
+use rimline::gpu::include_wgsl;
+use rimline::mesh::EdgeKind;
+use rimline::reference::cpu::{self, End, Threads};
+use rimline::reference::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::stages::{CAP_FACES, SIDES};
+use rimline::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
+use rimline::{Light, Predicate};
+
+use crate::stages::{Dispatch, spoil, uniform};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::random::Random;
+use rimline_measure::scenes::{Scene, scene};
+use rimline_measure::{is_long, must_fail, same};
+
+pub(crate) const TESTS: &[Test] =
+    &[("clipped_vertices_equal_their_twins", clipped), ("sides_of_holes_equal_their_twins", holes)];
+
+/// A module of vertex shaders with its entry points made functions, and a compute shader that calls one of them for each
+/// of an instance's vertices.
+fn probe(source: &str, entry_point: &str, vertices: usize) -> String {
+    let mut source = source.to_owned();
+    for (from, to) in [
+        ("@vertex fn", "fn"),
+        ("@fragment fn nothing() {}", ""),
+        ("@invariant @builtin(position) ", ""),
+        ("@builtin(vertex_index) ", ""),
+        ("@builtin(instance_index) ", ""),
+        // One storage buffer less, of which a stage has eight.
+        ("var<storage, read> view", "var<uniform> view"),
+    ] {
+        source = source.replace(from, to);
+    }
+    format!(
+        "{source}
+@group(2) @binding(0) var<storage, read_write> found: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn probe(@builtin(global_invocation_id) id: vec3<u32>) {{
+  if (id.x < arrayLength(&found)) {{
+    found[id.x] = {entry_point}(id.x % {vertices}u, id.x / {vertices}u).clip;
+  }}
+}}
+"
+    )
+}
+
+/// A vertex by its bits, or what is drawn of nothing.
+pub(crate) fn bits(vertex: Option<&Vec4>) -> [u32; 4] {
+    vertex.map_or([0.0, 0.0, 0.0, 1.0], Vec4::to_array).map(f32::to_bits)
+}
+
+/// What a strip of five vertices draws of a polygon.
+fn strip(polygon: &[Vec4]) -> [[u32; 4]; 5] {
+    [0, 1, 4, 2, 3].map(|place| bits(polygon.get(place).or(polygon.last())))
+}
+
+/// The vertices of a face's cap.
+pub(crate) type Twin = fn(&ShadowView, &ShadowLight, [End; 3]) -> Vec<[u32; 4]>;
+
+/// A kind of cap.
+pub(crate) struct Cap {
+    stage: Dispatch,
+    /// Of an instance.
+    vertices: usize,
+    twin: Twin,
+}
+
+impl Cap {
+    pub(crate) fn new(gpu: &Gpu, entry_point: &str, vertices: usize, twin: Twin) -> Self {
+        let source = probe(&CAP_FACES.wgsl(), entry_point, vertices);
+        Self { stage: Dispatch::new(gpu, &source, "probe"), vertices, twin }
+    }
+
+    fn near(gpu: &Gpu) -> Self {
+        Self::new(gpu, "near_cap", 5, |view, light, face| strip(&cpu::near_cap(view, light, face)).to_vec())
+    }
+}
+
+/// A light of a scene, with all that the vertex shaders read.
+pub(crate) struct Drawn<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) view: ShadowView,
+    pub(crate) shape: ShadowShape,
+    pub(crate) lights: &'a [ShadowLight],
+    pub(crate) index: usize,
+    /// Of the light's word.
+    pub(crate) facing: &'a [u32],
+}
+
+impl Drawn<'_> {
+    pub(crate) fn light(&self) -> &ShadowLight {
+        &self.lights[self.index]
+    }
+
+    fn end(&self, vertex: u32) -> End {
+        (vertex, self.scene.caster.1[vertex as usize])
+    }
+
+    fn frame(&self, gpu: &Gpu) -> [wgpu::Buffer; 4] {
+        let light = self.index as u32;
+        let draw = ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 };
+        [uniform(gpu, &self.shape), uniform(gpu, &self.view), uniform(gpu, &draw), gpu.storage(self.lights)]
+    }
+
+    /// Sides as the GPU has them and as the twin has, from a list that fits or from all edges.
+    fn sides(&self, gpu: &Gpu, stage: &Dispatch, overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
+        let (_, positions, mesh) = &self.scene.caster;
+        let bit = self.index as u32 % 32;
+        let masks = cpu::edges(mesh.edges(), self.facing, mesh.faces().len(), 32, Threads::ONE);
+        let list = cpu::compact(&masks, bit, usize::MAX);
+        let capacity = if overflows { list.count.saturating_sub(1) } else { list.count };
+        let is_doubled = self.light().casting == CAST_EVERY;
+        let edges = if overflows && list.count > 0 { mesh.edges().len() } else { list.entries.len() };
+        let instances = edges * (1 + usize::from(is_doubled));
+        let first_light = self.index as u32 / 32 * 32;
+        let info = RimlineInfo {
+            edges: mesh.edges().len() as u32,
+            capacity,
+            first_light,
+            lights: 32,
+            position_offset: 0,
+            position_stride: 3,
+        };
+        let mut counts = vec![0; self.lights.len()];
+        counts[self.index] = list.count;
+        let mut lists = vec![0; 32 * capacity as usize];
+        lists[bit as usize * capacity as usize..][..capacity as usize]
+            .copy_from_slice(&list.entries[..capacity as usize]);
+        let vertices: Vec<[u32; 2]> = mesh.edges().iter().map(|edge| edge.vertices).collect();
+        let faces: Vec<[u32; 2]> = mesh.edges().packed_faces().to_vec();
+        let results = [
+            uniform(gpu, &info),
+            gpu.storage(positions),
+            gpu.storage(&vertices),
+            gpu.storage(&faces),
+            gpu.storage(self.facing),
+            gpu.storage(&lists),
+            gpu.storage(&counts),
+        ];
+        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances]);
+        let [_, view, draw, lights] = &self.frame(gpu);
+        let results: Vec<_> = (0..).zip(&results).collect();
+        let groups = [&[(1, view), (2, draw), (3, lights)][..], &results, &[(0, &found)]];
+        stage.run_bound(gpu, &groups, (5 * instances).div_ceil(64) as u32)?;
+        let mut expected = Vec::new();
+        for instance in 0..instances {
+            let place = if is_doubled { instance / 2 } else { instance };
+            let record = if overflows { place } else { (list.entries[place] & !cpu::WINDING) as usize };
+            let edge = mesh.edges().get(record).ok_or("no such edge")?;
+            let is_drawn = masks[record].silhouette >> bit & 1 != 0
+                && !(is_doubled && instance % 2 == 1 && edge.kind == EdgeKind::Boundary);
+            let [a, b] = edge.vertices;
+            let ends = if masks[record].winding >> bit & 1 != 0 { [b, a] } else { [a, b] };
+            let polygon = cpu::side_clipped(&self.view, self.light(), ends.map(|vertex| self.end(vertex)));
+            expected.extend(strip(if is_drawn { &polygon } else { &[] }));
+        }
+        Ok([gpu.read(&found, 5 * instances)?, expected])
+    }
+
+    /// Caps of one class, likewise.
+    pub(crate) fn caps(
+        &self,
+        gpu: &Gpu,
+        cap: &Cap,
+        listed: &[u32],
+        overflows: bool,
+    ) -> Result<[Vec<[u32; 4]>; 2], String> {
+        let (_, positions, mesh) = &self.scene.caster;
+        let instances = if overflows { mesh.faces().len() } else { listed.len() };
+        let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
+        let bit = self.index % 32;
+        let mut counts = vec![0; 2 * self.lights.len()];
+        counts[2 * self.index] = listed.len() as u32;
+        let mut lists = vec![0; 64 * cap_capacity as usize + 1];
+        lists[2 * bit * cap_capacity as usize..][..cap_capacity as usize]
+            .copy_from_slice(&listed[..cap_capacity as usize]);
+        let [_, view, draw, lights] = &self.frame(gpu);
+        let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
+        let faces = [
+            gpu.storage(positions),
+            gpu.storage(mesh.faces()),
+            gpu.storage(self.facing),
+            gpu.storage(&counts),
+            gpu.storage(&lists),
+        ];
+        let vertices = cap.vertices * instances;
+        let found = gpu.storage(&vec![[0.0_f32; 4]; vertices]);
+        let faces: Vec<_> = (0..).zip(&faces).collect();
+        let frame = [(0, shape), (1, view), (2, draw), (3, lights)];
+        cap.stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], vertices.div_ceil(64) as u32)?;
+        let mut expected = Vec::new();
+        let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+        for &index in if overflows { &all } else { listed } {
+            let index = index as usize;
+            let face = mesh.faces()[index];
+            let faces_light = self.facing[index] >> bit & 1 != 0;
+            let [a, b, c] = face;
+            let is_drawn = !overflows
+                || (a != b
+                    && b != c
+                    && c != a
+                    && cpu::casts(self.light(), faces_light)
+                    && cpu::cap_class(self.light(), faces_light) == 0);
+            if is_drawn {
+                expected.extend((cap.twin)(&self.view, self.light(), face.map(|vertex| self.end(vertex))));
+            } else {
+                expected.extend((0..cap.vertices).map(|_| bits(None)));
+            }
+        }
+        Ok([gpu.read(&found, vertices)?, expected])
+    }
+}
+
+/// The sides of holes of a caster, of `vertices` each: as the GPU has them, and by `twin`.
+fn hole_sides(
+    gpu: &Gpu,
+    drawn: &Drawn<'_>,
+    stage: &Dispatch,
+    vertices: usize,
+    twin: impl Fn([End; 2]) -> Vec<[u32; 4]>,
+) -> Result<[Vec<[u32; 4]>; 2], String> {
+    let (_, positions, mesh) = &drawn.scene.caster;
+    let [shape, view, draw, lights] = &drawn.frame(gpu);
+    let found = gpu.storage(&vec![[0.0_f32; 4]; vertices * mesh.faces().len()]);
+    let faces = [gpu.storage(positions), gpu.storage(mesh.faces())];
+    let groups =
+        [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &[(0, &faces[0]), (1, &faces[1])], &[(0, &found)]];
+    stage.run_bound(gpu, &groups, (vertices * mesh.faces().len()).div_ceil(64) as u32)?;
+    let side = |&face| cpu::hole_edge(positions, face).map_or_else(|| vec![bits(None); vertices], &twin);
+    Ok([gpu.read(&found, vertices * mesh.faces().len())?, mesh.faces().iter().flat_map(side).collect()])
+}
+
+/// Casters with vertices that are not finite.
+fn holes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 106;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let stage = |entry_point, vertices| Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), entry_point, vertices), "probe");
+    let [plain, clipped] = [stage("hole_side", 5), stage("hole_side_clipped", 6)];
+    let mut sides = 0;
+    for number in 0..if is_long() { 300 } else { 24 } {
+        let mut scene = scene(&mut random, number, 8);
+        spoil(&mut random, &mut scene.caster.1, 6);
+        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        let (_, positions, mesh) = &scene.caster;
+        sides += mesh.faces().iter().filter(|&&face| cpu::hole_edge(positions, face).is_some()).count();
+        for index in 0..lights.len() {
+            let shape = ShadowShape { position_stride: 3, ..bytemuck::Zeroable::zeroed() };
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing: &[] };
+            let light = drawn.light();
+            let [found, expected] = hole_sides(gpu, &drawn, &plain, 5, |ends| {
+                cpu::hole_side(&view, light, ends).iter().map(|vertex| bits(Some(vertex))).collect()
+            })?;
+            same(&format!("{}, light {index} {light:?}", scene.name), &found, &expected)?;
+            let [mut found, expected] = hole_sides(gpu, &drawn, &clipped, 6, |ends| {
+                let mut polygon = cpu::hole_side_clipped(&view, light, ends);
+                polygon.reverse();
+                let strip = strip(&polygon);
+                [&strip[..1], &strip].concat()
+            })?;
+            same(&format!("{}, light {index} {light:?}, clipped", scene.name), &found, &expected)?;
+            if let Some(vertex) = found.iter_mut().find(|vertex| vertex[0] != 0) {
+                vertex[0] ^= 1;
+                must_fail("a moved vertex", &same(&scene.name, &found, &expected))?;
+            }
+        }
+    }
+    println!("{sides} sides of holes, for 8 lights each");
+    if sides < 100 { Err("too few".to_owned()) } else { Ok(()) }
+}
+
+fn clipped() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 105;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let side =
+        Dispatch::new(gpu, &probe(&format!("{}\n{}", SIDES.wgsl(), include_wgsl(1)), "side_clipped", 5), "probe");
+    let cap = Cap::near(gpu);
+    let (mut sides, mut caps) = (0, 0);
+    for number in 0..if is_long() { 600 } else { 24 } {
+        let scene = scene(&mut random, number, 36);
+        let (_, positions, mesh) = &scene.caster;
+        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let counts = mesh.edges().counts();
+        let shape = ShadowShape {
+            lights: 36,
+            faces: mesh.faces().len() as u32,
+            edges: mesh.edges().len() as u32,
+            averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
+            counting: COUNT_ZP_PLUS,
+            position_stride: 3,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
+        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+        let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
+        for _ in 0..6 {
+            let index = random.below(36);
+            let facing = &facing[index / 32 * mesh.faces().len()..][..mesh.faces().len()];
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing };
+            if drawn.light().casting == CAST_NOTHING {
+                continue;
+            }
+            let what = format!("{}, light {index} {:?}", scene.name, drawn.light());
+            for overflows in [false, true] {
+                let mut vertices = drawn.sides(gpu, &side, overflows)?;
+                sides += vertices[0].len() / 5;
+                same(&format!("{what}, sides"), &vertices[0], &vertices[1])?;
+                if let Some(vertex) = vertices[0].iter_mut().find(|vertex| vertex[0] != 0) {
+                    vertex[0] ^= 1;
+                    must_fail("a moved vertex", &same(&what, &vertices[0], &vertices[1]))?;
+                }
+                let [front, _] = &lists[index];
+                if !front.is_empty() {
+                    let vertices = drawn.caps(gpu, &cap, front, overflows)?;
+                    caps += vertices[0].len() / 5;
+                    same(&format!("{what}, caps"), &vertices[0], &vertices[1])?;
+                }
+            }
+        }
+    }
+    println!("{sides} sides, {caps} caps");
+    if sides.min(caps) < 1000 { Err("too few".to_owned()) } else { Ok(()) }
+}

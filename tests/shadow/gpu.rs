@@ -1,0 +1,53 @@
+//! Shadow volumes on the GPU: pictures against rays, stages and draws against their twins. Without an adapter these tests
+//! fail; they are never passed over.
+
+mod cameras;
+mod chain;
+mod classes;
+mod clipped;
+mod compare;
+mod dark_caps;
+mod hairlines;
+mod overflow;
+mod paper;
+mod query;
+mod range;
+mod rays;
+mod refusals;
+mod render;
+mod samples;
+mod scene;
+mod skinned;
+mod stages;
+mod trials;
+
+use libtest_mimic::{Failed, Trial};
+use rimline_measure::harness;
+
+use crate::classes::CLASSES;
+
+fn main() {
+    let right = |class: &'static _| move || trials::right(class).map_err(Failed::from);
+    let mut all: Vec<_> = CLASSES.iter().map(|class| Trial::test(class.name, right(class)).with_kind("gpu")).collect();
+    let tests = [
+        trials::TESTS,
+        paper::TESTS,
+        range::TESTS,
+        overflow::TESTS,
+        hairlines::TESTS,
+        query::TESTS,
+        cameras::TESTS,
+        skinned::TESTS,
+        stages::TESTS,
+        chain::TESTS,
+        clipped::TESTS,
+        dark_caps::TESTS,
+        refusals::TESTS,
+    ];
+    all.extend(harness::gpu_trials(tests.concat()));
+    // OpenGL reads zeros for the stencil values of several samples.
+    let is_gl = harness::adapter_name().ends_with("(Gl)");
+    let samples = harness::gpu_trials(samples::TESTS.iter().copied());
+    all.extend(samples.into_iter().map(|trial| trial.with_ignored_flag(is_gl)));
+    harness::run(all);
+}

@@ -1,0 +1,335 @@
+//! What would draw wrong shadows is a typed error: formats, cameras, lights, extractors and pipelines that do not go
+//! together.
+
+use rimline::glam::camera::rh::proj::directx::{
+    orthographic, perspective, perspective_infinite, perspective_infinite_reverse,
+};
+use rimline::glam::camera::rh::view::look_at_mat4;
+use rimline::glam::{Mat4, Vec3};
+use rimline::gpu::{
+    Extractor, ExtractorOptions, MemoryError, PositionBuffer, ShadowDrawError, ShadowError, ShadowFormat,
+    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
+use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera};
+use rimline_measure::shapes;
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::{limited, text};
+use rimline_measure::same;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("formats_that_do_not_serve_are_typed_errors", formats),
+    ("z_fail_needs_pipelines_for_the_cameras_far_plane", far_planes),
+    ("depth_of_camera_and_pipelines_must_agree", depths),
+    ("volumes_belong_to_one_extractor", extractors),
+    ("lights_must_be_those_extracted", lights),
+    ("pipelines_must_count_as_the_volumes_do", pipelines),
+    ("default_lists_of_cap_faces_fit_the_device", capacities),
+];
+
+const METHODS: [Counting; 5] =
+    [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlusPaper, Counting::ZFail];
+
+/// Those that z-fail is counted with.
+fn is_fail(counting: Counting) -> bool {
+    matches!(counting, Counting::ZFail | Counting::ZpPlusPaper)
+}
+
+fn formats() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let made = |gpu: &Gpu, format: &ShadowFormat, counting| {
+        ShadowPipelines::new(&gpu.pipelines, format, counting).map(|pipelines| pipelines.counting())
+    };
+    let depth_stencil = |depth_stencil| ShadowFormat { depth_stencil, ..ShadowFormat::default() };
+    for format in [
+        wgpu::TextureFormat::Depth32Float,
+        wgpu::TextureFormat::Depth24Plus,
+        wgpu::TextureFormat::Stencil8,
+        wgpu::TextureFormat::Rgba8Unorm,
+    ] {
+        let found = made(gpu, &depth_stencil(format), Counting::Auto);
+        same("no depth or no stencil", &[found], &[Err(ShadowFormatError::NoStencil(format))])?;
+    }
+    let format = wgpu::TextureFormat::Depth32FloatStencil8;
+    let needed = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+    let found = made(gpu, &depth_stencil(format), Counting::Auto);
+    same("a feature", &[found], &[Err(ShadowFormatError::Feature { format, needed })])?;
+    let with = Gpu::with(needed | wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    same("with it", &[made(&with, &depth_stencil(format), Counting::Auto)], &[Ok(Counting::Auto)])?;
+    let far = ShadowFormat { has_far_plane: true, ..ShadowFormat::default() };
+    for counting in METHODS {
+        let expected = if is_fail(counting) { Err(ShadowFormatError::DepthClip) } else { Ok(counting) };
+        same("a far plane without DEPTH_CLIP_CONTROL", &[made(gpu, &far, counting)], &[expected])?;
+        same("a far plane with it", &[made(&with, &far, counting)], &[Ok(counting)])?;
+        same("no far plane", &[made(gpu, &ShadowFormat::default(), counting)], &[Ok(counting)])?;
+    }
+    Ok(())
+}
+
+/// A caster with all that it needs.
+struct Caster<'a> {
+    gpu: &'a Gpu,
+    positions: wgpu::Buffer,
+    mesh: Mesh,
+    extractor: Extractor,
+}
+
+impl<'a> Caster<'a> {
+    fn new(gpu: &'a Gpu) -> Result<Self, String> {
+        let shape = shapes::torus(16, 8, 1.0, 0.4);
+        let mesh = shape.mesh().map_err(text)?;
+        let options = ExtractorOptions { max_lights: 4, ..Default::default() };
+        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        Ok(Self { gpu, positions: gpu.storage(&shape.positions), mesh, extractor })
+    }
+
+    fn volumes(&self, pipelines: &ShadowPipelines) -> Result<ShadowVolumes, String> {
+        ShadowVolumes::new(pipelines, &self.extractor, &self.mesh, ShadowOptions::default()).map_err(text)
+    }
+
+    fn bound(&self) -> PositionBuffer<'_> {
+        PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
+    }
+
+    fn extract(&mut self, lights: &[Light]) -> Result<(), String> {
+        let bound = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
+        let extractor = &mut self.extractor;
+        self.gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))
+    }
+
+    /// What encoding for these lights comes to.
+    fn encoded(
+        &self,
+        volumes: &mut ShadowVolumes,
+        camera: &ShadowCamera,
+        lights: &[Light],
+    ) -> Result<Result<(), ShadowError>, String> {
+        let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
+        let mut result = Ok(());
+        self.gpu.submit(|encoder| {
+            result = volumes.encode(encoder, &self.extractor, self.bound(), camera, &ranged, None);
+            Ok(())
+        })?;
+        Ok(result)
+    }
+}
+
+const LIGHTS: [Light; 3] =
+    [Light::point([0.0, 4.0, 1.0]), Light::directional([1.0, 2.0, 0.0]), Light::point([3.0, 1.0, 0.0])];
+
+fn camera(projection: Mat4, depth: DepthDirection) -> ShadowCamera {
+    let view = look_at_mat4(Vec3::new(1.0, 2.0, 6.0), Vec3::ZERO, Vec3::Y);
+    ShadowCamera { view_projection: projection * view, origin: Vec3::ZERO, depth }
+}
+
+/// Of each depth: without a far plane, with one, orthographic.
+fn cameras() -> [(ShadowCamera, bool); 6] {
+    use DepthDirection::{Reversed, Standard};
+    let perspective = |near, far| perspective(1.0, 1.0, near, far);
+    let orthographic = |near, far| orthographic(-2.0, 2.0, -2.0, 2.0, near, far);
+    [
+        (camera(perspective_infinite_reverse(1.0, 1.0, 0.1), Reversed), false),
+        (camera(perspective_infinite(1.0, 1.0, 0.1), Standard), false),
+        (camera(perspective(50.0, 0.1), Reversed), true),
+        (camera(perspective(0.1, 50.0), Standard), true),
+        (camera(orthographic(50.0, 0.1), Reversed), true),
+        (camera(orthographic(0.1, 50.0), Standard), true),
+    ]
+}
+
+/// Pipelines for no far plane and a camera that has one would have dark caps clipped.
+fn far_planes() -> Result<(), String> {
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
+    for (number, (camera, camera_has)) in cameras().into_iter().enumerate() {
+        for counting in METHODS {
+            for has_far_plane in [false, true] {
+                let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
+                let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
+                let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera, &LIGHTS)?;
+                let clips = is_fail(counting) && camera_has && !has_far_plane;
+                let expected = if clips { Err(ShadowError::FarPlane { counting }) } else { Ok(()) };
+                same(&format!("camera {number}, {counting:?}, {has_far_plane}"), &[found], &[expected])?;
+            }
+        }
+    }
+    let message = ShadowError::FarPlane { counting: Counting::ZFail }.to_string();
+    if message.contains("DEPTH_CLIP_CONTROL") { Ok(()) } else { Err(message) }
+}
+
+fn depths() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
+    for (camera, _) in cameras() {
+        for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
+            let format = ShadowFormat { depth, ..ShadowFormat::default() };
+            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
+            let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera, &LIGHTS)?;
+            let differ = ShadowError::Depth { camera: camera.depth, pipelines: depth };
+            let expected = if camera.depth == depth { Ok(()) } else { Err(differ) };
+            same(&format!("{depth:?}"), &[found], &[expected])?;
+        }
+    }
+    Ok(())
+}
+
+fn extractors() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let [mut caster, mut other] = [Caster::new(gpu)?, Caster::new(gpu)?];
+    caster.extract(&LIGHTS)?;
+    other.extract(&LIGHTS)?;
+    let (camera, _) = cameras()[0];
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let mut volumes = caster.volumes(&pipelines)?;
+    let found = other.encoded(&mut volumes, &camera, &LIGHTS)?;
+    same("another extractor of an equal mesh", &[found], &[Err(ShadowError::OtherExtractor)])?;
+    same("its own", &[caster.encoded(&mut volumes, &camera, &LIGHTS)?], &[Ok(())])
+}
+
+fn lights() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut caster = Caster::new(gpu)?;
+    let (camera, _) = cameras()[0];
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let mut volumes = caster.volumes(&pipelines)?;
+    let mut expect = |caster: &Caster<'_>, what: &str, lights: &[Light], expected| {
+        same(what, &[caster.encoded(&mut volumes, &camera, lights)?], &[expected])
+    };
+    let [a, b, c] = LIGHTS;
+    let missing = |given, encoded| Err(ShadowError::NotExtracted { given, encoded });
+    let differ = |index| Err(ShadowError::OtherLight { index });
+    expect(&caster, "nothing extracted", &[a], missing(1, 0))?;
+    caster.extract(&[a, b])?;
+    expect(&caster, "all", &[a, b], Ok(()))?;
+    expect(&caster, "all, for another frame", &[a, b], Ok(()))?;
+    expect(&caster, "the first", &[a], Ok(()))?;
+    expect(&caster, "one more", &[a, b, c], missing(3, 2))?;
+    expect(&caster, "another order", &[b, a], differ(0))?;
+    expect(&caster, "another one", &[a, c], differ(1))?;
+    let [x, y, z] = b.xyz;
+    expect(&caster, "one bit", &[a, Light::directional([x, y.next_up(), z])], differ(1))?;
+    expect(&caster, "another zero", &[a, Light::directional([x, y, -z])], differ(1))?;
+    caster.extract(&[c])?;
+    expect(&caster, "those before", &[a, b], missing(2, 1))?;
+    expect(&caster, "the one before", &[a], differ(0))?;
+    expect(&caster, "the new one", &[c], Ok(()))?;
+    // What is refused leaves the results as they are.
+    if caster.extract(&[Light::homogeneous([0.0; 4])]).is_ok() {
+        return Err("no light was extracted".to_owned());
+    }
+    expect(&caster, "those before what was refused", &[c], Ok(()))
+}
+
+/// Formats differ where attachments do; what volumes were made for must not.
+fn pipelines() -> Result<(), String> {
+    use DepthDirection::{Reversed, Standard};
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
+    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("target"),
+        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth24PlusStencil8,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let target = target.create_view(&wgpu::TextureViewDescriptor::default());
+    let all = METHODS.map(|counting| {
+        [Reversed, Standard].map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)))
+    });
+    let all: Vec<_> = all.into_iter().flatten().flatten().collect();
+    let made = |&(counting, depth, has_far_plane): &(Counting, DepthDirection, bool)| {
+        let format = ShadowFormat { depth, has_far_plane, ..ShadowFormat::default() };
+        ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)
+    };
+    for ours in &all {
+        let mut volumes = caster.volumes(&made(ours)?)?;
+        let (camera, _) = cameras()[usize::from(ours.1 == Standard)];
+        caster.encoded(&mut volumes, &camera, &LIGHTS)?.map_err(text)?;
+        for theirs in &all {
+            let drawing = made(theirs)?;
+            let mut found = Ok(());
+            gpu.submit(|encoder| {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("target"),
+                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                        view: &target,
+                        depth_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(0.5),
+                            store: wgpu::StoreOp::Store,
+                        }),
+                        stencil_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(0),
+                            store: wgpu::StoreOp::Store,
+                        }),
+                    }),
+                    ..Default::default()
+                });
+                found = volumes.draw(&mut pass, &drawing, 0);
+                Ok(())
+            })?;
+            let expected = if ours.0 != theirs.0 {
+                Err(ShadowDrawError::Counting { volumes: ours.0, pipelines: theirs.0 })
+            } else if ours.1 != theirs.1 {
+                Err(ShadowDrawError::Depth { volumes: ours.1, pipelines: theirs.1 })
+            } else if is_fail(ours.0) && ours.2 && !theirs.2 {
+                Err(ShadowDrawError::FarPlane)
+            } else {
+                Ok(())
+            };
+            same(&format!("{ours:?}, {theirs:?}"), &[found], &[expected])?;
+        }
+    }
+    Ok(())
+}
+
+/// Lists that every face would have room in do not fit; by default they are as long as does, and what is asked for is
+/// refused where it does not.
+fn capacities() -> Result<(), String> {
+    // 768 faces and 32 lights: 196,608 bytes for lists of all.
+    let shape = shapes::torus(24, 16, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let faces = mesh.faces().len() as u32;
+    let extractor_options = ExtractorOptions { max_lights: 32, ..Default::default() };
+    let made = |gpu: &Gpu, options| {
+        let pipelines =
+            ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::ZFail).map_err(text)?;
+        let extractor = Extractor::new(&gpu.pipelines, &mesh, extractor_options).map_err(text)?;
+        Ok::<_, String>(ShadowVolumes::new(&pipelines, &extractor, &mesh, options).map(|_| ()))
+    };
+    let plain = ShadowOptions::default();
+    let small = limited(64 << 10, 1 << 20, 64)?;
+    same("by default", &[made(&small, plain)?], &[Ok(())])?;
+    let fitting = (64 << 10) / (8 * 32);
+    let asked = |capacity| ShadowOptions { cap_capacity: Some(capacity), ..plain };
+    same("all that fit", &[made(&small, asked(fitting))?], &[Ok(())])?;
+    let binding = |bytes| {
+        let what = "lists of cap faces";
+        Err(ShadowError::Memory(MemoryError::Binding { what, bytes, limit: 64 << 10 }))
+    };
+    same("one more", &[made(&small, asked(fitting + 1))?], &[binding(256 * (u64::from(fitting) + 1))])?;
+    same("every face", &[made(&small, asked(faces))?], &[binding(256 * u64::from(faces))])?;
+
+    let gpu = &*Gpu::shared()?;
+    let within = |memory_limit, cap_capacity| {
+        let options = ShadowOptions { memory_limit: Some(memory_limit), cap_capacity, ..plain };
+        made(gpu, options)
+    };
+    let Err(ShadowError::Memory(MemoryError::Total { bytes: least, .. })) = within(0, Some(1))? else {
+        return Err("one entry a list was not refused".to_owned());
+    };
+    same("as little as can be", &[within(least, None)?], &[Ok(())])?;
+    same("somewhat more", &[within(least + 10_000, None)?], &[Ok(())])?;
+    match (within(least + 10_000, Some(faces))?, within(least - 1, None)?) {
+        (Err(ShadowError::Memory(MemoryError::Total { .. })), Err(ShadowError::Memory(MemoryError::Total { .. }))) => {
+            Ok(())
+        }
+        other => Err(format!("not refused: {other:?}")),
+    }
+}

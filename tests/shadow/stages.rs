@@ -1,0 +1,327 @@
+//! The stages that choose and list for shadow volumes, each against its CPU twin.
+
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
+use rimline::shadow::{CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+use rimline::{Light, Mesh, Predicate};
+
+use rimline_measure::cases::topologies;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::interleaved;
+use rimline_measure::random::Random;
+use rimline_measure::scenes::{Scene, scene};
+use rimline_measure::{is_long, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("bounds_equal_their_twin", bounds),
+    ("choose_and_caps_equal_their_twins", choose_and_caps),
+    ("shadow_arguments_equal_their_twin", shadow_arguments),
+];
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+/// A compute pipeline of a test's, its bind group 0 as the shader has it.
+pub(crate) struct Dispatch(wgpu::ComputePipeline);
+
+impl Dispatch {
+    pub(crate) fn new(gpu: &Gpu, source: &str, entry_point: &str) -> Self {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(entry_point),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        Self(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point),
+            layout: None,
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        }))
+    }
+
+    fn stage(gpu: &Gpu, stage: &Stage) -> Self {
+        Self::new(gpu, &stage.wgsl(), stage.name)
+    }
+
+    /// Runs with a group of buffers bound from 0 on.
+    fn run(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: u32) -> Result<(), String> {
+        let bound: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
+        self.run_bound(gpu, &[&bound], workgroups)
+    }
+
+    /// Runs with the groups' buffers bound where each says.
+    pub(crate) fn run_bound(
+        &self,
+        gpu: &Gpu,
+        groups: &[&[(u32, &wgpu::Buffer)]],
+        workgroups: u32,
+    ) -> Result<(), String> {
+        let bind = |(group, buffers): (u32, &&[(u32, &wgpu::Buffer)])| {
+            let entries: Vec<_> = buffers
+                .iter()
+                .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                    binding: *binding,
+                    resource: buffer.as_entire_binding(),
+                })
+                .collect();
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &self.0.get_bind_group_layout(group),
+                entries: &entries,
+            })
+        };
+        let groups: Vec<_> = (0..).zip(groups).map(bind).collect();
+        gpu.submit(|encoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.0);
+            for (number, group) in (0..).zip(&groups) {
+                pass.set_bind_group(number, group, &[]);
+            }
+            pass.dispatch_workgroups(workgroups, 1, 1);
+            Ok(())
+        })
+    }
+}
+
+pub(crate) fn uniform<T: bytemuck::Pod>(gpu: &Gpu, contents: &T) -> wgpu::Buffer {
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("test"),
+        size: size_of::<T>() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    gpu.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(contents));
+    buffer
+}
+
+/// Where positions lie in their buffer: words before the first, and from one to the next.
+pub(crate) const PLACES: [(u32, u32); 3] = [(0, 3), (5, 3), (7, 8)];
+
+pub(crate) fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, u32)) -> wgpu::Buffer {
+    gpu.storage(&interleaved(positions, 4 * u64::from(offset), 4 * u64::from(stride)))
+}
+
+pub(crate) fn shape(mesh: &Mesh, lights: usize, (position_offset, position_stride): (u32, u32)) -> ShadowShape {
+    let counts = mesh.edges().counts();
+    ShadowShape {
+        lights: lights as u32,
+        faces: mesh.faces().len() as u32,
+        edges: mesh.edges().len() as u32,
+        capacity: 1000,
+        cap_capacity: mesh.faces().len() as u32,
+        averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
+        counting: COUNT_AUTO,
+        skip_unseen: 1,
+        position_offset,
+        position_stride,
+        cap_groups: 3,
+        end_at_range: 0,
+    }
+}
+
+/// Makes some coordinates infinite or NaN.
+pub(crate) fn spoil(random: &mut Random, positions: &mut [[f32; 3]], count: usize) {
+    for _ in 0..count {
+        let vertex = random.below(positions.len());
+        positions[vertex][random.below(3)] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][random.below(3)];
+    }
+}
+
+const EMPTY: [u32; 7] = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
+
+fn bounds() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 101;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let stage = Dispatch::stage(gpu, &BOUNDS);
+    for (name, mut positions, mesh) in topologies() {
+        let faces = gpu.storage(mesh.faces());
+        for round in 0..6 {
+            let (offset, scale) = ([0.0, -7.0, 1e30][round % 3], [1.0, 1e-40, 1e8][random.below(3)]);
+            positions.iter_mut().flatten().for_each(|c| *c = *c * scale + offset);
+            // In the end none is finite.
+            spoil(&mut random, &mut positions, if round == 5 { 100_000 } else { 2 * round });
+            let place = PLACES[round % 3];
+            let found = gpu.storage(&EMPTY);
+            let shape = uniform(gpu, &shape(&mesh, 1, place));
+            let buffers = [&shape, &placed(gpu, &positions, place), &faces, &found];
+            stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
+            let mut found: Vec<u32> = gpu.read(&found, 7)?;
+            let twin = cpu::bounds(&positions, mesh.faces());
+            same(&format!("{name}, round {round}"), &found, &twin)?;
+            found[random.below(7)] ^= 1;
+            must_fail("a moved bound", &same(&name, &found, &twin))?;
+        }
+        let with_holes = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 1];
+        same(&format!("{name}, nothing finite"), &cpu::bounds(&positions, mesh.faces()), &with_holes)?;
+    }
+    Ok(())
+}
+
+/// A scene in buffers.
+struct Staged {
+    scene: Scene,
+    shape: ShadowShape,
+    view: ShadowView,
+    given: Vec<ShadowLight>,
+    facing: Vec<u32>,
+    positions: wgpu::Buffer,
+    faces: wgpu::Buffer,
+    bounds: [u32; 7],
+}
+
+impl Staged {
+    fn new(gpu: &Gpu, random: &mut Random, number: usize, lights: usize) -> Result<Self, String> {
+        let mut scene = scene(random, number, lights);
+        let (_, positions, mesh) = &mut scene.caster;
+        let spoiled = [0, 0, 6, 1][random.below(4)];
+        spoil(random, positions, spoiled);
+        let place = PLACES[random.below(3)];
+        let view = scene.camera.view().map_err(text)?;
+        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+        Ok(Self {
+            shape: ShadowShape {
+                counting: [COUNT_AUTO, COUNT_AUTO, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_Z_PASS][random.below(5)],
+                skip_unseen: random.below(2) as u32,
+                ..shape(mesh, lights, place)
+            },
+            view,
+            given: scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect(),
+            facing: cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE),
+            positions: placed(gpu, positions, place),
+            faces: gpu.storage(mesh.faces()),
+            bounds: cpu::bounds(positions, mesh.faces()),
+            scene,
+        })
+    }
+
+    /// The light's choices and the dispatches of the caps stage.
+    fn choose(&self, gpu: &Gpu, stage: &Dispatch) -> Result<(Vec<ShadowLight>, Vec<u32>), String> {
+        let words = self.given.len().div_ceil(32);
+        let (lights, dispatches) = (gpu.storage(&self.given), gpu.storage(&[0_u32, 1, 1].repeat(words)));
+        let (shape, view) = (uniform(gpu, &self.shape), uniform(gpu, &self.view));
+        stage.run(gpu, &[&shape, &view, &gpu.storage(&self.bounds), &lights, &dispatches], 1)?;
+        Ok((gpu.read(&lights, self.given.len())?, gpu.read(&dispatches, 3 * words)?))
+    }
+
+    /// The counts, and the lists in the order of the faces.
+    fn caps(
+        &self,
+        gpu: &Gpu,
+        stage: &Dispatch,
+        lights: &[ShadowLight],
+        cap_capacity: u32,
+    ) -> Result<(Vec<u32>, Vec<Vec<u32>>), String> {
+        let faces = self.shape.faces as usize;
+        let counts = gpu.storage(&vec![0_u32; 2 * lights.len()]);
+        let shape = uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
+        let (view, chosen) = (uniform(gpu, &self.view), gpu.storage(lights));
+        let mut lists = Vec::new();
+        for (word, plane) in self.facing.chunks(faces).enumerate() {
+            let (light, first_light) = (32 * word as u32, 32 * word as u32);
+            let draw = uniform(gpu, &ShadowDraw { light, first_light, reserved_0: 0, reserved_1: 0 });
+            let count = (lights.len() - 32 * word).min(32);
+            let list = gpu.storage(&vec![u32::MAX; 2 * count * cap_capacity as usize]);
+            let masks = gpu.storage(plane);
+            let buffers = [&shape, &view, &draw, &self.positions, &self.faces, &masks, &chosen, &counts, &list];
+            stage.run(gpu, &buffers, 3)?;
+            let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
+            lists.extend(list.chunks(cap_capacity as usize).take(2 * count).map(<[u32]>::to_vec));
+        }
+        let counts: Vec<u32> = gpu.read(&counts, 2 * lights.len())?;
+        for (list, &count) in lists.iter_mut().zip(&counts) {
+            list.truncate(count as usize);
+            list.sort_unstable();
+        }
+        Ok((counts, lists))
+    }
+}
+
+fn choose_and_caps() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 102;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (choose, caps) = (Dispatch::stage(gpu, &CHOOSE), Dispatch::stage(gpu, &CAPS));
+    let (mut listed, mut skipped, mut z_pass) = (0, 0, 0);
+    for number in 0..if is_long() { 1000 } else { 24 } {
+        let staged = Staged::new(gpu, &mut random, number, [70, 33, 1][number % 3])?;
+        let (name, (_, positions, mesh)) = (&staged.scene.name, &staged.scene.caster);
+        let (found, dispatches) = staged.choose(gpu, &choose)?;
+        let mut twins = staged.given.clone();
+        let twin_dispatches = cpu::choose(&staged.shape, &staged.view, staged.bounds, &mut twins);
+        same(&format!("{name}, lights"), &found, &twins)?;
+        same(&format!("{name}, dispatches"), &dispatches, twin_dispatches.as_flattened())?;
+        let twin_lists: Vec<_> =
+            cpu::caps(&staged.view, positions, mesh.faces(), &staged.facing, &twins).into_iter().flatten().collect();
+        let twin_counts: Vec<_> = twin_lists.iter().map(|list| list.len() as u32).collect();
+        let (counts, mut lists) = staged.caps(gpu, &caps, &found, staged.shape.faces)?;
+        same(&format!("{name}, counts"), &counts, &twin_counts)?;
+        same(&format!("{name}, lists"), &lists, &twin_lists)?;
+        if let Some(list) = lists.iter_mut().find(|list| !list.is_empty()) {
+            list.pop();
+            must_fail("a missing cap face", &same(name, &lists, &twin_lists))?;
+        }
+        let (counts, short) = staged.caps(gpu, &caps, &found, 7)?;
+        same(&format!("{name}, counts of short lists"), &counts, &twin_counts)?;
+        for (list, twin) in short.iter().zip(&twin_lists) {
+            if list.len() != twin.len().min(7) || !list.iter().all(|face| twin.contains(face)) {
+                return Err(format!("{name}: a short list is {list:?}, all are {twin:?}"));
+            }
+        }
+        listed += twin_lists.iter().filter(|list| !list.is_empty()).count();
+        skipped += twins.iter().filter(|light| light.casting == CAST_NOTHING).count();
+        z_pass += twins.iter().filter(|light| light.casting != 0 && light.counting == COUNT_Z_PASS).count();
+    }
+    println!("{listed} lists with faces, {skipped} lights skipped, {z_pass} by z-pass");
+    if listed.min(skipped).min(z_pass) < 20 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+fn shadow_arguments() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 103;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let stage = Dispatch::stage(gpu, &SHADOW_ARGUMENTS);
+    let (_, _, mesh) = topologies().swap_remove(0);
+    for round in 0..20 {
+        let count = [1, 32, 70, 200][round % 4];
+        let counting = [COUNT_AUTO, COUNT_ZP_PAPER][round / 4 % 2];
+        let shape = ShadowShape { cap_capacity: 50, counting, ..shape(&mesh, count, PLACES[0]) };
+        let lights: Vec<ShadowLight> = (0..count)
+            .map(|_| ShadowLight {
+                casting: random.below(3) as u32,
+                counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PAPER][random.below(4)],
+                end: [0.0, 0.5][random.below(2)],
+                holed: random.below(2) as u32,
+                ..bytemuck::Zeroable::zeroed()
+            })
+            .collect();
+        let mut number = || [0, 0, 1, 49, 50, 51, 999, 1000, 1001, 5000][random.below(10)];
+        let silhouettes: Vec<u32> = (0..count).map(|_| number()).collect();
+        let caps: Vec<[u32; 2]> = (0..count).map(|_| [number(), number()]).collect();
+        let draws = gpu.storage(&vec![u32::MAX; size_of::<ShadowDraws>() / 4 * count]);
+        let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
+        let buffers = [
+            &uniform(gpu, &shape),
+            &gpu.storage(&silhouettes),
+            &gpu.storage(&caps),
+            &gpu.storage(&lights),
+            &draws,
+            &statistics,
+        ];
+        stage.run(gpu, &buffers, 1 + round as u32 % 3)?;
+        let mut found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
+        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &silhouettes, &caps, &lights);
+        same(&format!("round {round}, draws"), &found, &twins)?;
+        same(&format!("round {round}, statistics"), &gpu.read(&statistics, 1)?, &[twin_statistics])?;
+        found[0].back.instance_count ^= 1;
+        must_fail("a changed draw", &same("draws", &found, &twins))?;
+    }
+    Ok(())
+}
