@@ -46,7 +46,7 @@ impl AreaLight {
     /// `count` lights spread over the shape, each of which stands for an equal share of its light; one alone is the
     /// middle. The same in every run. w is 1, or 0 for a light at infinity.
     pub fn samples(&self, count: usize) -> Vec<Light> {
-        let Light { xyz, w } = self.light;
+        let Light { xyz, w, range } = self.light;
         let xyz = DVec3::from_array(xyz.map(f64::from));
         let (middle, normal) = if w == 0.0 {
             let towards = xyz.normalize_or_zero();
@@ -69,7 +69,7 @@ impl AreaLight {
                 AreaShape::Sphere { radius } => ball(sample, count) * f64::from(radius),
             };
             let place = (middle + offset).as_vec3().to_array();
-            if w == 0.0 { Light::directional(place) } else { Light::point(place) }
+            if w == 0.0 { Light::directional(place) } else { Light::point(place) }.with_range(range)
         };
         (0..count).map(place).collect()
     }

@@ -42,31 +42,31 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-pub mod area;
+mod area;
 pub mod cpu;
 pub mod displace;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 pub mod gpu;
 mod layout;
-pub mod light;
+mod light;
 pub mod mesh;
 mod method;
 pub mod model;
 #[cfg(feature = "reference")]
 pub mod reference;
-pub mod shadow;
+mod shadow;
 mod stages;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
-pub use method::{Method, Predicate};
+pub use method::Predicate;
 pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
-pub use shadow::{Counting, DepthDirection, RangedLight, ShadowCamera};
+pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 
-pub use {glam, wgpu};
+pub use wgpu;
 
 /// The README's example, compiled.
 #[cfg(doctest)]

@@ -9,6 +9,33 @@ pub mod layout {
     pub use crate::layout::*;
 }
 
+/// Cameras and lights as the GPU sees them, and the codes of what is chosen.
+pub mod shadow {
+    use crate::layout::{ShadowLight, ShadowView};
+    pub use crate::shadow::{
+        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+    };
+    use crate::{CameraError, Light, ShadowCamera};
+
+    /// What the GPU needs of a camera.
+    ///
+    /// # Errors
+    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    pub fn view(camera: &ShadowCamera) -> Result<ShadowView, CameraError> {
+        camera.view()
+    }
+
+    /// A light as a camera sees it; nothing chosen yet.
+    pub fn light(camera: &ShadowCamera, view: &ShadowView, light: Light) -> ShadowLight {
+        camera.light(view, light)
+    }
+}
+
+/// Checks and counts of lights.
+pub mod light {
+    pub use crate::light::{check_lights, check_shadow_lights, words};
+}
+
 /// The list of stages, with their WGSL.
 pub mod stages {
     pub use crate::stages::*;

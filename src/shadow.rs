@@ -4,7 +4,6 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
-use crate::light::{LightError, check_shadow_lights};
 
 /// [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
@@ -71,8 +70,8 @@ pub enum DepthDirection {
 /// The camera that shadow volumes are drawn for.
 ///
 /// ```
-/// use rimline::glam::Vec3;
-/// use rimline::glam::camera::rh::{proj::directx, view::look_at_mat4};
+/// use glam::Vec3;
+/// use glam::camera::rh::{proj::directx, view::look_at_mat4};
 /// use rimline::gpu::ShadowFormat;
 /// use rimline::{DepthDirection, ShadowCamera};
 ///
@@ -81,11 +80,11 @@ pub enum DepthDirection {
 /// // Depth from 0 to 1 with a far plane, `Mat4::perspective_rh` in older versions of glam:
 /// let projection = directx::perspective(1.0, 16.0 / 9.0, 0.1, 100.0);
 /// let camera = ShadowCamera {
-///     view_projection: projection * look_at_mat4(eye, target, Vec3::Y),
-///     origin: Vec3::ZERO,
+///     view_projection: (projection * look_at_mat4(eye, target, Vec3::Y)).to_cols_array_2d(),
+///     origin: [0.0; 3],
 ///     depth: DepthDirection::Standard,
 /// };
-/// # camera.view()?;
+/// camera.check()?;
 /// // What is drawn with must know; z-fail then needs `Features::DEPTH_CLIP_CONTROL`.
 /// let has_far_plane = camera.has_far_plane();
 /// let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
@@ -94,21 +93,22 @@ pub enum DepthDirection {
 /// // Reversed depth without a far plane, the default of `ShadowFormat`; positions relative to the eye:
 /// let projection = directx::perspective_infinite_reverse(1.0, 16.0 / 9.0, 0.1);
 /// let camera = ShadowCamera {
-///     view_projection: projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y),
-///     origin: eye,
+///     view_projection: (projection * look_at_mat4(Vec3::ZERO, target - eye, Vec3::Y)).to_cols_array_2d(),
+///     origin: eye.to_array(),
 ///     depth: DepthDirection::Reversed,
 /// };
-/// # camera.view()?;
+/// camera.check()?;
 /// assert!(!camera.has_far_plane());
-/// # Ok::<(), rimline::shadow::CameraError>(())
+/// # Ok::<(), rimline::CameraError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCamera {
     /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.
-    pub view_projection: Mat4,
+    /// Four columns.
+    pub view_projection: [[f32; 4]; 4],
     /// What positions are taken relative to. Zero for a plain view-projection matrix; the eye's position, with a matrix
     /// that does not move, keeps its precision far from the world's origin.
-    pub origin: Vec3,
+    pub origin: [f32; 3],
     /// Which depth is near.
     pub depth: DepthDirection,
 }
@@ -132,7 +132,8 @@ impl ShadowCamera {
     /// The far plane is at a finite distance, as [`crate::gpu::ShadowFormat::has_far_plane`] asks. Only a matrix whose far
     /// plane is at infinity to the last bit has none: by that plane's least slope points at infinity may be clipped.
     pub fn has_far_plane(&self) -> bool {
-        let (depth, w) = (self.view_projection.row(2), self.view_projection.row(3));
+        let matrix = Mat4::from_cols_array_2d(&self.view_projection);
+        let (depth, w) = (matrix.row(2), matrix.row(3));
         let [far, opposite] = match self.depth {
             DepthDirection::Reversed => [depth, Vec4::ZERO],
             DepthDirection::Standard => [w, depth],
@@ -140,14 +141,23 @@ impl ShadowCamera {
         far.truncate() != opposite.truncate()
     }
 
+    /// Checks that shadow volumes can be drawn for this camera.
+    ///
+    /// # Errors
+    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    pub fn check(&self) -> Result<(), CameraError> {
+        self.view().map(drop)
+    }
+
     /// What the GPU needs of it.
     ///
     /// # Errors
     /// [`CameraError`] for a singular matrix or an oblique near plane.
-    pub fn view(&self) -> Result<ShadowView, CameraError> {
-        let matrix = self.view_projection.as_dmat4();
+    pub(crate) fn view(&self) -> Result<ShadowView, CameraError> {
+        let matrix = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
+        let origin = Vec3::from_array(self.origin);
         let inverse = matrix.inverse();
-        if !inverse.is_finite() || !self.origin.is_finite() || matrix.determinant() == 0.0 {
+        if !inverse.is_finite() || !origin.is_finite() || matrix.determinant() == 0.0 {
             return Err(CameraError::Singular);
         }
         let (depth, w) = (matrix.row(2), matrix.row(3));
@@ -174,7 +184,7 @@ impl ShadowCamera {
         let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let corner = inverse * (DVec4::new(x, y, near_z, 1.0) * near_w);
-            let place = corner.truncate() / corner.w + self.origin.as_dvec3();
+            let place = corner.truncate() / corner.w + origin.as_dvec3();
             near_min = near_min.min(place);
             near_max = near_max.max(place);
         }
@@ -182,9 +192,9 @@ impl ShadowCamera {
             return Err(CameraError::Singular);
         }
         Ok(ShadowView {
-            view_projection: self.view_projection.to_cols_array_2d(),
+            view_projection: self.view_projection,
             near_plane: plane.as_vec4().to_array(),
-            origin: self.origin.to_array(),
+            origin: self.origin,
             near_w: near_w as f32,
             near_min: near_min.as_vec3().to_array(),
             near_z: near_z as f32,
@@ -195,7 +205,8 @@ impl ShadowCamera {
 
     /// A light as this camera sees it; nothing chosen yet. `view` is [`Self::view`] of this camera. Meaningless for lights
     /// that are refused: all zeros, or not finite.
-    pub fn light(&self, view: &ShadowView, RangedLight { light, range }: RangedLight) -> ShadowLight {
+    pub(crate) fn light(&self, view: &ShadowView, light: Light) -> ShadowLight {
+        let range = light.range;
         let given = light.to_array().map(f64::from);
         // A w that is a power of two times a position is exact, and so is what it says of the light's place.
         let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
@@ -205,8 +216,8 @@ impl ShadowCamera {
         // What f32 holds of it is what the shaders see.
         let light = scaled.map(|c| c as f32);
         let [x, y, z, w] = light.map(f64::from);
-        let from_origin = (DVec3::new(x, y, z) - w * self.origin.as_dvec3()).extend(w);
-        let matrix: DMat4 = self.view_projection.as_dmat4();
+        let from_origin = (DVec3::new(x, y, z) - w * Vec3::from_array(self.origin).as_dvec3()).extend(w);
+        let matrix: DMat4 = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
         let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
         let clip = matrix * from_origin;
         // Section 3.1 without its rotation: positive w between light and near plane.
@@ -231,22 +242,6 @@ fn power_of_two_below(size: f64) -> f64 {
     f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
-/// A light that reaches only so far: Bergeron's sphere of influence (1986).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RangedLight {
-    /// The light, in the space of the positions.
-    pub light: Light,
-    /// Casters farther away throw no shadow; see [`crate::gpu::ShadowOptions::end_at_range`], too. In the unit of the
-    /// positions, positive; infinite for no limit. Of no meaning for lights at infinity.
-    pub range: f32,
-}
-
-impl From<Light> for RangedLight {
-    fn from(light: Light) -> Self {
-        Self { light, range: f32::INFINITY }
-    }
-}
-
 /// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin` (his
 /// `Dec_Begin`), none from `end` on (`Light_End`, the light's range), and between them what is left of the way to `end`
 /// to the power of `exponent` (`Decrease`; 1 is linear). An infinite `end`: all of it everywhere. A `begin` beyond `end`
@@ -266,35 +261,6 @@ pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
     if left > 0.0 { left.min(1.0).powf(exponent) } else { 0.0 }
 }
 
-/// Why lights cannot have shadow volumes.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowLightError {
-    /// Refused by the extraction, too, or for its negative weight.
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// A range must be positive, or infinite.
-    #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
-    Range {
-        /// Position in the list.
-        index: usize,
-        /// The range given.
-        range: f32,
-    },
-}
-
-/// Checks lights for shadows: those that the extraction takes, with w ≥ 0 and a positive range.
-pub(crate) fn check_ranged_lights(lights: &[RangedLight], limit: usize) -> Result<(), ShadowLightError> {
-    let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
-    check_shadow_lights(&plain, limit)?;
-    for (index, &RangedLight { range, .. }) in lights.iter().enumerate() {
-        if range.is_nan() || range <= 0.0 {
-            return Err(ShadowLightError::Range { index, range });
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -308,7 +274,15 @@ mod tests {
     /// x, y, z and w of clip space by rows, before a camera at the origin that looks along −z.
     fn camera(z: [f32; 4], w: [f32; 4], depth: DepthDirection) -> ShadowCamera {
         let rows = [[2.0, 0.0, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0], z, w];
-        ShadowCamera { view_projection: Mat4::from_cols_array_2d(&rows).transpose(), origin: Vec3::ZERO, depth }
+        ShadowCamera {
+            view_projection: Mat4::from_cols_array_2d(&rows).transpose().to_cols_array_2d(),
+            origin: [0.0; 3],
+            depth,
+        }
+    }
+
+    fn mat(camera: ShadowCamera) -> Mat4 {
+        Mat4::from_cols_array_2d(&camera.view_projection)
     }
 
     const PERSPECTIVE: [f32; 4] = [0.0, 0.0, -1.0, 0.0];
@@ -346,9 +320,11 @@ mod tests {
         assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
         // Wherever the camera stands and looks.
         let place = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
-        let moved = cameras().map(|camera| ShadowCamera { view_projection: camera.view_projection * place, ..camera });
+        let moved = cameras()
+            .map(|camera| ShadowCamera { view_projection: (mat(camera) * place).to_cols_array_2d(), ..camera });
         assert_eq!(moved.map(|camera| camera.has_far_plane()), expected);
-        let camera = |view_projection, depth| ShadowCamera { view_projection, origin: Vec3::ZERO, depth };
+        let camera =
+            |matrix: Mat4, depth| ShadowCamera { view_projection: matrix.to_cols_array_2d(), origin: [0.0; 3], depth };
         for (matrix, depth, expected) in [
             (perspective(1.0, 1.5, 0.1, 100.0), STANDARD, true),
             (perspective(1.0, 1.5, 100.0, 0.1), REVERSED, true),
@@ -363,12 +339,12 @@ mod tests {
     #[test]
     fn the_origin_moves_the_near_rectangle_and_the_light() {
         for camera in cameras() {
-            let moved = ShadowCamera { origin: Vec3::new(100.0, -20.0, 3.0), ..camera };
+            let moved = ShadowCamera { origin: [100.0, -20.0, 3.0], ..camera };
             let (view, moved_view) = (camera.view().expect("good"), moved.view().expect("good"));
             for axis in 0..3 {
                 assert_eq!(moved_view.near_min[axis], view.near_min[axis] + moved.origin[axis]);
             }
-            let at = |place: Vec3| RangedLight::from(Light::point(place.to_array()));
+            let at = |place: Vec3| Light::point(place.to_array());
             let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));
             let moved_light = moved.light(&moved_view, at(Vec3::new(101.0, -18.0, 0.0)));
             // Each is scaled by its own power of two.
@@ -385,25 +361,25 @@ mod tests {
     fn lights_have_a_weight_that_is_a_power_of_two() {
         let camera = cameras()[0];
         let view = camera.view().expect("good");
-        let light = |light| camera.light(&view, RangedLight { light, range: 2.0 });
+        let light = |light: Light| camera.light(&view, light.with_range(2.0));
         let given = light(Light::homogeneous([9.0, 3.0, -6.0, 3.0]));
         assert_eq!(given.light, [1.5, 0.5, -1.0, 0.5]);
         assert_eq!((given.height, given.range), (0.75, 2.0));
         assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).light, [0.0, 0.75, 1.0, 0.0]);
         assert_eq!(light(Light::directional([0.0, 3.0, 4.0])).height, -1.0);
-        assert_eq!(camera.light(&view, Light::point([0.0; 3]).into()).range, 0.0);
+        assert_eq!(camera.light(&view, Light::point([0.0; 3])).range, 0.0);
     }
 
     #[test]
     fn cameras_that_cannot_serve_are_typed_errors() {
         let error = |camera: ShadowCamera| camera.view().expect_err("a bad camera");
         let infinite = cameras()[0];
-        let good = infinite.view_projection;
-        let with = |view_projection| error(ShadowCamera { view_projection, ..infinite });
+        let good = mat(infinite);
+        let with = |matrix: Mat4| error(ShadowCamera { view_projection: matrix.to_cols_array_2d(), ..infinite });
         assert_eq!(with(Mat4::ZERO), CameraError::Singular);
         assert_eq!(with(good * f32::NAN), CameraError::Singular);
         assert_eq!(with(good * Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))), CameraError::Singular);
-        let origin = Vec3::new(0.0, f32::INFINITY, 0.0);
+        let origin = [0.0, f32::INFINITY, 0.0];
         assert_eq!(error(ShadowCamera { origin, ..infinite }), CameraError::Singular);
         assert_eq!(error(camera([0.3, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED)), CameraError::Oblique);
         assert_eq!(error(camera([0.3, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD)), CameraError::Oblique);
@@ -414,28 +390,6 @@ mod tests {
         assert_eq!(backwards(cameras()[2], STANDARD), CameraError::Backwards);
         assert_eq!(backwards(cameras()[3], REVERSED), CameraError::Backwards);
         assert_eq!(error(camera([0.0, 0.0, -1.0, 0.5], PERSPECTIVE, STANDARD)), CameraError::Backwards);
-    }
-
-    #[test]
-    fn ranges_and_weights_are_checked() {
-        let point = Light::point([1.0, 2.0, 3.0]);
-        let check = |light, range| check_ranged_lights(&[point.into(), RangedLight { light, range }], 2);
-        assert_eq!(check(point, 1.0), Ok(()));
-        assert_eq!(check(point, f32::INFINITY), Ok(()));
-        for range in [0.0, -1.0, f32::NEG_INFINITY] {
-            assert_eq!(check(point, range), Err(ShadowLightError::Range { index: 1, range }));
-        }
-        assert!(matches!(check(point, f32::NAN), Err(ShadowLightError::Range { index: 1, range }) if range.is_nan()));
-        let negative = Light::homogeneous([1.0, 2.0, 3.0, -1.0]);
-        assert_eq!(
-            check(negative, 1.0),
-            Err(ShadowLightError::Light(LightError::NegativeWeight { index: 1, w: -1.0 }))
-        );
-        assert_eq!(check(Light::homogeneous([1.0, 2.0, 3.0, -0.0]), 1.0), Ok(()));
-        let zero = Light::homogeneous([0.0; 4]);
-        assert_eq!(check(zero, 1.0), Err(ShadowLightError::Light(LightError::Zero { index: 1 })));
-        let many = check_ranged_lights(&[point.into(); 3], 2);
-        assert_eq!(many, Err(ShadowLightError::Light(LightError::TooMany { count: 3, limit: 2 })));
     }
 
     #[test]

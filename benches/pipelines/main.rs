@@ -4,11 +4,11 @@
 
 use std::time::Instant;
 
-use rimline::glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec4};
 use rimline::gpu::{
     Extractor, ExtractorOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, wgpu};
+use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
 use rimline_measure::shapes;
 
 const ROUNDS: usize = 15;
@@ -79,21 +79,19 @@ impl Bench {
         let all = if shared == Shared::All { all.clone() } else { Pipelines::new(&self.device) };
         let own = (shared == Shared::Nothing).then(|| Self::drawing(&all));
         let mut extractor = Extractor::new(&all, &self.mesh, ExtractorOptions::default()).expect("a small mesh fits");
-        let mut volumes =
-            ShadowVolumes::new(own.as_ref().unwrap_or(drawing), &extractor, &self.mesh, ShadowOptions::default())
-                .expect("a small mesh fits");
+        let mut volumes = ShadowVolumes::new(own.as_ref().unwrap_or(drawing), &extractor, ShadowOptions::default())
+            .expect("a small mesh fits");
         let made = Instant::now();
         let camera = ShadowCamera {
-            view_projection: Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::W, Vec4::Z * 0.1),
-            origin: Vec3::new(0.0, 0.0, 5.0),
+            view_projection: Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::W, Vec4::Z * 0.1).to_cols_array_2d(),
+            origin: [0.0, 0.0, 5.0],
             depth: DepthDirection::Reversed,
         };
         let light = Light::point([0.0, 5.0, 2.0]);
         let positions = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        extractor.encode(&mut encoder, positions, &[light], None).expect("good input");
-        let lights = [RangedLight::from(light)];
-        volumes.encode(&mut encoder, &extractor, positions, &camera, &lights, None).expect("good input");
+        let extraction = extractor.encode(&mut encoder, positions, &[light], None).expect("good input");
+        volumes.encode(&mut encoder, &extraction, &camera, None).expect("good input");
         self.queue.submit([encoder.finish()]);
         self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
         [made.duration_since(begin), made.elapsed()].map(|time| time.as_secs_f64() * 1e3)

@@ -124,7 +124,7 @@ impl Gpu {
         let [positions, bound] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
         let seconds = median(|| {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            query.encode(&mut encoder, positions, bound, points.len() as u32, lights, None).expect("good input");
+            query.encode_at(&mut encoder, positions, bound, points.len() as u32, lights, None).expect("good input");
             self.queue.submit([encoder.finish()]);
             self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
         });

@@ -4,7 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::gpu::{self, Extractor, ExtractorOptions, ListOptions, PositionBuffer, Results};
+use rimline::gpu::{self, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::{Light, Mesh, mesh::Weld, wgpu};
 use rimline_measure::shapes;
 
@@ -23,17 +23,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lists = Some(ListOptions { vertices_per_edge: 2, ..ListOptions::default() });
     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { lists, ..ExtractorOptions::default() })?;
     let layout = gpu::results_bind_group_layout(device, wgpu::ShaderStages::VERTEX);
-    let results = extractor.results_bind_group(&layout, 0, positions)?;
     let pipeline = canvas.line_pipeline(&layout, &(gpu::include_wgsl(0) + include_str!("lines.wgsl")));
 
     // Every frame: extract, then draw what was found, in one encoder; nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let eye = Light::point([0.0, 0.0, 4.0]);
-    extractor.encode(&mut encoder, positions, &[eye], None)?;
+    let silhouette = extractor.encode(&mut encoder, positions, &[eye], None)?;
+    let results = silhouette.bind_group(&layout, 0)?;
     canvas.draw(&mut encoder, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &results, &[]);
-        pass.draw_indirect(extractor.results().draw_arguments, Results::draw_offset(0));
-    });
+        silhouette.draw(pass, 0)
+    })?;
     canvas.save(encoder, "drop_in.png")
 }

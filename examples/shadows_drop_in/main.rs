@@ -7,11 +7,11 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, wgpu};
+use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -34,15 +34,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Once a mesh: topology, extraction, volumes.
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions::default())?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 
     // Every frame: extract and choose, then draw the volumes where the stencil is wanted. Nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let view =
-        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    extractor.encode(&mut encoder, positions, &[sun], None)?;
-    volumes.encode(&mut encoder, &extractor, positions, &view, &[RangedLight::from(sun)], None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
+    let view = ShadowCamera {
+        view_projection: camera.view_projection.to_cols_array_2d(),
+        origin: camera.eye.into(),
+        depth: DepthDirection::Reversed,
+    };
+    let extraction = extractor.encode(&mut encoder, positions, &[sun], None)?;
+    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "shadows_drop_in.png")
 }

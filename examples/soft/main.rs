@@ -6,13 +6,11 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::{
-    AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera, mesh::Weld, wgpu,
-};
+use rimline::{AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -42,15 +40,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
     let options = ExtractorOptions { max_lights: SAMPLES, ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(device, &mesh, options)?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let view =
-        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
-    extractor.encode(&mut encoder, positions, &lights, None)?;
-    let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
-    volumes.encode(&mut encoder, &extractor, positions, &view, &ranged, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
+    let view = ShadowCamera {
+        view_projection: camera.view_projection.to_cols_array_2d(),
+        origin: camera.eye.into(),
+        depth: DepthDirection::Reversed,
+    };
+    let extraction = extractor.encode(&mut encoder, positions, &lights, None)?;
+    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "soft.png")
 }

@@ -153,7 +153,11 @@ impl Canvas {
     }
 
     /// Draws with `record` into the cleared picture.
-    pub(crate) fn draw(&self, encoder: &mut wgpu::CommandEncoder, record: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
+    pub(crate) fn draw<T>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        record: impl FnOnce(&mut wgpu::RenderPass<'_>) -> T,
+    ) -> T {
         let view = self.target.create_view(&wgpu::TextureViewDescriptor::default());
         record(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("canvas"),
@@ -164,7 +168,7 @@ impl Canvas {
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store },
             })],
             ..wgpu::RenderPassDescriptor::default()
-        }));
+        }))
     }
 
     /// Submits and writes the picture.

@@ -1,7 +1,7 @@
 //! A host's renderer that shadow volumes are dropped into: bodies and a floor at y = 0, ambient light first, then light
 //! after light where the stencil is still 0. Twice as large as the picture, which averages it.
 
-use rimline::glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, CompareFunction, LoadOp, StoreOp, TextureFormat};
 

@@ -7,14 +7,12 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 use rimline::gpu::{
     Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
 use rimline::model::InstancePose;
-use rimline::{
-    Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, RangedLight, ShadowCamera, wgpu,
-};
+use rimline::{Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, ShadowCamera, wgpu};
 use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -60,16 +58,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(device, &mesh, options)?;
-    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, &mesh, ShadowOptions::default())?;
+    let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 
     // Every frame.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let view =
-        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
+    let view = ShadowCamera {
+        view_projection: camera.view_projection.to_cols_array_2d(),
+        origin: camera.eye.into(),
+        depth: DepthDirection::Reversed,
+    };
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;
-    extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
-    let ranged = lights.map(RangedLight::from);
-    volumes.encode(&mut encoder, &extractor, deformer.positions(), &view, &ranged, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| volumes.draw(pass, &pipelines, light))?;
+    let extraction = extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
+    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
+    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     canvas.save(encoder, "three_spheres.png")
 }

@@ -14,10 +14,12 @@ pub use common::positions::{PositionBuffer, PositionError};
 pub use common::readback::{ReadError, read_back, read_back_vec};
 pub use common::timer::StageTimer;
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use extract::extraction::{DrawError, Extraction, StaleExtraction};
 pub use extract::extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
 pub use extract::include::{IncludeError, include_wgsl, results_bind_group_layout};
 pub use extract::results::Results;
 pub use query::shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use shadow::{
-    ShadowDrawError, ShadowError, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, ShadowVolumesError,
 };

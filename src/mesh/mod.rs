@@ -4,6 +4,8 @@ mod survey;
 mod topology;
 pub(crate) mod weld;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 pub use survey::{Bounds, Survey};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
@@ -19,13 +21,35 @@ pub const MAX_FACES: usize = (1 << 31) / 3;
 ///
 /// Memory beyond positions and indices, once built: 16 bytes an edge record, so 24 bytes a face on closed meshes (1.5
 /// records a face) and at most 48 (no two faces share an edge).
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Mesh {
+    id: MeshId,
     vertex_count: u32,
     faces: Vec<[u32; 3]>,
     edges: EdgeRecords,
     weld: WeldCounts,
 }
+
+/// Which mesh: a clone has its original's, since a mesh never changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MeshId(u64);
+
+impl MeshId {
+    fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// Equal vertices, faces, records and weld counts.
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { id: _, vertex_count, faces, edges, weld } = self;
+        (vertex_count, faces, edges, weld) == (&other.vertex_count, &other.faces, &other.edges, &other.weld)
+    }
+}
+
+impl Eq for Mesh {}
 
 impl Mesh {
     /// Welds vertices and builds the edge records of counter-clockwise triangles. Positions may be non-finite: their
@@ -54,7 +78,12 @@ impl Mesh {
 
     fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
         let edges = EdgeRecords::build(vertex_count, &faces);
-        Self { vertex_count: vertex_count as u32, faces, edges, weld }
+        Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, edges, weld }
+    }
+
+    /// Which mesh this is.
+    pub(crate) fn id(&self) -> MeshId {
+        self.id
     }
 
     /// Source vertices, welded away or not: what a position buffer must hold.

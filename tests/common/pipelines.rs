@@ -6,7 +6,8 @@ use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer,
     ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
 };
-use rimline::{Counting, Displacement, Light, Mesh, Method, Predicate};
+use rimline::reference::Method;
+use rimline::{Counting, Displacement, Light, Mesh, Predicate};
 use rimline_measure::shapes;
 
 use rimline_measure::device::Gpu;
@@ -95,7 +96,7 @@ fn once() -> Result<(), String> {
             let drawing = ShadowPipelines::new(&pipelines, format, counting).map_err(text)?;
             count.added(&format!("{counting:?}"), new * draws)?;
             for new in [new, 0] {
-                made.push(Box::new(ShadowVolumes::new(&drawing, &extractor, &mesh, options).map_err(text)?));
+                made.push(Box::new(ShadowVolumes::new(&drawing, &extractor, options).map_err(text)?));
                 count.added(&format!("volumes by {counting:?}"), new * computes)?;
             }
             made.push(Box::new(drawing));
@@ -233,7 +234,7 @@ fn windows() -> Result<(), String> {
             for (extractor, query) in &mut extractors {
                 gpu.submit(|encoder| {
                     extractor.encode(encoder, bound, &light, None).map_err(text)?;
-                    query.encode(encoder, bound, bound, 270, &light, None).map_err(text)
+                    query.encode_at(encoder, bound, bound, 270, &light, None).map_err(text)
                 })?;
                 results.push((read(&gpu, extractor, &mesh, 1)?, gpu.read::<i32>(query.depths(), 270)?));
             }

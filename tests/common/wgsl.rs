@@ -158,8 +158,8 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 
 /// What `casting` and `counting` of shared structs may hold.
 fn constants() -> Outcome {
-    use rimline::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
-    use rimline::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+    use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
+    use rimline::reference::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
     let listed = [
         ("CAST_NOTHING", CAST_NOTHING),
         ("CAST_AVERTED", CAST_AVERTED),

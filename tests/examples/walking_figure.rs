@@ -6,8 +6,8 @@ mod figure;
 use std::sync::LazyLock;
 
 use figure::{Figure, glb, skeleton::JOINTS, walk};
+use glam::Vec3;
 use rimline::Mesh;
-use rimline::glam::Vec3;
 use rimline::mesh::Weld;
 use serde_json::Value;
 

@@ -8,8 +8,9 @@ use libtest_mimic::{Failed, Trial};
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
 use rimline::mesh::Weld;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, Mesh, Method, Model, Pose, Predicate};
+use rimline::{Light, Mesh, Model, Pose, Predicate};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::files::GOOD_FILES;

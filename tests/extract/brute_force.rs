@@ -1,9 +1,10 @@
 //! The CPU twins against brute force written apart from them.
 
 use rimline::mesh::{EdgeKind, Weld};
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::Masks;
-use rimline::{Light, Mesh, Method, Predicate};
+use rimline::{Light, Mesh, Predicate};
 use rimline_measure::cases::{self, hard_positions, random_soup, topologies};
 use rimline_measure::random::Random;
 use rimline_measure::shapes;

@@ -1,6 +1,6 @@
 //! A caller's own render pass: indirect draws through the WGSL include.
 
-use rimline::gpu::{ListOptions, Results, include_wgsl, results_bind_group_layout};
+use rimline::gpu::{ListOptions, include_wgsl, results_bind_group_layout};
 
 use crate::include::{LIGHTS, Scene, expected};
 use rimline_measure::cases::topologies;
@@ -114,7 +114,7 @@ fn draw(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<u8>, String> {
         });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.draw_indirect(scene.extractor.results().draw_arguments, Results::draw_offset(light));
+        scene.extraction.draw(&mut pass, light).map_err(|error| error.to_string())?;
         drop(pass);
         encoder.copy_texture_to_buffer(
             target.as_image_copy(),

@@ -2,6 +2,7 @@
 
 use rimline::gpu::ExtractorOptions;
 use rimline::mesh::Weld;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::Masks;
 use rimline::{Light, Mesh, Predicate};
@@ -117,7 +118,7 @@ fn non_finite() -> Result<(), String> {
     check_facing("poisoned", &found.facing, &positions, mesh.faces(), &lights)?;
     let counted = [found.statistics.non_finite_faces as usize];
     same("non-finite faces", &counted, &[poisoned])?;
-    let twin = cpu::extract(&positions, &mesh, &lights, rimline::Method::FaceMask, Predicate::Exact, Threads::ONE);
+    let twin = cpu::extract(&positions, &mesh, &lights, Method::FaceMask, Predicate::Exact, Threads::ONE);
     let twin = twin.map_err(|e| e.to_string())?;
     same("the twin's count", &[twin.counts.non_finite_faces as usize], &[poisoned])?;
     for (index, face) in mesh.faces().iter().enumerate() {
@@ -139,7 +140,7 @@ fn per_edge() -> Result<(), String> {
         let exact = oracle::facing(&positions, mesh.faces(), &lights);
         let right = cpu::edges(mesh.edges(), &exact, mesh.faces().len(), lights.len(), Threads::all());
         for (form, predicate, bound) in FORMS {
-            let options = ExtractorOptions { method: rimline::Method::PerEdge, predicate, ..masks_only(lights.len()) };
+            let options = ExtractorOptions { method: Method::PerEdge, predicate, ..masks_only(lights.len()) };
             let mut found = extract(gpu, &positions, &mesh, &lights, options)?.masks;
             let twin = cpu::per_edge(&positions, &mesh, &lights, predicate, Threads::all());
             let inside = inside_at_edges(&positions, &mesh, &lights, bound);

@@ -1,10 +1,12 @@
 //! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, IncludeError, ListOptions, PositionBuffer, include_wgsl, results_bind_group_layout,
+    Extraction, Extractor, ExtractorOptions, IncludeError, ListOptions, PositionBuffer, include_wgsl,
+    results_bind_group_layout,
 };
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, Mesh, Method};
+use rimline::{Light, Mesh};
 use rimline_measure::shapes;
 
 use rimline_measure::cases::{Case, case, topologies};
@@ -52,7 +54,7 @@ pub(crate) struct Scene {
     pub(crate) mesh: Mesh,
     positions: Vec<[f32; 3]>,
     pub(crate) extractor: Extractor,
-    buffer: wgpu::Buffer,
+    pub(crate) extraction: Extraction,
 }
 
 impl Scene {
@@ -63,24 +65,16 @@ impl Scene {
         lists: ListOptions,
     ) -> Result<Self, String> {
         let options = ExtractorOptions { max_lights: LIGHTS, lists: Some(lists), ..Default::default() };
-        let mut scene = Self {
-            extractor: Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?,
-            buffer: gpu.storage(&interleaved(&positions, OFFSET, STRIDE)),
-            positions,
-            mesh,
-        };
-        let buffer = scene.buffer.clone();
-        gpu.submit(|encoder| scene.extractor.encode(encoder, bound(&buffer), lights, None).map_err(text))?;
-        Ok(scene)
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let buffer = gpu.storage(&interleaved(&positions, OFFSET, STRIDE));
+        let bound = PositionBuffer { buffer: &buffer, offset: OFFSET, stride: STRIDE };
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))?;
+        Ok(Self { mesh, positions, extractor, extraction })
     }
 
-    pub(crate) fn group(&self, layout: &wgpu::BindGroupLayout, word: usize) -> Result<wgpu::BindGroup, String> {
-        self.extractor.results_bind_group(layout, word, bound(&self.buffer)).map_err(text)
+    pub(crate) fn group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, String> {
+        self.extraction.bind_group(layout, batch).map_err(text)
     }
-}
-
-fn bound(buffer: &wgpu::Buffer) -> PositionBuffer<'_> {
-    PositionBuffer { buffer, offset: OFFSET, stride: STRIDE }
 }
 
 /// What the reader found for a light: the valid edges, eight words each, in the order of the edges.
@@ -197,21 +191,18 @@ fn refused() -> Result<(), String> {
     let buffer = gpu.storage(&positions);
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
     let plain = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    let error = |options, word, positions| {
-        let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        Ok::<_, String>(extractor.results_bind_group(&layout, word, positions).err())
+    let error = |options, batch| {
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
+        let light = [Light::point([3.0, 2.0, 1.0])];
+        let extraction = gpu.submit(|encoder| extractor.encode(encoder, plain, &light, None).map_err(text))?;
+        Ok::<_, String>(extraction.bind_group(&layout, batch).err())
     };
     let good = ExtractorOptions::default();
     let without_lists = ExtractorOptions { lists: None, ..good };
     let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
-    let odd = PositionBuffer { offset: 2, ..plain };
-    same("good", &[error(good, 0, plain)?], &[None])?;
-    same("no lists", &[error(without_lists, 0, plain)?], &[Some(IncludeError::NoLists)])?;
-    same("per edge", &[error(per_edge, 0, plain)?], &[Some(IncludeError::NoLists)])?;
-    let expected = IncludeError::NoSuchWord { word: 1, words: 1 };
-    same("word", &[error(good, 1, plain)?], &[Some(expected)])?;
-    match error(good, 0, odd)? {
-        Some(IncludeError::Positions(_)) => Ok(()),
-        other => Err(format!("odd offset: {other:?}")),
-    }
+    same("good", &[error(good, 0)?], &[None])?;
+    same("no lists", &[error(without_lists, 0)?], &[Some(IncludeError::NoLists)])?;
+    same("per edge", &[error(per_edge, 0)?], &[Some(IncludeError::NoLists)])?;
+    let expected = IncludeError::NoSuchBatch { batch: 1, batches: 1 };
+    same("batch", &[error(good, 1)?], &[Some(expected)])
 }

@@ -139,14 +139,14 @@ fn thousand() -> Result<(), String> {
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (_, positions, mesh) = torus();
-    for (max_lights, expected) in [(0, LightError::None), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
+    for (max_lights, expected) in [(0, LightError::NoRoom), (1025, LightError::TooMany { count: 1025, limit: 1024 })] {
         let error = Extractor::new(&gpu.pipelines, &mesh, options(max_lights, false, false)).err();
         same("max_lights", &[error], &[Some(ExtractorError::Light(expected))])?;
     }
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(2, false, false)).map_err(text)?;
     let good = Light::point([1.0, 2.0, 3.0]);
     let cases = [
-        (vec![], LightError::None),
+        (vec![], LightError::NoRoom),
         (vec![good; 3], LightError::TooMany { count: 3, limit: 2 }),
         (vec![good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])], LightError::Zero { index: 1 }),
         (

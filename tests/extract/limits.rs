@@ -1,7 +1,8 @@
 //! Devices with less: results equal those of the shared device. What does not fit is in `refusals.rs`.
 
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, PositionBuffer};
-use rimline::{Light, Mesh, Method};
+use rimline::reference::Method;
+use rimline::{Light, Mesh};
 use rimline_measure::shapes::Shape;
 
 use rimline_measure::device::Gpu;

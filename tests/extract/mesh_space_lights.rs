@@ -1,7 +1,7 @@
 //! Lights moved to mesh space give a rigid instance the bits it has in world space.
 
+use glam::{DAffine3, DMat3, DVec3};
 use rimline::Light;
-use rimline::glam::{DAffine3, DMat3, DVec3};
 use rimline_measure::random::Random;
 use rimline_measure::shapes;
 use rimline_measure::{must_fail, oracle, same};
@@ -54,7 +54,8 @@ fn bits_in_mesh_space_are_those_in_world_space() -> Result<(), String> {
                 })
                 .filter(|light| light.to_array() != [0.0; 4])
                 .collect();
-            let moved: Option<Vec<_>> = lights.iter().map(|light| light.to_mesh_space(&transform)).collect();
+            let moved: Option<Vec<_>> =
+                lights.iter().map(|light| light.to_mesh_space(&transform.to_cols_array_2d())).collect();
             let moved = moved.ok_or("a regular transform is no reason for None")?;
             let in_world = oracle::facing(&world, &turned, &lights);
             let in_mesh = oracle::facing(&positions, &shape.faces, &moved);
@@ -83,6 +84,6 @@ fn singular_and_non_finite_transforms_have_no_mesh_space() {
         // Regular, but the light leaves the range of f32.
         with(DMat3::from_diagonal(DVec3::splat(1e-60)), DVec3::ZERO),
     ] {
-        assert_eq!(light.to_mesh_space(&singular), None, "{singular:?}");
+        assert_eq!(light.to_mesh_space(&singular.to_cols_array_2d()), None, "{singular:?}");
     }
 }

@@ -139,10 +139,12 @@ fn include_refuses() -> Result<(), String> {
     let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::COMPUTE);
     let shape = repeated_torus(60, 40, 0);
     let mesh = shape.mesh().map_err(text)?;
-    let extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
     let buffer = gpu.storage(&shape.positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    match extractor.results_bind_group(&layout, 0, bound) {
+    let light = [Light::point([3.0, 2.0, 1.0])];
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
+    match extraction.bind_group(&layout, 0) {
         Err(IncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }?;

@@ -1,7 +1,7 @@
 //! Every stage against its CPU twin.
 
-use rimline::Method;
 use rimline::gpu::{ExtractorOptions, ListOptions};
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::DrawShape;
 

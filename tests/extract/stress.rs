@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use rimline::gpu::ExtractorOptions;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, CpuExtraction, Threads};
-use rimline::{Mesh, Method, Predicate};
+use rimline::{Mesh, Predicate};
 use rimline_measure::error_metrics::{Candidate, Score};
 use rimline_measure::stress::{self, Scene};
 

@@ -48,7 +48,7 @@ fn refused_lights() {
         cpu::shadow_depth(&[[0.0; 3]], &[[0, 0, 0]], &[[0.0; 3]], lights, Threads::ONE).expect_err("a bad light")
     };
     let good = Light::point([1.0, 2.0, 3.0]);
-    assert_eq!(refused(&[]), LightError::None);
+    assert_eq!(refused(&[]), LightError::NoRoom);
     assert_eq!(refused(&[good, Light::homogeneous([0.0; 4])]), LightError::Zero { index: 1 });
     let negative = refused(&[good, good, Light::homogeneous([1.0, 1.0, 1.0, -2.0])]);
     assert_eq!(negative, LightError::NegativeWeight { index: 2, w: -2.0 });

@@ -45,7 +45,7 @@ fn found(
     let points = gpu.storage(&interleaved(&case.points, offset, stride));
     let [positions, points] = [&positions, &points].map(|buffer| PositionBuffer { buffer, offset, stride });
     gpu.submit(|encoder| {
-        query.encode(encoder, positions, points, case.points.len() as u32, &case.lights, None).map_err(text)
+        query.encode_at(encoder, positions, points, case.points.len() as u32, &case.lights, None).map_err(text)
     })?;
     gpu.read(query.depths(), case.points.len() * case.lights.len())
 }
@@ -137,9 +137,9 @@ fn splits() -> Result<(), String> {
     let buffers = [&case.shape.positions, &case.points].map(|points| gpu.storage(points));
     let [positions, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
     gpu.submit(|encoder| {
-        query.encode(encoder, positions, points, 300, &case.lights, None).map_err(text)?;
-        query.encode(encoder, positions, points, 7, &few.lights, None).map_err(text)?;
-        query.encode(encoder, positions, points, 0, &few.lights, None).map_err(text)
+        query.encode_at(encoder, positions, points, 300, &case.lights, None).map_err(text)?;
+        query.encode_at(encoder, positions, points, 7, &few.lights, None).map_err(text)?;
+        query.encode_at(encoder, positions, points, 0, &few.lights, None).map_err(text)
     })?;
     same("few", &gpu.read::<i32>(query.depths(), 14)?, &expected(&few)?)
 }
@@ -164,7 +164,7 @@ fn boxes() -> Result<(), String> {
         let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
         let buffers = [positions, &case.points].map(|points| gpu.storage(points));
         let [bound, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
-        gpu.submit(|encoder| query.encode(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
+        gpu.submit(|encoder| query.encode_at(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
         let right = cpu::shadow_boxes(positions, faces, Threads::all());
         let mut clusters: Vec<FaceCluster> = gpu.read(query.clusters(), right.len())?;
         same(&case.name, &clusters, &right)?;
@@ -190,7 +190,7 @@ fn refusals() -> Result<(), String> {
     let options = ShadowQueryOptions { max_points: 10, max_lights: 2, ..ShadowQueryOptions::default() };
     let new = |gpu: &Gpu, options| ShadowQuery::new(&gpu.pipelines, &mesh, options);
     expect("no lights", new(gpu, ShadowQueryOptions { max_lights: 0, ..options }), |error| {
-        matches!(error, ShadowQueryError::Light(LightError::None))
+        matches!(error, ShadowQueryError::Light(LightError::NoRoom))
     })?;
     expect("many lights", new(gpu, ShadowQueryOptions { max_lights: 1025, ..options }), |error| {
         matches!(error, ShadowQueryError::Light(LightError::TooMany { count: 1025, limit: 1024 }))
@@ -221,7 +221,7 @@ fn refusals() -> Result<(), String> {
     let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
     let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
     let cases: [Refused<'_>; 8] = [
-        ("no lights", good, 1, vec![], |error| matches!(error, QueryError::Light(LightError::None))),
+        ("no lights", good, 1, vec![], |error| matches!(error, QueryError::Light(LightError::NoRoom))),
         ("many lights", good, 1, vec![light; 3], |error| {
             matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
         }),
@@ -245,8 +245,8 @@ fn refusals() -> Result<(), String> {
         }),
     ];
     for (what, [positions, points], count, lights, fits) in cases {
-        gpu.submit(|encoder| expect(what, query.encode(encoder, positions, points, count, &lights, None), fits))?;
+        gpu.submit(|encoder| expect(what, query.encode_at(encoder, positions, points, count, &lights, None), fits))?;
     }
     // Without a fault nothing is refused.
-    gpu.submit(|encoder| query.encode(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text))
+    gpu.submit(|encoder| query.encode_at(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text))
 }

@@ -1,7 +1,8 @@
 //! Other cameras than a perspective one with reversed depth and without a far plane.
 
-use rimline::glam::DVec3;
+use glam::DVec3;
 use rimline::reference::cpu;
+use rimline::reference::shadow;
 use rimline::{Counting, DepthDirection};
 
 use crate::classes::{CLASSES, Class};
@@ -133,7 +134,7 @@ fn dark_caps(frame: &Frame, counted: &Counted) -> Result<u16, String> {
     let casters = frame.bodies.iter().filter(|body| body.casts);
     for (caster, body) in casters.enumerate() {
         let Placed { shape, camera, .. } = frame.placed(body);
-        let view = camera.view().map_err(|error| error.to_string())?;
+        let view = shadow::view(&camera).map_err(|error| error.to_string())?;
         let end = |vertex: u32| (vertex, shape.positions[vertex as usize]);
         let cap = |face: &&[u32; 3]| cpu::dark_cap(&view, &counted.chosen[caster][0], face.map(end)).is_some();
         let (found, expected) = (body.finite_faces().iter().filter(cap).count(), met.0[caster].iter().sum::<u16>());

@@ -6,10 +6,10 @@ use rimline::gpu::{
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{Masks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
-use rimline::shadow::{
-    CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+use rimline::reference::shadow::{
+    self, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
 };
-use rimline::{Counting, Light, Mesh, Predicate};
+use rimline::{Counting, Mesh, Predicate};
 
 use crate::stages::{PLACES, placed, shape};
 use rimline_measure::device::Gpu;
@@ -109,12 +109,12 @@ impl Silhouettes<'_> {
 
 fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twins, String> {
     let (_, positions, mesh) = &scene.caster;
-    let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-    let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+    let plain = &scene.lights;
+    let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
     let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), LIGHTS, Threads::ONE);
     let silhouettes = Silhouettes { mesh, positions, masks, capacity: shape.capacity };
-    let view = scene.camera.view().map_err(text)?;
-    let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+    let view = shadow::view(&scene.camera).map_err(text)?;
+    let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
     cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
     let mut switched = 0;
     for (number, light) in lights.iter_mut().enumerate() {
@@ -166,15 +166,14 @@ fn chain() -> Result<(), String> {
                 bound_counts: number % 2 == 1 || number == 0,
                 memory_limit: None,
             };
-            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, options).map_err(text)?;
+            let mut volumes = ShadowVolumes::new(&pipelines, &extractor, options).map_err(text)?;
             let place = PLACES[number % 3];
             let buffer = placed(gpu, positions, place);
             let bound =
                 PositionBuffer { buffer: &buffer, offset: 4 * u64::from(place.0), stride: 4 * u64::from(place.1) };
-            let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
             gpu.submit(|encoder| {
-                extractor.encode(encoder, bound, &plain, None).map_err(text)?;
-                volumes.encode(encoder, &extractor, bound, &scene.camera, &scene.lights, None).map_err(text)
+                let extraction = extractor.encode(encoder, bound, &scene.lights, None).map_err(text)?;
+                volumes.encode(encoder, &extraction, &scene.camera, None).map_err(text)
             })?;
             let shape = shape(mesh, LIGHTS, place);
             let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlusPaper);

@@ -1,9 +1,11 @@
 //! What is chosen for shadow volumes, against truth in `f64`: a cap is never missed, nothing that is seen is skipped.
 
-use rimline::glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS};
+use rimline::reference::shadow::{
+    self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_PASS, COUNT_ZP_PLUS,
+};
 use rimline::{DepthDirection, Light, Predicate, ShadowCamera};
 use rimline_measure::is_long;
 use rimline_measure::random::Random;
@@ -74,7 +76,7 @@ struct Eye {
 
 impl Eye {
     fn new(camera: &ShadowCamera) -> Self {
-        let matrix = camera.view_projection.as_dmat4();
+        let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
         let inverse = matrix.inverse();
         let (z, near) = match camera.depth {
             DepthDirection::Reversed => (1.0, matrix.row(3) - matrix.row(2)),
@@ -86,7 +88,7 @@ impl Eye {
         };
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         let middle = corner(0.0, 0.0);
-        Self { origin: camera.origin.as_dvec3(), matrix, corners, middle, near }
+        Self { origin: DVec3::from_array(camera.origin.map(f64::from)), matrix, corners, middle, near }
     }
 
     fn place(&self, position: [f32; 3]) -> DVec4 {
@@ -141,7 +143,7 @@ struct Chosen {
 
 fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
     let (_, positions, mesh) = &scene.caster;
-    let view = scene.camera.view().expect("a good camera");
+    let view = shadow::view(&scene.camera).expect("a good camera");
     let counts = mesh.edges().counts();
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
     let shape = ShadowShape {
@@ -153,10 +155,10 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
         cap_groups: 1,
         ..bytemuck::Zeroable::zeroed()
     };
-    let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+    let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
     cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
-    let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-    let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+    let plain = &scene.lights;
+    let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
     let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
     Chosen { view, lights, facing, caps, is_closed }
 }
@@ -243,7 +245,7 @@ fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     let [low, high] = caster_box(scene);
     for (index, light) in chosen.lights.iter().enumerate() {
         let given = scene.lights[index];
-        let [x, y, z, w] = given.light.to_array().map(f64::from);
+        let [x, y, z, w] = given.to_array().map(f64::from);
         let place = DVec3::new(x, y, z) / w;
         let distance = (low - place).max(place - high).max(DVec3::ZERO).length();
         let range = f64::from(given.range);

@@ -1,6 +1,6 @@
 //! Classes of frames, by where eye, light and casters are to each other.
 
-use rimline::glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rimline::{DepthDirection, Light};
 use rimline_measure::shapes::{self, Shape};
 

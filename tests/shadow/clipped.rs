@@ -1,13 +1,13 @@
 //! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
 
-use rimline::glam::Vec4;
+use glam::Vec4;
+use rimline::Predicate;
 use rimline::gpu::include_wgsl;
 use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, End, Threads};
 use rimline::reference::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::shadow::{self, CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
-use rimline::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
-use rimline::{Light, Predicate};
 
 use crate::stages::{Dispatch, spoil, uniform};
 use rimline_measure::device::Gpu;
@@ -245,8 +245,8 @@ fn holes() -> Result<(), String> {
     for number in 0..if is_long() { 300 } else { 24 } {
         let mut scene = scene(&mut random, number, 8);
         spoil(&mut random, &mut scene.caster.1, 6);
-        let view = scene.camera.view().map_err(|error| error.to_string())?;
-        let lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
+        let lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
         let (_, positions, mesh) = &scene.caster;
         sides += mesh.faces().iter().filter(|&&face| cpu::hole_edge(positions, face).is_some()).count();
         for index in 0..lights.len() {
@@ -286,7 +286,7 @@ fn clipped() -> Result<(), String> {
     for number in 0..if is_long() { 600 } else { 24 } {
         let scene = scene(&mut random, number, 36);
         let (_, positions, mesh) = &scene.caster;
-        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
         let counts = mesh.edges().counts();
         let shape = ShadowShape {
             lights: 36,
@@ -297,10 +297,10 @@ fn clipped() -> Result<(), String> {
             position_stride: 3,
             ..bytemuck::Zeroable::zeroed()
         };
-        let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
         cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
-        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-        let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+        let plain = &scene.lights;
+        let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
         let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
         for _ in 0..6 {
             let index = random.below(36);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use rimline::glam::DVec2;
+use glam::DVec2;
 
 use crate::hairlines::Hairlines;
 use crate::rays::Truth;

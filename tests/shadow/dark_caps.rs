@@ -1,11 +1,11 @@
 //! The vertices of dark caps that orthographic cameras see, on the GPU and by the CPU twin: NUMERICS.md, "Dark caps of
 //! orthographic cameras".
 
-use rimline::glam::DVec3;
+use glam::DVec3;
 use rimline::reference::cpu::{self, End, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::shadow::{CAST_NOTHING, COUNT_Z_FAIL};
-use rimline::{Light, Predicate, RangedLight};
+use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_Z_FAIL};
+use rimline::{Light, Predicate};
 use rimline_measure::shapes;
 
 use crate::clipped::{Cap, Drawn, Twin, bits};
@@ -46,13 +46,13 @@ fn on_face(random: &mut Random, scene: &Scene) -> DVec3 {
 fn ordinary(random: &mut Random, number: usize) -> Result<Scene, String> {
     // Of 24 numbers, which go through all projections and distances, the last eight are orthographic cameras'.
     let mut scene = scene(random, number / 8 * 24 + 16 + number % 8, LIGHTS);
-    let [x, y, z, _] = scene.camera.view().map_err(|error| error.to_string())?.near_plane.map(f64::from);
+    let [x, y, z, _] = shadow::view(&scene.camera).map_err(|error| error.to_string())?.near_plane.map(f64::from);
     let forward = DVec3::new(x, y, z);
     for index in (0..LIGHTS).step_by(2) {
         let away = f64::from(random.between(-0.3, 1.5));
         let at = on_face(random, &scene) - forward * away;
         let range = if index % 4 == 0 { f32::INFINITY } else { random.between(1.0, 4.0) };
-        scene.lights[index] = RangedLight { light: Light::point(at.as_vec3().to_array()), range };
+        scene.lights[index] = Light::point(at.as_vec3().to_array()).with_range(range);
     }
     Ok(scene)
 }
@@ -67,7 +67,7 @@ fn ties(random: &mut Random, number: usize) -> Scene {
     let pose = Pose { eye: DVec3::ZERO, forward: DVec3::NEG_Z, right: DVec3::X, up: DVec3::Y, near: 0.125, scale: 1.0 };
     let mut eighths = || random.below(15) as f32 / 8.0 - 0.875;
     let light = |_| Light::point([eighths(), eighths(), -1.0]);
-    let lights = (0..LIGHTS).map(light).map(|light| RangedLight { light, range: f32::INFINITY }).collect();
+    let lights = (0..LIGHTS).map(light).collect();
     Scene { name: "ties".to_owned(), camera: pose.camera(4 + number % 2, false), caster: case("grid", grid), lights }
 }
 
@@ -93,7 +93,7 @@ fn compare(
     seen: &mut Seen,
 ) -> Result<(), String> {
     let (_, positions, mesh) = &scene.caster;
-    let view = scene.camera.view().map_err(|error| error.to_string())?;
+    let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
     let counts = mesh.edges().counts();
     let shape = ShadowShape {
         lights: LIGHTS as u32,
@@ -105,10 +105,10 @@ fn compare(
         end_at_range,
         ..bytemuck::Zeroable::zeroed()
     };
-    let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+    let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
     cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
-    let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-    let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+    let plain = &scene.lights;
+    let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
     let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
     for &index in indices {
         let facing = &facing[index / 32 * mesh.faces().len()..][..mesh.faces().len()];

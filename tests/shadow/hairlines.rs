@@ -1,8 +1,8 @@
 //! Pixels with the edge that a side begins at so close to their centre, or to a sample of theirs, that a GPU may see it
 //! on the other side: NUMERICS.md, "Hairlines".
 
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::Counting;
-use rimline::glam::{DVec2, DVec3, DVec4};
 
 use crate::classes::CLASSES;
 use crate::rays::{Tracer, Truth};
@@ -234,8 +234,8 @@ impl Side {
 fn picture(frame: &Frame, point: DVec3) -> Option<(DVec2, f64)> {
     const UNIT: f64 = 1.0 / (1 << 23) as f64;
     let camera = frame.eye.camera();
-    let matrix = camera.view_projection.as_dmat4();
-    let q = (point - camera.origin.as_dvec3()).extend(1.0);
+    let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
+    let q = (point - DVec3::from_array(camera.origin.map(f64::from))).extend(1.0);
     let clip = matrix * q;
     let terms = (0..4).map(|column| (matrix.col(column) * q[column]).abs()).sum::<DVec4>();
     let half = f64::from(frame.size) / 2.0;

@@ -1,8 +1,9 @@
 //! Counts that 8 bits do not hold, and the bound that tells of them; lists that overflow.
 
 use rimline::gpu::ShadowOptions;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Counting, Light, Mesh, Method, Predicate};
+use rimline::{Counting, Light, Mesh, Predicate};
 use rimline_measure::shapes::{self, Shape};
 
 use crate::classes::CLASSES;
@@ -41,8 +42,8 @@ fn stack(count: u32) -> Frame {
     let mut frame = (CLASSES[0].frame)(&mut Random::new(1));
     frame.bodies = vec![Body::caster(shape), Body::room([0.0; 3], 3.0)];
     frame.lights = vec![Light::point([0.1, 2.5, 0.2])];
-    frame.eye.place = rimline::glam::DVec3::new(2.0, -1.0, 2.2);
-    frame.eye.forward = rimline::glam::DVec3::new(-2.0, -1.5, -2.2);
+    frame.eye.place = glam::DVec3::new(2.0, -1.0, 2.2);
+    frame.eye.forward = glam::DVec3::new(-2.0, -1.5, -2.2);
     frame.eye.near = 0.1;
     frame
 }

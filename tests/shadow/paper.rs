@@ -1,8 +1,10 @@
 //! ZP+ as published: right where its authors had no trouble, and how wrong it is elsewhere.
 
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::ShadowLight;
-use rimline::{Counting, Mesh, Method, Predicate};
+use rimline::reference::shadow;
+use rimline::{Counting, Mesh, Predicate};
 
 use crate::classes::CLASSES;
 use crate::render::Renderer;
@@ -58,7 +60,7 @@ fn twin(frame: &Frame, chosen: &[Vec<ShadowLight>]) -> Result<Vec<u32>, String> 
         .zip(chosen)
         .map(|(body, lights)| {
             let Placed { shape, camera, lights: plain } = frame.placed(body);
-            let view = camera.view().map_err(|error| error.to_string())?;
+            let view = shadow::view(&camera).map_err(|error| error.to_string())?;
             let mesh =
                 Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| error.to_string())?;
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);

@@ -1,6 +1,6 @@
 //! A stencil count is not zero exactly where the shadow depth query is not, at what the pixels see.
 
-use rimline::glam::DVec3;
+use glam::DVec3;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Counting, Light};
 use rimline_measure::shapes::Shape;

@@ -1,7 +1,8 @@
 //! Lights that reach only so far: casters out of range, and volumes that end there.
 
+use glam::DVec3;
 use rimline::gpu::ShadowOptions;
-use rimline::{Counting, Light, glam::DVec3};
+use rimline::{Counting, Light};
 
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};

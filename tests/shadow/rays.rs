@@ -1,7 +1,7 @@
 //! The truth: rays in f64 through a bounding volume hierarchy, from each pixel's centre and on to the lights.
 
+use glam::{DVec2, DVec3};
 use rimline::Light;
-use rimline::glam::{DVec2, DVec3};
 
 use crate::scene::{Frame, Rays};
 use rimline_measure::oracle;

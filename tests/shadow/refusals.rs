@@ -1,29 +1,30 @@
 //! What would draw wrong shadows is a typed error: formats, cameras, lights, extractors and pipelines that do not go
 //! together.
 
-use rimline::glam::camera::rh::proj::directx::{
-    orthographic, perspective, perspective_infinite, perspective_infinite_reverse,
-};
-use rimline::glam::camera::rh::view::look_at_mat4;
-use rimline::glam::{Mat4, Vec3};
+use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_infinite, perspective_infinite_reverse};
+use glam::camera::rh::view::look_at_mat4;
+use glam::{Mat4, Vec3};
 use rimline::gpu::{
-    Extractor, ExtractorOptions, MemoryError, PositionBuffer, ShadowDrawError, ShadowError, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    DrawArguments, DrawError, Extraction, Extractor, ExtractorOptions, IncludeError, MemoryError, PositionBuffer,
+    ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, ShadowVolumesError, StaleExtraction,
 };
-use rimline::{Counting, DepthDirection, Light, Mesh, RangedLight, ShadowCamera};
+use rimline::reference::layout::ShadowDraws;
+use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::shapes;
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::same;
+use rimline_measure::{must_fail, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("formats_that_do_not_serve_are_typed_errors", formats),
     ("z_fail_needs_pipelines_for_the_cameras_far_plane", far_planes),
     ("depth_of_camera_and_pipelines_must_agree", depths),
     ("volumes_belong_to_one_extractor", extractors),
-    ("lights_must_be_those_extracted", lights),
+    ("what_was_overwritten_and_lights_not_there_are_refused", stale),
+    ("no_lights_draw_nothing", no_lights),
     ("pipelines_must_count_as_the_volumes_do", pipelines),
     ("default_lists_of_cap_faces_fit_the_device", capacities),
 ];
@@ -71,8 +72,8 @@ fn formats() -> Result<(), String> {
 struct Caster<'a> {
     gpu: &'a Gpu,
     positions: wgpu::Buffer,
-    mesh: Mesh,
     extractor: Extractor,
+    extraction: Option<Extraction>,
 }
 
 impl<'a> Caster<'a> {
@@ -81,38 +82,38 @@ impl<'a> Caster<'a> {
         let mesh = shape.mesh().map_err(text)?;
         let options = ExtractorOptions { max_lights: 4, ..Default::default() };
         let extractor = Extractor::new(&gpu.pipelines, &mesh, options).map_err(text)?;
-        Ok(Self { gpu, positions: gpu.storage(&shape.positions), mesh, extractor })
+        Ok(Self { gpu, positions: gpu.storage(&shape.positions), extractor, extraction: None })
     }
 
     fn volumes(&self, pipelines: &ShadowPipelines) -> Result<ShadowVolumes, String> {
-        ShadowVolumes::new(pipelines, &self.extractor, &self.mesh, ShadowOptions::default()).map_err(text)
+        ShadowVolumes::new(pipelines, &self.extractor, ShadowOptions::default()).map_err(text)
     }
 
-    fn bound(&self) -> PositionBuffer<'_> {
-        PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
-    }
-
-    fn extract(&mut self, lights: &[Light]) -> Result<(), String> {
+    fn extract(&mut self, lights: &[Light]) -> Result<Extraction, String> {
         let bound = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
         let extractor = &mut self.extractor;
-        self.gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))
+        let extraction = self.gpu.submit(|encoder| extractor.encode(encoder, bound, lights, None).map_err(text))?;
+        self.extraction = Some(extraction.clone());
+        Ok(extraction)
     }
 
-    /// What encoding for these lights comes to.
-    fn encoded(
-        &self,
-        volumes: &mut ShadowVolumes,
-        camera: &ShadowCamera,
-        lights: &[Light],
-    ) -> Result<Result<(), ShadowError>, String> {
-        let ranged: Vec<RangedLight> = lights.iter().copied().map(RangedLight::from).collect();
-        let mut result = Ok(());
-        self.gpu.submit(|encoder| {
-            result = volumes.encode(encoder, &self.extractor, self.bound(), camera, &ranged, None);
-            Ok(())
-        })?;
-        Ok(result)
+    /// What encoding the last extraction comes to.
+    fn encoded(&self, volumes: &mut ShadowVolumes, camera: &ShadowCamera) -> Result<Encoded, String> {
+        let extraction = self.extraction.as_ref().ok_or("nothing was extracted")?;
+        encoded(self.gpu, volumes, extraction, camera)
     }
+}
+
+type Encoded = Result<ShadowFrame, ShadowEncodeError>;
+
+/// What encoding an extraction comes to.
+fn encoded(
+    gpu: &Gpu,
+    volumes: &mut ShadowVolumes,
+    extraction: &Extraction,
+    camera: &ShadowCamera,
+) -> Result<Encoded, String> {
+    gpu.submit(|encoder| Ok(volumes.encode(encoder, extraction, camera, None)))
 }
 
 const LIGHTS: [Light; 3] =
@@ -120,7 +121,7 @@ const LIGHTS: [Light; 3] =
 
 fn camera(projection: Mat4, depth: DepthDirection) -> ShadowCamera {
     let view = look_at_mat4(Vec3::new(1.0, 2.0, 6.0), Vec3::ZERO, Vec3::Y);
-    ShadowCamera { view_projection: projection * view, origin: Vec3::ZERO, depth }
+    ShadowCamera { view_projection: (projection * view).to_cols_array_2d(), origin: [0.0; 3], depth }
 }
 
 /// Of each depth: without a far plane, with one, orthographic.
@@ -148,14 +149,14 @@ fn far_planes() -> Result<(), String> {
             for has_far_plane in [false, true] {
                 let format = ShadowFormat { depth: camera.depth, has_far_plane, ..ShadowFormat::default() };
                 let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, counting).map_err(text)?;
-                let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera, &LIGHTS)?;
+                let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
                 let clips = is_fail(counting) && camera_has && !has_far_plane;
-                let expected = if clips { Err(ShadowError::FarPlane { counting }) } else { Ok(()) };
-                same(&format!("camera {number}, {counting:?}, {has_far_plane}"), &[found], &[expected])?;
+                let expected = if clips { Err(ShadowEncodeError::FarPlane { counting }) } else { Ok(()) };
+                same(&format!("camera {number}, {counting:?}, {has_far_plane}"), &[found.map(drop)], &[expected])?;
             }
         }
     }
-    let message = ShadowError::FarPlane { counting: Counting::ZFail }.to_string();
+    let message = ShadowEncodeError::FarPlane { counting: Counting::ZFail }.to_string();
     if message.contains("DEPTH_CLIP_CONTROL") { Ok(()) } else { Err(message) }
 }
 
@@ -167,10 +168,10 @@ fn depths() -> Result<(), String> {
         for depth in [DepthDirection::Reversed, DepthDirection::Standard] {
             let format = ShadowFormat { depth, ..ShadowFormat::default() };
             let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, Counting::Auto).map_err(text)?;
-            let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera, &LIGHTS)?;
-            let differ = ShadowError::Depth { camera: camera.depth, pipelines: depth };
+            let found = caster.encoded(&mut caster.volumes(&pipelines)?, &camera)?;
+            let differ = ShadowEncodeError::Depth { camera: camera.depth, pipelines: depth };
             let expected = if camera.depth == depth { Ok(()) } else { Err(differ) };
-            same(&format!("{depth:?}"), &[found], &[expected])?;
+            same(&format!("{depth:?}"), &[found.map(drop)], &[expected])?;
         }
     }
     Ok(())
@@ -184,51 +185,86 @@ fn extractors() -> Result<(), String> {
     let (camera, _) = cameras()[0];
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    let found = other.encoded(&mut volumes, &camera, &LIGHTS)?;
-    same("another extractor of an equal mesh", &[found], &[Err(ShadowError::OtherExtractor)])?;
-    same("its own", &[caster.encoded(&mut volumes, &camera, &LIGHTS)?], &[Ok(())])
+    let found = other.encoded(&mut volumes, &camera)?.map(drop);
+    same("another extractor of an equal mesh", &[found], &[Err(ShadowEncodeError::OtherExtractor)])?;
+    same("its own", &[caster.encoded(&mut volumes, &camera)?.map(drop)], &[Ok(())])
 }
 
-fn lights() -> Result<(), String> {
+/// What was overwritten is refused, by whatever reads it; and so is a light that is not there.
+fn stale() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
     let (camera, _) = cameras()[0];
     let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
     let mut volumes = caster.volumes(&pipelines)?;
-    let mut expect = |caster: &Caster<'_>, what: &str, lights: &[Light], expected| {
-        same(what, &[caster.encoded(&mut volumes, &camera, lights)?], &[expected])
+    let mut expect = |what: &str, extraction: &Extraction, expected: Result<(), ShadowEncodeError>| {
+        let found = encoded(gpu, &mut volumes, extraction, &camera)?;
+        same(what, &[found.as_ref().map(|_| ()).map_err(Clone::clone)], &[expected])?;
+        Ok::<_, String>(found.ok())
     };
-    let [a, b, c] = LIGHTS;
-    let missing = |given, encoded| Err(ShadowError::NotExtracted { given, encoded });
-    let differ = |index| Err(ShadowError::OtherLight { index });
-    expect(&caster, "nothing extracted", &[a], missing(1, 0))?;
-    caster.extract(&[a, b])?;
-    expect(&caster, "all", &[a, b], Ok(()))?;
-    expect(&caster, "all, for another frame", &[a, b], Ok(()))?;
-    expect(&caster, "the first", &[a], Ok(()))?;
-    expect(&caster, "one more", &[a, b, c], missing(3, 2))?;
-    expect(&caster, "another order", &[b, a], differ(0))?;
-    expect(&caster, "another one", &[a, c], differ(1))?;
-    let [x, y, z] = b.xyz;
-    expect(&caster, "one bit", &[a, Light::directional([x, y.next_up(), z])], differ(1))?;
-    expect(&caster, "another zero", &[a, Light::directional([x, y, -z])], differ(1))?;
-    caster.extract(&[c])?;
-    expect(&caster, "those before", &[a, b], missing(2, 1))?;
-    expect(&caster, "the one before", &[a], differ(0))?;
-    expect(&caster, "the new one", &[c], Ok(()))?;
+    let first = caster.extract(&LIGHTS[..2])?;
+    let one = expect("the first", &first, Ok(()))?.ok_or("no frame")?;
+    let two = expect("the first again, for another frame", &first, Ok(()))?.ok_or("no frame")?;
+    let draws = |frame: &ShadowFrame, light: usize| drawn(gpu, frame, &pipelines, light);
+    same("an earlier frame", &[draws(&one, 0)?], &[Err(ShadowDrawError::StaleFrame)])?;
+    same("the later frame", &[draws(&two, 0)?, draws(&two, 1)?], &[Ok(()), Ok(())])?;
+    let missing = |light| Err(ShadowDrawError::NoSuchLight { light, lights: 2 });
+    // One within the batch, one past it, one past what the extractor has room for.
+    for light in [2, 3, 4, 31, 32, usize::MAX] {
+        same("a light past those extracted", &[draws(&two, light)?], &[missing(light)])?;
+    }
+    let second = caster.extract(&LIGHTS[2..])?;
+    same("after another encode", &[draws(&two, 0)?], &[Err(StaleExtraction.into())])?;
+    expect("the first after another encode", &first, Err(StaleExtraction.into()))?;
+    expect("the second", &second, Ok(()))?;
+    let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
+    same("its bind group", &[first.bind_group(&layout, 0).map(drop)], &[Err(StaleExtraction.into())])?;
+    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(DrawError::Stale(StaleExtraction))])?;
+    same("its results", &[first.results().map(drop)], &[Err(StaleExtraction)])?;
+    let past = |light| Err(DrawError::NoSuchLight { light, lights: 1 });
+    same("draws past the lights", &[second.draw_arguments(1).map(drop)], &[past(1)])?;
+    let batch = Err(IncludeError::NoSuchBatch { batch: 1, batches: 1 });
+    same("a batch past the lights", &[second.bind_group(&layout, 1).map(drop)], &[batch])?;
+    same("a good one", &[second.bind_group(&layout, 0).map(drop)], &[Ok(())])?;
     // What is refused leaves the results as they are.
     if caster.extract(&[Light::homogeneous([0.0; 4])]).is_ok() {
         return Err("no light was extracted".to_owned());
     }
-    expect(&caster, "those before what was refused", &[c], Ok(()))
+    expect("the second after what was refused", &second, Ok(())).map(drop)
 }
 
-/// Formats differ where attachments do; what volumes were made for must not.
-fn pipelines() -> Result<(), String> {
-    use DepthDirection::{Reversed, Standard};
-    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+/// A frame without lights draws nothing, also where lights were before.
+fn no_lights() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
     let mut caster = Caster::new(gpu)?;
+    let (camera, _) = cameras()[0];
+    let pipelines = ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::Auto).map_err(text)?;
+    let mut volumes = caster.volumes(&pipelines)?;
     caster.extract(&LIGHTS)?;
+    caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    let silhouettes = |caster: &Caster<'_>| -> Result<Vec<u32>, String> {
+        let draws: Vec<DrawArguments> = gpu.read(caster.extractor.results().draw_arguments, 4)?;
+        Ok(draws.iter().map(|draw| draw.instance_count).collect())
+    };
+    let before = silhouettes(&caster)?;
+    let none = caster.extract(&[])?;
+    let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
+    same("silhouettes of no lights", &silhouettes(&caster)?, &[0; 4])?;
+    must_fail("silhouettes of three lights", &same("before", &before, &[0; 4]))?;
+    let draws: Vec<ShadowDraws> = gpu.read(volumes.draw_arguments(), 4)?;
+    same("volumes of no lights", &draws, &[bytemuck::Zeroable::zeroed(); 4])?;
+    let missing = Err(ShadowDrawError::NoSuchLight { light: 0, lights: 0 });
+    same("drawing a light of none", &[drawn(gpu, &frame, &pipelines, 0)?], &[missing])?;
+    same("batches", &[none.batches()], &[0])
+}
+
+/// What drawing a light comes to.
+fn drawn(
+    gpu: &Gpu,
+    frame: &ShadowFrame,
+    pipelines: &ShadowPipelines,
+    light: usize,
+) -> Result<Result<(), ShadowDrawError>, String> {
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("target"),
         size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
@@ -240,6 +276,26 @@ fn pipelines() -> Result<(), String> {
         view_formats: &[],
     });
     let target = target.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("target"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.5), store: wgpu::StoreOp::Store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+            }),
+            ..Default::default()
+        });
+        Ok(frame.draw(&mut pass, pipelines, light))
+    })
+}
+
+/// Formats differ where attachments do; what volumes were made for must not.
+fn pipelines() -> Result<(), String> {
+    use DepthDirection::{Reversed, Standard};
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let mut caster = Caster::new(gpu)?;
+    caster.extract(&LIGHTS)?;
     let all = METHODS.map(|counting| {
         [Reversed, Standard].map(|depth| [false, true].map(|has_far_plane| (counting, depth, has_far_plane)))
     });
@@ -251,29 +307,10 @@ fn pipelines() -> Result<(), String> {
     for ours in &all {
         let mut volumes = caster.volumes(&made(ours)?)?;
         let (camera, _) = cameras()[usize::from(ours.1 == Standard)];
-        caster.encoded(&mut volumes, &camera, &LIGHTS)?.map_err(text)?;
+        let frame = caster.encoded(&mut volumes, &camera)?.map_err(text)?;
         for theirs in &all {
             let drawing = made(theirs)?;
-            let mut found = Ok(());
-            gpu.submit(|encoder| {
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("target"),
-                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                        view: &target,
-                        depth_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(0.5),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                        stencil_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(0),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                    }),
-                    ..Default::default()
-                });
-                found = volumes.draw(&mut pass, &drawing, 0);
-                Ok(())
-            })?;
+            let found = drawn(gpu, &frame, &drawing, 0)?;
             let expected = if ours.0 != theirs.0 {
                 Err(ShadowDrawError::Counting { volumes: ours.0, pipelines: theirs.0 })
             } else if ours.1 != theirs.1 {
@@ -301,7 +338,7 @@ fn capacities() -> Result<(), String> {
         let pipelines =
             ShadowPipelines::new(&gpu.pipelines, &ShadowFormat::default(), Counting::ZFail).map_err(text)?;
         let extractor = Extractor::new(&gpu.pipelines, &mesh, extractor_options).map_err(text)?;
-        Ok::<_, String>(ShadowVolumes::new(&pipelines, &extractor, &mesh, options).map(|_| ()))
+        Ok::<_, String>(ShadowVolumes::new(&pipelines, &extractor, options).map(|_| ()))
     };
     let plain = ShadowOptions::default();
     let small = limited(64 << 10, 1 << 20, 64)?;
@@ -311,7 +348,7 @@ fn capacities() -> Result<(), String> {
     same("all that fit", &[made(&small, asked(fitting))?], &[Ok(())])?;
     let binding = |bytes| {
         let what = "lists of cap faces";
-        Err(ShadowError::Memory(MemoryError::Binding { what, bytes, limit: 64 << 10 }))
+        Err(ShadowVolumesError::Memory(MemoryError::Binding { what, bytes, limit: 64 << 10 }))
     };
     same("one more", &[made(&small, asked(fitting + 1))?], &[binding(256 * (u64::from(fitting) + 1))])?;
     same("every face", &[made(&small, asked(faces))?], &[binding(256 * u64::from(faces))])?;
@@ -321,15 +358,16 @@ fn capacities() -> Result<(), String> {
         let options = ShadowOptions { memory_limit: Some(memory_limit), cap_capacity, ..plain };
         made(gpu, options)
     };
-    let Err(ShadowError::Memory(MemoryError::Total { bytes: least, .. })) = within(0, Some(1))? else {
+    let Err(ShadowVolumesError::Memory(MemoryError::Total { bytes: least, .. })) = within(0, Some(1))? else {
         return Err("one entry a list was not refused".to_owned());
     };
     same("as little as can be", &[within(least, None)?], &[Ok(())])?;
     same("somewhat more", &[within(least + 10_000, None)?], &[Ok(())])?;
     match (within(least + 10_000, Some(faces))?, within(least - 1, None)?) {
-        (Err(ShadowError::Memory(MemoryError::Total { .. })), Err(ShadowError::Memory(MemoryError::Total { .. }))) => {
-            Ok(())
-        }
+        (
+            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
+            Err(ShadowVolumesError::Memory(MemoryError::Total { .. })),
+        ) => Ok(()),
         other => Err(format!("not refused: {other:?}")),
     }
 }

@@ -5,7 +5,7 @@ use rimline::gpu::{
     ShadowVolumes, read_back_vec,
 };
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
-use rimline::{Counting, DepthDirection, Mesh, RangedLight};
+use rimline::{Counting, DepthDirection, Light, Mesh};
 
 use crate::scene::{Body, Frame, Placed};
 use rimline_measure::device::Gpu;
@@ -116,16 +116,12 @@ impl<'a> Renderer<'a> {
             let lists = ListOptions { capacity: self.list_capacity, ..ListOptions::default() };
             let options = ExtractorOptions { max_lights: lights.len(), lists: Some(lists), ..Default::default() };
             let mut extractor = Extractor::new(&self.pipelines, &mesh, options).map_err(|error| text(&error))?;
-            extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
+            let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
+            let extraction = extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
             let pipelines = if body.mirror.is_some() { &mirroring } else { &plain };
-            let mut volumes =
-                ShadowVolumes::new(pipelines, &extractor, &mesh, self.options).map_err(|error| text(&error))?;
-            let lights: Vec<RangedLight> =
-                lights.iter().map(|&light| RangedLight { light, range: self.range }).collect();
-            volumes
-                .encode(&mut encoder, &extractor, positions, &camera, &lights, None)
-                .map_err(|error| text(&error))?;
-            casters.push((volumes, pipelines));
+            let mut volumes = ShadowVolumes::new(pipelines, &extractor, self.options).map_err(|error| text(&error))?;
+            let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;
+            casters.push((volumes, shadows, pipelines));
         }
         self.depth(&mut encoder, frame, &view);
         let row = (frame.size * self.samples).next_multiple_of(256);
@@ -133,8 +129,8 @@ impl<'a> Renderer<'a> {
         let mut copies = Vec::new();
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
-            for (volumes, pipelines) in &casters {
-                volumes.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
+            for (_, shadows, pipelines) in &casters {
+                shadows.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
             }
             drop(pass);
             let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -165,7 +161,7 @@ impl<'a> Renderer<'a> {
             stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
         let mut counted = Counted { stencils, chosen: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
-        for (volumes, _) in &casters {
+        for (volumes, ..) in &casters {
             counted.chosen.push(gpu.read(volumes.lights(), frame.lights.len())?);
             counted.draws.push(gpu.read(volumes.draw_arguments(), frame.lights.len())?);
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
@@ -249,8 +245,8 @@ impl<'a> Renderer<'a> {
         let device = &self.gpu.device;
         let camera = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
-        let mut uniform: Vec<f32> = camera.view_projection.to_cols_array().to_vec();
-        uniform.extend(camera.origin.to_array());
+        let mut uniform: Vec<f32> = camera.view_projection.as_flattened().to_vec();
+        uniform.extend(camera.origin);
         uniform.push(f32::from_bits(u32::from(self.depth_pass == DepthPass::Reordered)));
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("camera"),

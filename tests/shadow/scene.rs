@@ -1,6 +1,6 @@
 //! What is drawn and cast: casters, receivers, camera, lights.
 
-use rimline::glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
+use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_measure::shapes::Shape;
 
@@ -100,7 +100,11 @@ impl Eye {
             (DepthDirection::Standard, Some(far), None) => (w - near) * (far / (far - self.near)),
         };
         let matrix = DMat4::from_cols(x, y, z, w).transpose();
-        ShadowCamera { view_projection: matrix.as_mat4(), origin, depth: self.depth }
+        ShadowCamera {
+            view_projection: matrix.as_mat4().to_cols_array_2d(),
+            origin: origin.to_array(),
+            depth: self.depth,
+        }
     }
 }
 
@@ -124,9 +128,10 @@ impl Frame {
             for face in &mut shape.faces {
                 face.swap(1, 2);
             }
-            camera.view_projection *= Mat4::from_scale(mirror);
-            camera.origin *= mirror;
-            let to_world = DAffine3::from_scale(mirror.as_dvec3());
+            let matrix = Mat4::from_cols_array_2d(&camera.view_projection) * Mat4::from_scale(mirror);
+            camera.view_projection = matrix.to_cols_array_2d();
+            camera.origin = (Vec3::from(camera.origin) * mirror).to_array();
+            let to_world = DAffine3::from_scale(mirror.as_dvec3()).to_cols_array_2d();
             lights = lights.iter().filter_map(|light| light.to_mesh_space(&to_world)).collect();
         }
         Placed { shape, camera, lights }
@@ -152,10 +157,10 @@ pub(crate) struct Rays {
 impl Rays {
     /// Rays through the centres of a picture's pixels.
     pub(crate) fn new(camera: &ShadowCamera, size: u32) -> Self {
-        let matrix: Mat4 = camera.view_projection;
+        let matrix = Mat4::from_cols_array_2d(&camera.view_projection);
         Self {
             inverse: matrix.as_dmat4().inverse(),
-            origin: camera.origin.as_dvec3(),
+            origin: DVec3::from_array(camera.origin.map(f64::from)),
             size: f64::from(size),
             near_z: f64::from(u8::from(camera.depth == DepthDirection::Reversed)),
             place: CENTRE,

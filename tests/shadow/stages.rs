@@ -2,9 +2,11 @@
 
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use rimline::reference::shadow::{
+    self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+};
 use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
-use rimline::shadow::{CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
-use rimline::{Light, Mesh, Predicate};
+use rimline::{Mesh, Predicate};
 
 use rimline_measure::cases::topologies;
 use rimline_measure::device::Gpu;
@@ -182,8 +184,8 @@ impl Staged {
         let spoiled = [0, 0, 6, 1][random.below(4)];
         spoil(random, positions, spoiled);
         let place = PLACES[random.below(3)];
-        let view = scene.camera.view().map_err(text)?;
-        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
+        let view = shadow::view(&scene.camera).map_err(text)?;
+        let plain = &scene.lights;
         Ok(Self {
             shape: ShadowShape {
                 counting: [COUNT_AUTO, COUNT_AUTO, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_Z_PASS][random.below(5)],
@@ -191,8 +193,8 @@ impl Staged {
                 ..shape(mesh, lights, place)
             },
             view,
-            given: scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect(),
-            facing: cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE),
+            given: scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect(),
+            facing: cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE),
             positions: placed(gpu, positions, place),
             faces: gpu.storage(mesh.faces()),
             bounds: cpu::bounds(positions, mesh.faces()),

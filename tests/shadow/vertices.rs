@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use rimline::glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
+use rimline::Predicate;
 use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, Corner, End, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
-use rimline::shadow::{CAST_EVERY, COUNT_ZP_PLUS};
-use rimline::{Light, Predicate};
+use rimline::reference::shadow::{self, CAST_EVERY, COUNT_ZP_PLUS};
 use rimline_measure::is_long;
 use rimline_measure::random::Random;
 use rimline_measure::scenes::{Scene, scene};
@@ -42,14 +42,14 @@ struct Cast<'a> {
 impl<'a> Cast<'a> {
     fn new(scene: &'a Scene) -> Self {
         let (_, positions, mesh) = &scene.caster;
-        let view = scene.camera.view().expect("a good camera");
-        let mut lights: Vec<_> = scene.lights.iter().map(|&light| scene.camera.light(&view, light)).collect();
+        let view = shadow::view(&scene.camera).expect("a good camera");
+        let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
         let counts = mesh.edges().counts();
         let averted = u32::from(counts.boundary == 0 && counts.inconsistent == 0);
         let shape = ShadowShape { averted, counting: COUNT_ZP_PLUS, ..bytemuck::Zeroable::zeroed() };
         cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
-        let plain: Vec<Light> = scene.lights.iter().map(|ranged| ranged.light).collect();
-        let facing = cpu::facing(positions, mesh.faces(), &plain, Predicate::Exact, Threads::ONE);
+        let plain = &scene.lights;
+        let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
         Self { scene, view, lights, facing }
     }
 
@@ -224,9 +224,10 @@ struct Exact {
 impl Exact {
     fn new(scene: &Scene, view: &ShadowView, light: DVec4, position: [f32; 3]) -> Self {
         let absolute = |m: DMat4| DMat4::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs(), m.w_axis.abs());
-        let matrix = scene.camera.view_projection.as_dmat4();
+        let matrix = DMat4::from_cols_array_2d(&scene.camera.view_projection.map(|column| column.map(f64::from)));
         let plane = DVec4::from_array(view.near_plane.map(f64::from));
-        let q = (DVec3::from_array(position.map(f64::from)) - scene.camera.origin.as_dvec3()).extend(1.0);
+        let q = (DVec3::from_array(position.map(f64::from)) - DVec3::from_array(scene.camera.origin.map(f64::from)))
+            .extend(1.0);
         let d = (light.w * q.truncate() - light.truncate()).extend(0.0);
         let xy = |c: DVec4| c.truncate().truncate();
         Self {
@@ -282,13 +283,14 @@ fn vertices_lie_where_exact_clipping_has_them() -> Outcome {
     for number in 0..if is_long() { 2000 } else { 60 } {
         let scene = scene(&mut random, number, 24);
         let (_, positions, mesh) = &scene.caster;
-        let view = scene.camera.view().map_err(|error| error.to_string())?;
+        let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
         let near_w = f64::from(view.near_w);
         for &given in &scene.lights {
-            let light = scene.camera.light(&view, given);
+            let light = shadow::light(&scene.camera, &view, given);
             let [x, y, z, w] = light.light.map(f64::from);
-            let at = (DVec3::new(x, y, z) - w * scene.camera.origin.as_dvec3()).extend(w);
-            let at_clip = scene.camera.view_projection.as_dmat4() * at;
+            let at = (DVec3::new(x, y, z) - w * DVec3::from_array(scene.camera.origin.map(f64::from))).extend(w);
+            let at_clip =
+                DMat4::from_cols_array_2d(&scene.camera.view_projection.map(|column| column.map(f64::from))) * at;
             let at_height = DVec4::from_array(view.near_plane.map(f64::from)).dot(at);
             let at_xy = at_clip.truncate().truncate();
             let xy = |clip: Vec4| clip.as_dvec4().truncate().truncate();

@@ -70,12 +70,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("draw") });
     let eye = Light::point(camera.eye.into());
-    extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
+    let extraction =
+        extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
     let subject = Subject {
         positions: positions.buffer(),
         faces: &faces,
         normals: &normals::corner_normals(&world, &faces),
-        extractor: &extractor,
+        extraction: &extraction,
     };
     let frame = Frame::new(&camera, args.view.size, &bounds);
     let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject).map_err(fail)?;

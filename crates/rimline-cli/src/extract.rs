@@ -5,9 +5,10 @@ mod on_cpu;
 pub(crate) mod on_gpu;
 pub(crate) mod report;
 
+use rimline::reference::Method;
 use rimline::reference::cpu::FacingCounts;
 use rimline::reference::layout::Masks;
-use rimline::{Light, Method, Predicate};
+use rimline::{Light, Predicate};
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;

@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use rimline::shadow::{CameraError, ShadowLightError};
-use rimline::{LightError, MeshError};
+use rimline::{CameraError, LightError, MeshError};
 
 use crate::npz::NpzError;
 use crate::spec::SpecError;
@@ -94,8 +93,6 @@ pub(crate) enum UsageError {
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
-    #[error(transparent)]
-    ShadowLights(ShadowLightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
     #[error("{lights} lights with {samples} samples each are {}, and at most {limit} fit; take fewer --samples", lights * samples)]

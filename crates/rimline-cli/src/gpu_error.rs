@@ -2,8 +2,8 @@
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
-    ShadowDrawError, ShadowError, ShadowFormatError, ShadowQueryError,
+    DeformError, DrawError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError,
+    ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryError, ShadowVolumesError,
 };
 
 use crate::device::{Gpu, describe};
@@ -29,7 +29,11 @@ pub(crate) enum GpuError {
     #[error(transparent)]
     Read(#[from] ReadError),
     #[error(transparent)]
-    Shadow(#[from] ShadowError),
+    Draw(#[from] DrawError),
+    #[error(transparent)]
+    Shadow(#[from] ShadowEncodeError),
+    #[error(transparent)]
+    ShadowVolumes(#[from] ShadowVolumesError),
     #[error(transparent)]
     ShadowDraw(#[from] ShadowDrawError),
     #[error(transparent)]
@@ -44,8 +48,8 @@ impl GpuError {
             return failure;
         }
         match &self {
-            Self::Shadow(ShadowError::Camera(camera)) => return UsageError::Camera(*camera).into(),
-            Self::Shadow(ShadowError::Light(lights)) => return UsageError::ShadowLights(*lights).into(),
+            Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             _ => {}
         }
         match (self.memory(), self.lights()) {
@@ -71,10 +75,10 @@ impl GpuError {
                 | QueryError::Points(PositionError::Memory(memory)),
             )
             | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)))
+            | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
             | Self::Shadow(
-                ShadowError::Memory(memory)
-                | ShadowError::Positions(PositionError::Memory(memory))
-                | ShadowError::Include(
+                ShadowEncodeError::Positions(PositionError::Memory(memory))
+                | ShadowEncodeError::Include(
                     IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)),
                 ),
             ) => Some(memory),

@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use rimline::MAX_LIGHTS;
 use rimline::gltf::{AnimationInfo, Asset, GltfError, SceneLight};
-use rimline::light::{MAX_LIGHTS, check_lights};
 use rimline::mesh::{Weld, WeldCounts};
 use rimline::model::{Geometry, Instance, InstancePose};
+use rimline::reference::light::check_lights;
 use rimline::{Light, LightError, Mesh, Model, Pose};
 
 use crate::args::{ModelArgs, PoseArgs};
@@ -154,7 +155,7 @@ impl Input {
         let lights: Vec<Light> = chosen.iter().map(|chosen| chosen.light).collect();
         match check_lights(&lights, MAX_LIGHTS) {
             Ok(()) => Ok(chosen),
-            Err(error @ (LightError::None | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
+            Err(error @ (LightError::NoRoom | LightError::TooMany { .. })) => Err(UsageError::Lights(error).into()),
             // Those of the command line were checked when they were read.
             Err(error) => Err(Failure::input(&self.file)(InputError::Lights(error))),
         }

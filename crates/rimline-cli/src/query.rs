@@ -8,8 +8,9 @@ use std::fs::File;
 use std::io::{self, BufReader, Seek, Write};
 use std::path::Path;
 
-use rimline::light::{MAX_LIGHTS, check_shadow_lights};
+use rimline::MAX_LIGHTS;
 use rimline::reference::cpu::{self, Threads};
+use rimline::reference::light::check_shadow_lights;
 use rimline::{Light, Mesh};
 
 use crate::device::{self, Device};
@@ -108,7 +109,9 @@ fn on_cpu(
 fn write(file: impl Write + Seek, points: &[[f32; 3]], lights: &[Light], depths: &[i32]) -> io::Result<()> {
     let mut npz = NpzWriter::new(file);
     npz.array("points", ElementType::F32, &[points.len(), 3], |to| to.write_all(bytemuck::cast_slice(points)))?;
-    npz.array("lights", ElementType::F32, &[lights.len(), 4], |to| to.write_all(bytemuck::cast_slice(lights)))?;
+    npz.array("lights", ElementType::F32, &[lights.len(), 4], |to| {
+        to.write_all(bytemuck::cast_slice(&crate::extract::arrays::components(lights)))
+    })?;
     npz.array("depth", ElementType::I32, &[points.len(), lights.len()], |to| {
         to.write_all(bytemuck::cast_slice(depths))
     })?;

@@ -87,10 +87,10 @@ impl Gpu {
     }
 
     /// Records with `record` and submits.
-    pub fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<(), String>) -> Result<(), String> {
+    pub fn submit<T>(&self, record: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<T, String>) -> Result<T, String> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        record(&mut encoder)?;
+        let recorded = record(&mut encoder)?;
         self.queue.submit([encoder.finish()]);
-        Ok(())
+        Ok(recorded)
     }
 }

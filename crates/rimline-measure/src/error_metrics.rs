@@ -1,9 +1,9 @@
 //! How wrong an extraction is: bits that differ from exact arithmetic, and vertices at which loops stay open.
 
-use rimline::light::words;
 use rimline::mesh::{EdgeKind, Mesh};
 use rimline::reference::cpu::CpuExtraction;
 use rimline::reference::layout::{Masks, live_bits};
+use rimline::reference::light::words;
 
 /// Errors of one extraction, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

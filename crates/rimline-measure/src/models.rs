@@ -1,6 +1,6 @@
 //! Deformable models made by code.
 
-use rimline::glam::{Affine3A, EulerRot, Quat, Vec3};
+use glam::{Affine3A, EulerRot, Quat, Vec3};
 use rimline::model::Matrix3x4;
 use rimline::{Geometry, Influences, Instance, InstancePose, Model, Pose};
 
@@ -9,7 +9,7 @@ use super::random::Random;
 /// The row-major rows of a transform.
 pub fn rows(transform: Affine3A) -> Matrix3x4 {
     let (m, t) = (transform.matrix3.transpose(), transform.translation);
-    let row = |axis: rimline::glam::Vec3A, t: f32| [axis.x, axis.y, axis.z, t];
+    let row = |axis: glam::Vec3A, t: f32| [axis.x, axis.y, axis.z, t];
     [row(m.x_axis, t.x), row(m.y_axis, t.y), row(m.z_axis, t.z)]
 }
 

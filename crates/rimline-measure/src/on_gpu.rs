@@ -31,7 +31,7 @@ pub fn extract(
     let buffer = gpu.storage(positions);
     let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| error.to_string())?;
     let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
-    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| error.to_string()))?;
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
     read(gpu, &extractor, mesh, options.max_lights)
 }
 

@@ -4,8 +4,8 @@ use bvh::aabb::{Aabb, Bounded};
 use bvh::bounding_hierarchy::BHShape;
 use bvh::bvh::Bvh;
 use bvh::ray::Ray;
+use glam::DVec3;
 use nalgebra::{Point3, Vector3};
-use rimline::glam::DVec3;
 
 /// Triangles in a tree of boxes.
 pub struct Tracer<T> {

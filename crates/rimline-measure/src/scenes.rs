@@ -1,7 +1,7 @@
 //! Cameras, casters and lights for shadow volumes: every projection, and lights where the near plane is critical.
 
-use rimline::glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
-use rimline::{DepthDirection, Light, RangedLight, ShadowCamera};
+use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
+use rimline::{DepthDirection, Light, ShadowCamera};
 
 use super::cases::{Case, topologies};
 use super::random::Random;
@@ -12,7 +12,7 @@ pub struct Scene {
     pub name: String,
     pub camera: ShadowCamera,
     pub caster: Case,
-    pub lights: Vec<RangedLight>,
+    pub lights: Vec<Light>,
 }
 
 /// Perspective with an infinite or a finite far plane, or orthographic; each with either depth.
@@ -79,7 +79,7 @@ impl Pose {
             matrix *= DMat4::from_translation(-self.eye);
         }
         let origin = if relative { self.eye.as_vec3() } else { Vec3::ZERO };
-        ShadowCamera { view_projection: matrix.as_mat4(), origin, depth }
+        ShadowCamera { view_projection: matrix.as_mat4().to_cols_array_2d(), origin: origin.to_array(), depth }
     }
 }
 
@@ -89,7 +89,7 @@ pub fn direction(random: &mut Random) -> DVec3 {
 
 /// `count` lights about a camera: anywhere, at infinity, of any weight, on the near plane and close to it on either
 /// side, far away, at the eye, at infinity along the near plane.
-pub fn lights(random: &mut Random, pose: Pose, count: usize) -> Vec<RangedLight> {
+pub fn lights(random: &mut Random, pose: Pose, count: usize) -> Vec<Light> {
     let light = |index: usize| {
         let unit = |random: &mut Random| f64::from(random.between(-1.0, 1.0));
         let anywhere = pose.eye + direction(random) * pose.scale * f64::from(random.between(0.1, 6.0));
@@ -112,7 +112,7 @@ pub fn lights(random: &mut Random, pose: Pose, count: usize) -> Vec<RangedLight>
             _ => point(pose.eye + direction(random) * pose.scale * f64::from(random.between(8.0, 40.0))),
         };
         let range = if random.below(4) == 0 { random.between(0.1, 4.0) * pose.scale as f32 } else { f32::INFINITY };
-        RangedLight { light, range }
+        light.with_range(range)
     };
     (0..count).map(light).collect()
 }

@@ -2,9 +2,11 @@
 
 use std::collections::HashSet;
 
-use rimline::light::{MAX_LIGHTS, check_lights};
+use rimline::MAX_LIGHTS;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, CpuExtraction, Threads};
-use rimline::{Light, Mesh, Method, Predicate};
+use rimline::reference::light::check_lights;
+use rimline::{Light, Mesh, Predicate};
 use rimline_measure::error_metrics::{Candidate, Score, ScoreError, light_counts};
 use rimline_measure::stress::{self, Scene};
 

@@ -1,6 +1,6 @@
 //! The body's shape: tapered capsules, flattened where a body is, and their smooth union.
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 
 use super::skeleton::{
     CHEST, FOOT, HAND, HEAD, HIPS, LOWER_ARM, LOWER_LEG, NECK, SPINE, Side, TOES, UPPER_ARM, UPPER_LEG, on,

@@ -1,6 +1,6 @@
 //! The figure as a glTF 2.0 binary.
 
-use rimline::glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
 
 use super::glb_file::{GlbFile, VERTICES};

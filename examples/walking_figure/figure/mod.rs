@@ -12,7 +12,7 @@ mod skin;
 mod surface;
 pub(crate) mod walk;
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 
 /// The figure at rest; arms and legs a little apart.
 pub(crate) struct Figure {

@@ -1,6 +1,6 @@
 //! The joints.
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 
 /// A joint at rest: no rotation of its own, only a place.
 pub(crate) struct Joint {

@@ -1,6 +1,6 @@
 //! Which joints move each vertex.
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 
 use super::body::Part;
 use super::skeleton::{JOINTS, Side, side_of};

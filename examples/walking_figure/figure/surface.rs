@@ -3,7 +3,7 @@
 //! Quads between cells meet in pairs as long as no grid square has its corners inside and outside by turns; the field
 //! is smooth at the grid's scale, and a test checks that the result is closed.
 
-use rimline::glam::{IVec3, Vec3};
+use glam::{IVec3, Vec3};
 
 /// Distance of grid points in metres.
 const CELL: f32 = 0.0125;

@@ -4,7 +4,7 @@
 
 use std::f32::consts::TAU;
 
-use rimline::glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 
 use super::skeleton::{
     CHEST, FOOT, HAND, HEAD, HIPS, JOINTS, LOWER_ARM, LOWER_LEG, NECK, SPINE, Side, TOES, UPPER_ARM, UPPER_LEG, on,

@@ -11,7 +11,7 @@ pub(crate) const WINDOWS: usize = 4;
 
 /// What a device's limits leave.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Split {
+pub(crate) struct DispatchLimits {
     /// Bytes that one storage binding may have, a multiple of the offset alignment.
     pub(crate) binding: u64,
     pub(crate) buffer: u64,
@@ -19,7 +19,7 @@ pub(crate) struct Split {
     pub(crate) workgroups: u64,
 }
 
-impl Split {
+impl DispatchLimits {
     pub(crate) fn new(limits: &wgpu::Limits) -> Self {
         let alignment = u64::from(limits.min_storage_buffer_offset_alignment.max(4));
         Self {

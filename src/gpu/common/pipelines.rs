@@ -201,7 +201,7 @@ pub(crate) struct Pipeline {
     pub(crate) label: &'static str,
     pub(crate) compute: wgpu::ComputePipeline,
     pub(crate) layout: wgpu::BindGroupLayout,
-    /// Words a window of its gathered array, 0 for a single one; see `Split::windows`.
+    /// Words a window of its gathered array, 0 for a single one; see `DispatchLimits::windows`.
     pub(crate) window_words: u32,
 }
 

@@ -1,6 +1,6 @@
 //! Where positions lie.
 
-use super::dispatch_limits::{Split, Windows, binding};
+use super::dispatch_limits::{DispatchLimits, Windows, binding};
 use super::memory::MemoryError;
 
 /// Vertex positions in a storage buffer: three consecutive `f32` a vertex, at any offset and stride.
@@ -76,7 +76,7 @@ impl PositionBuffer<'_> {
         Ok(span as u64)
     }
 
-    pub(crate) fn bind(&self, vertices: u32, split: &Split) -> Result<BoundPositions, PositionError> {
+    pub(crate) fn bind(&self, vertices: u32, split: &DispatchLimits) -> Result<BoundPositions, PositionError> {
         let Self { offset, stride, .. } = *self;
         let end = self.end(vertices)?;
         let base = split.align_down(offset);

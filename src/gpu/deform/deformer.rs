@@ -4,7 +4,7 @@ use wgpu::BufferUsages;
 
 use super::model_data::{ModelData, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
-use crate::gpu::common::dispatch_limits::{Split, binding};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
@@ -86,7 +86,7 @@ impl Deformer {
         if has_resources != options.displacement_layout.is_some() {
             return Err(DeformError::Resources);
         }
-        let split = Split::new(&device.limits());
+        let split = DispatchLimits::new(&device.limits());
         let data = ModelData::new(model, &split)?;
         let bytes = data.check(&split, options.memory_limit)?;
         // Only a caller's displacement or layout can make this fail.
@@ -104,7 +104,7 @@ impl Deformer {
         device: &wgpu::Device,
         model: &Model,
         data: &ModelData,
-        split: &Split,
+        split: &DispatchLimits,
         pipeline: Pipeline,
         displaced: bool,
         has_resources: bool,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use wgpu::BufferUsages;
 
-use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::DeformChunk;
@@ -58,7 +58,7 @@ pub(super) struct ModelData {
 const LABELS: [&str; 4] = ["rest positions", "morph targets", "influences", "source vertices"];
 
 impl ModelData {
-    pub(super) fn new(model: &Model, split: &Split) -> Result<Self, MemoryError> {
+    pub(super) fn new(model: &Model, split: &DispatchLimits) -> Result<Self, MemoryError> {
         let mut bytes = [0; 4];
         let mut geometries = Vec::with_capacity(model.geometries.len());
         for geometry in &model.geometries {
@@ -94,7 +94,7 @@ impl ModelData {
     }
 
     /// Checks all sizes before anything is made.
-    pub(super) fn check(&self, split: &Split, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
+    pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
         let arrays = LABELS.into_iter().zip(self.bytes);
         let uniforms = self.dispatches * UniformTable::stride::<DeformChunk>() as u64;
         let own = [("positions", self.vertices * 12), ("pose", self.pose_words * 4), ("deform chunks", uniforms)];
@@ -133,7 +133,7 @@ impl ModelData {
     }
 
     /// The dispatches, instance by instance, with the constant part of their uniforms.
-    pub(super) fn plan(&self, model: &Model, split: &Split) -> Vec<PlannedDispatch> {
+    pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Vec<PlannedDispatch> {
         let mut dispatches = Vec::new();
         let mut first_vertex = 0_u64;
         for (index, (instance, pose)) in model.instances.iter().zip(&self.pose_layouts).enumerate() {
@@ -167,7 +167,11 @@ impl ModelData {
 }
 
 /// Cuts a geometry so that each chunk's arrays fit a binding, and places them behind `ends`.
-fn chunk_geometry(geometry: &Geometry, split: &Split, ends: &mut [u64; 4]) -> Result<Vec<GeometryChunk>, MemoryError> {
+fn chunk_geometry(
+    geometry: &Geometry,
+    split: &DispatchLimits,
+    ends: &mut [u64; 4],
+) -> Result<Vec<GeometryChunk>, MemoryError> {
     // A dispatch also binds up to one alignment's worth of positions before its own.
     let morph_bytes = 12 * geometry.morph_targets.len() as u64;
     let most_influences = geometry.influences.as_ref().map_or(0, |influences| {

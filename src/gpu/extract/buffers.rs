@@ -4,7 +4,7 @@ use wgpu::BufferUsages;
 
 use super::extractor::ExtractorOptions;
 use crate::cpu::extract::per_edge::edge_corners;
-use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
@@ -27,7 +27,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> Result<Self, MemoryError> {
+    pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> Result<Self, MemoryError> {
         let edges = mesh.edges().len();
         let word = options.max_lights.min(32) as u64;
         let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
@@ -79,7 +79,7 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
 pub(crate) const UNDECIDED_HEAD: u64 = 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
-fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &Split) -> usize {
+fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
     if options.method.predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
@@ -117,7 +117,7 @@ impl Buffers {
         mesh: &Mesh,
         shape: &Shape,
         options: &ExtractorOptions,
-        split: &Split,
+        split: &DispatchLimits,
         chunks: usize,
     ) -> Result<Self, MemoryError> {
         let words = shape.words();

@@ -1,11 +1,13 @@
 //! The extraction: facing, edges, compaction, draw arguments.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::bind_groups::Binder;
 use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
+use super::extraction::{Extraction, Place, Shared};
 use super::results::Results;
-use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
@@ -13,7 +15,7 @@ use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionErro
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::{Chunk, LightWord};
-use crate::light::{self, LightError, MAX_LIGHTS, check_lights};
+use crate::light::{self, LightError, check_lights};
 use crate::method::{Method, Predicate};
 use crate::stages::ARGUMENTS;
 use crate::{Light, Mesh};
@@ -104,10 +106,7 @@ pub enum ExtractorError {
 /// the caller's encoder; the results stay in GPU buffers, see [`Extractor::results`].
 #[derive(Debug)]
 pub struct Extractor {
-    pipelines: Pipelines,
-    split: Split,
-    shape: Shape,
-    buffers: Buffers,
+    shared: Arc<Shared>,
     light_words: wgpu::Buffer,
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method; bound to positions when they are known.
@@ -117,9 +116,7 @@ pub struct Extractor {
     /// Edges, compaction, arguments: what the options ask for, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
-    bound_to: Option<BoundTo>,
-    /// Of the last encode; none before the first.
-    encoded: Vec<Light>,
+    bound_to: Option<Place>,
 }
 
 /// Invocations of a workgroup of exact facing.
@@ -129,14 +126,6 @@ const EXACT_WORKGROUP: u32 = 64;
 /// differs from the design". From 4 on a dispatch has no more workgroups than one of facing.
 fn exact_turns(device: &wgpu::Device) -> u32 {
     if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 48 } else { 4 }
-}
-
-/// The position buffer that bind groups were made for.
-#[derive(Debug, PartialEq)]
-struct BoundTo {
-    buffer: wgpu::Buffer,
-    offset: u64,
-    stride: u64,
 }
 
 impl Extractor {
@@ -156,14 +145,8 @@ impl Extractor {
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
         let device = pipelines.device();
-        match options.max_lights {
-            0 => return Err(LightError::None.into()),
-            count if count > MAX_LIGHTS => {
-                return Err(LightError::TooMany { count, limit: MAX_LIGHTS }.into());
-            }
-            _ => {}
-        }
-        let split = Split::new(&device.limits());
+        light::check_room(options.max_lights)?;
+        let split = DispatchLimits::new(&device.limits());
         let shape = Shape::new(mesh, &options, &split)?;
         let per_edge = options.method == Method::PerEdge;
         let face_chunks = split.chunks("faces", shape.faces, 12)?;
@@ -211,25 +194,14 @@ impl Extractor {
             }
             from_facing.push(binder.arguments(lists.vertices_per_edge));
         }
-        Ok(Self {
-            split,
-            shape,
-            light_words,
-            chunks,
-            from_positions,
-            exact,
-            from_facing,
-            options,
-            bound_to: None,
-            encoded: Vec::new(),
-            buffers,
-            pipelines,
-        })
+        let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, mesh, options.masks));
+        Ok(Self { shared, light_words, chunks, from_positions, exact, from_facing, options, bound_to: None })
     }
 
-    /// Records the extraction for `lights`, which are in the space of the positions. Lights past those given keep the
-    /// masks of an earlier encode, and their draws are empty. Several encodes in one encoder are fine: each sees its own lights,
-    /// and overwrites the results of the one before.
+    /// Records the extraction for `lights`, which are in the space of the positions, and returns what was extracted. No
+    /// lights are fine: then nothing is a silhouette. Lights past those given keep the masks of an earlier encode, and
+    /// their draws are empty. Several encodes in one encoder are fine, too: each sees its own lights, and overwrites the
+    /// results of the one before.
     ///
     /// `timer` takes a timestamp around each stage.
     ///
@@ -241,24 +213,29 @@ impl Extractor {
         positions: PositionBuffer<'_>,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
-    ) -> Result<(), EncodeError> {
+    ) -> Result<Extraction, EncodeError> {
         check_lights(lights, self.options.max_lights)?;
-        let bound = positions.bind(self.shape.vertices, &self.split)?;
-        self.bind_positions(&positions, &bound);
+        let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
+        let place = Place::of(positions);
+        self.bind_positions(&place, &bound);
+        let buffers = &self.shared.buffers;
 
         let mut words = UniformTable::default();
         for lights in lights.chunks(32) {
             words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.pipelines.device(), encoder, &self.light_words, words.bytes());
-        encoder.clear_buffer(&self.buffers.statistics, 0, None);
-        encoder.clear_buffer(&self.buffers.counts, 0, None);
+        upload(self.shared.device(), encoder, &self.light_words, words.bytes());
+        encoder.clear_buffer(&buffers.statistics, 0, None);
+        encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::words(lights.len());
         // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each word of lights goes
         // through all stages by itself there.
         let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
-        let runs: Vec<Range<usize>> =
-            if by_word { (0..used).map(|word| word..word + 1).collect() } else { std::iter::once(0..used).collect() };
+        let runs: Vec<Range<usize>> = if by_word {
+            (0..used).map(|word| word..word + 1).collect()
+        } else {
+            std::iter::once(0..used).filter(|run| !run.is_empty()).collect()
+        };
         let (per_light, at_last): (Vec<_>, Vec<_>) =
             self.from_facing.iter().partition(|pass| pass.pipeline.label != ARGUMENTS.name);
         for run in runs {
@@ -271,11 +248,11 @@ impl Extractor {
             }
         }
         for pass in at_last {
-            pass.record(encoder, 0..used, timer.as_deref_mut());
+            // Of all lights there is room for, so that those not used draw nothing.
+            pass.record(encoder, 0..used.max(1), timer.as_deref_mut());
         }
-        self.encoded.clear();
-        self.encoded.extend_from_slice(lights);
-        Ok(())
+        let encode = self.shared.begin_encode();
+        Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
     }
 
     /// Facing and exact facing by turns: all chunks and words share the list of undecided faces.
@@ -288,7 +265,7 @@ impl Extractor {
     ) {
         for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
             if words.contains(&dispatch.word) {
-                encoder.clear_buffer(&self.buffers.undecided, 0, Some(UNDECIDED_HEAD));
+                encoder.clear_buffer(&self.shared.buffers.undecided, 0, Some(UNDECIDED_HEAD));
                 for pass in [&self.from_positions, exact] {
                     pass.record_one(encoder, index, timer.as_deref_mut());
                 }
@@ -297,56 +274,35 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind_positions(&mut self, positions: &PositionBuffer<'_>, bound: &BoundPositions) {
-        let &PositionBuffer { buffer, offset, stride } = positions;
-        let target = BoundTo { buffer: buffer.clone(), offset, stride };
-        if self.bound_to.as_ref() == Some(&target) {
+    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) {
+        if self.bound_to.as_ref() == Some(place) {
             return;
         }
-        let Self { pipelines, shape, buffers, chunks, light_words, .. } = self;
+        let Self { shared, chunks, light_words, .. } = self;
+        let Shared { pipelines, shape, buffers, .. } = &**shared;
         let binder = Binder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_words };
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
-        binder.bind_positions(&self.options, &mut self.from_positions, buffer, bound);
+        binder.bind_positions(&self.options, &mut self.from_positions, &place.buffer, bound);
         if let Some(exact) = &mut self.exact {
             if exact.pipeline.window_words != bound.windows.words {
                 exact.pipeline = binder.exact_pipeline(bound.windows.words);
             }
-            binder.bind_positions(&self.options, exact, buffer, bound);
+            binder.bind_positions(&self.options, exact, &place.buffer, bound);
         }
-        self.bound_to = Some(target);
+        self.bound_to = Some(place.clone());
     }
 
-    /// The buffers that hold the results once the encoder is submitted.
+    /// The buffers that hold the results of the last encode once its encoder is submitted. They stay the same for as long as
+    /// the extractor lives.
     pub fn results(&self) -> Results<'_> {
-        let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
-            &self.buffers;
-        Results {
-            edge_vertices,
-            edge_faces,
-            facing,
-            masks: if self.options.masks { masks } else { &[] },
-            lists,
-            capacity: self.shape.capacity,
-            counts,
-            draw_arguments,
-            statistics,
-        }
+        self.shared.results()
     }
 
-    /// The lights of the last encode; none before the first.
-    pub(crate) fn encoded(&self) -> &[Light] {
-        &self.encoded
-    }
-
-    /// The mesh's faces, three `u32` each.
-    pub(crate) fn faces(&self) -> &wgpu::Buffer {
-        &self.buffers.faces
-    }
-
-    pub(crate) fn parts(&self) -> (&wgpu::Device, &Split, &Shape) {
-        (self.pipelines.device(), &self.split, &self.shape)
+    /// What extractions share.
+    pub(crate) fn shared(&self) -> &Arc<Shared> {
+        &self.shared
     }
 }
 

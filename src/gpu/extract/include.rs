@@ -1,6 +1,6 @@
 //! The WGSL include: results read in the caller's own shaders.
 
-use super::extractor::Extractor;
+use super::extraction::{Shared, StaleExtraction};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{PositionBuffer, PositionError};
@@ -49,14 +49,17 @@ pub enum IncludeError {
     /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
     #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
     NoLists,
-    /// The extractor has fewer words of lights.
-    #[error("word {word} of lights asked for, and the extractor has {words}")]
-    NoSuchWord {
-        /// The word asked for.
-        word: usize,
-        /// Words there are.
-        words: usize,
+    /// The extraction has fewer batches of lights.
+    #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
+    NoSuchBatch {
+        /// The batch asked for.
+        batch: usize,
+        /// Batches there are.
+        batches: usize,
     },
+    /// A later encode overwrote the results.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),
@@ -65,33 +68,28 @@ pub enum IncludeError {
     Memory(#[from] MemoryError),
 }
 
-impl Extractor {
-    /// The include's bind group for 32 lights from `32 · word` on, over the positions that are drawn.
-    ///
-    /// # Errors
-    /// [`IncludeError`] when the results lack what the include reads, or an array does not fit one binding.
-    pub fn results_bind_group(
+impl Shared {
+    /// The include's bind group for a batch of lights.
+    pub(crate) fn include_group(
         &self,
         layout: &wgpu::BindGroupLayout,
-        word: usize,
+        batch: usize,
         positions: PositionBuffer<'_>,
     ) -> Result<wgpu::BindGroup, IncludeError> {
-        let (device, split, shape) = self.parts();
+        let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
         let results = self.results();
-        if results.lists.is_empty() || results.facing.is_empty() {
-            return Err(IncludeError::NoLists);
-        }
-        let (Some(list), Some(facing)) = (results.lists.get(word), results.facing.get(word)) else {
-            return Err(IncludeError::NoSuchWord { word, words: results.lists.len() });
+        self.check_include()?;
+        let (Some(list), Some(facing)) = (results.lists.get(batch), results.facing.get(batch)) else {
+            return Err(IncludeError::NoSuchBatch { batch, batches: results.lists.len() });
         };
-        let bound = positions.bind(shape.vertices, split)?;
-        let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: split.binding };
+        let bound = positions.bind(shape.vertices, limits)?;
+        let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: limits.binding };
         if bound.windows.words != 0 {
             let bytes = bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0);
             return Err(too_large("positions", bytes).into());
         }
         for (what, buffer) in [("edge records", results.edge_vertices), ("facing masks", facing)] {
-            if buffer.size() > split.binding {
+            if buffer.size() > limits.binding {
                 return Err(too_large(what, buffer.size()).into());
             }
         }
@@ -99,8 +97,8 @@ impl Extractor {
         table.push(&RimlineInfo {
             edges: shape.edges as u32,
             capacity: shape.capacity,
-            first_light: 32 * word as u32,
-            lights: shape.word_lights(word) as u32,
+            first_light: 32 * batch as u32,
+            lights: shape.word_lights(batch) as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
         });
@@ -115,5 +113,11 @@ impl Extractor {
             results.counts.as_entire_binding(),
         ];
         Ok(group(device, "rimline results", layout, &resources))
+    }
+
+    /// Whether there is what the include reads.
+    pub(crate) fn check_include(&self) -> Result<(), IncludeError> {
+        let is_there = !self.buffers.lists.is_empty() && !self.buffers.facing.is_empty();
+        if is_there { Ok(()) } else { Err(IncludeError::NoLists) }
     }
 }

@@ -2,6 +2,7 @@
 
 mod bind_groups;
 pub(crate) mod buffers;
+pub(crate) mod extraction;
 pub(crate) mod extractor;
 pub(crate) mod include;
 pub(crate) mod results;

@@ -25,10 +25,3 @@ pub struct Results<'a> {
     /// One [`crate::layout::Statistics`].
     pub statistics: &'a wgpu::Buffer,
 }
-
-impl Results<'_> {
-    /// Where light `light`'s draw arguments begin in [`Self::draw_arguments`], in bytes.
-    pub fn draw_offset(light: usize) -> u64 {
-        (light * size_of::<crate::layout::DrawArguments>()) as u64
-    }
-}

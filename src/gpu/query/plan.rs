@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::layout::{Doubt, FaceCluster};
 
@@ -24,7 +24,7 @@ const DOUBTS_HEAD: u64 = 8;
 const DOUBT: u64 = size_of::<Doubt>() as u64;
 
 /// Runs of clusters that one binding and one dispatch of the boxes stage can hold.
-pub(super) fn cluster_chunks(split: &Split, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
+pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
     let bytes = (GROUP * size_of::<FaceCluster>()) as u64;
     let groups = (split.binding / bytes).min(split.workgroups);
     if groups == 0 {
@@ -40,14 +40,14 @@ pub(super) fn doubt_bytes(pairs: u64) -> u64 {
 }
 
 /// Pairs of point and light that a dispatch may have, for doubts that fit one binding.
-pub(super) fn most_queries(split: &Split, points: u32, lights: usize) -> u64 {
+pub(super) fn most_queries(split: &DispatchLimits, points: u32, lights: usize) -> u64 {
     let all = u64::from(points).next_multiple_of(POINTS) * lights.min(32) as u64;
     all.min(MOST_QUERIES).min((split.binding - DOUBTS_HEAD) / DOUBT).min(split.workgroups * WORKGROUP)
 }
 
 /// Runs of points for `lights` lights, `stride` bytes from a point to the next.
 pub(super) fn point_chunks(
-    split: &Split,
+    split: &DispatchLimits,
     queries: u64,
     points: u32,
     lights: usize,
@@ -66,7 +66,7 @@ pub(super) fn point_chunks(
 }
 
 /// Clusters that a dispatch of `queries` goes over, a multiple of a group.
-pub(super) fn range_clusters(split: &Split, work: u64, queries: u64) -> usize {
+pub(super) fn range_clusters(split: &DispatchLimits, work: u64, queries: u64) -> usize {
     let groups = work / (queries.max(1) * (GROUP * CLUSTER) as u64);
     // Counting anew may take a workgroup for each pair and group.
     let dispatched = split.workgroups * split.workgroups / queries.max(1);

@@ -8,14 +8,16 @@ use super::plan::{
     CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
 };
 use crate::cpu::query::shadow_boxes::clustered;
-use crate::gpu::common::dispatch_limits::{Split, binding};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::gpu::extract::extraction::{Extraction, StaleExtraction};
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
-use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
+use crate::light::{LightError, check_room, check_shadow_lights};
+use crate::mesh::MeshId;
 use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
 
@@ -65,6 +67,12 @@ pub enum QueryError {
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),
+    /// The extraction is of another mesh.
+    #[error("the extraction is of another mesh than this query was made for; make both with the same `Mesh`")]
+    OtherMesh,
+    /// A later encode of the extractor may have moved what it reads.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
     /// The buffer of points is refused.
     #[error("points: {0}")]
     Points(PositionError),
@@ -90,7 +98,8 @@ const DEPTH_SLOTS: [Slot; 11] = [Uniform, Uniform, Read, Read, Read, Read, Unifo
 /// those that boxes leave out.
 #[derive(Debug)]
 pub struct ShadowQuery {
-    split: Split,
+    split: DispatchLimits,
+    mesh: MeshId,
     vertices: u32,
     clusters: usize,
     cluster_buffer: wgpu::Buffer,
@@ -152,12 +161,8 @@ impl ShadowQuery {
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
         let device = pipelines.device();
         let ShadowQueryOptions { max_points, max_lights, skip, memory_limit, .. } = options;
-        match max_lights {
-            0 => return Err(LightError::None.into()),
-            count if count > MAX_LIGHTS => return Err(LightError::TooMany { count, limit: MAX_LIGHTS }.into()),
-            _ => {}
-        }
-        let split = Split::new(&device.limits());
+        check_room(max_lights)?;
+        let split = DispatchLimits::new(&device.limits());
         let clusters = mesh.faces().len().div_ceil(CLUSTER);
         cluster_chunks(&split, clusters)?;
         let max_points = max_points.max(1);
@@ -184,6 +189,7 @@ impl ShadowQuery {
         })?;
         Ok(Self {
             split,
+            mesh: mesh.id(),
             vertices: mesh.vertex_count(),
             clusters,
             cluster_buffer,
@@ -197,12 +203,34 @@ impl ShadowQuery {
         })
     }
 
+    /// Records the query for the first `point_count` of `points`, in the space of the positions, and for positions and lights
+    /// of an extraction. [`Self::encode_at`] needs none.
+    ///
+    /// # Errors
+    /// [`QueryError`] when the extraction is of another mesh or out of date, or lights or points are refused; nothing is
+    /// recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        extraction: &Extraction,
+        points: PositionBuffer<'_>,
+        point_count: u32,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), QueryError> {
+        if extraction.shared.mesh != self.mesh {
+            return Err(QueryError::OtherMesh);
+        }
+        extraction.check_current()?;
+        self.encode_at(encoder, extraction.positions(), points, point_count, extraction.lights(), timer)
+    }
+
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
-    /// Several encodes in one encoder are fine; each overwrites the depths of the one before.
+    /// Several encodes in one encoder are fine; each overwrites the depths of the one before. No lights or no points are
+    /// fine: there is nothing to find then.
     ///
     /// # Errors
     /// [`QueryError`] when lights, positions or points are refused; nothing is recorded then.
-    pub fn encode(
+    pub fn encode_at(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,

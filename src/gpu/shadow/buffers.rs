@@ -2,11 +2,11 @@
 
 use wgpu::BufferUsages;
 
-use crate::gpu::common::dispatch_limits::Split;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::buffers::Shape;
-use crate::gpu::extract::extractor::Extractor;
+use crate::gpu::extract::extraction;
 use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 
 /// What the stages and draws share.
@@ -40,7 +40,7 @@ fn per_light(lights: usize) -> [(&'static str, u64); 3] {
 }
 
 /// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
-pub(super) fn fitting_capacity(extraction: &Shape, split: &Split, memory_limit: Option<u64>) -> usize {
+pub(super) fn fitting_capacity(extraction: &Shape, split: &DispatchLimits, memory_limit: Option<u64>) -> usize {
     let bound = split.binding / (CAP_ENTRY * extraction.word_lights(0) as u64);
     let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
     let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
@@ -50,11 +50,11 @@ pub(super) fn fitting_capacity(extraction: &Shape, split: &Split, memory_limit: 
 
 impl Buffers {
     pub(super) fn new(
-        extractor: &Extractor,
+        source: &extraction::Shared,
         cap_capacity: usize,
         memory_limit: Option<u64>,
     ) -> Result<Self, MemoryError> {
-        let (device, split, extraction) = extractor.parts();
+        let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let lights = extraction.max_lights as u64;
         let words = extraction.words();
         let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.word_lights(word) as u64;
@@ -79,7 +79,7 @@ impl Buffers {
             shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
             view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
             draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
-            faces: extractor.faces().clone(),
+            faces: source.buffers.faces.clone(),
             bounds: buffer(device, "caster bounds", 28, storage),
             lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
             cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),

@@ -2,51 +2,47 @@
 
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
+use crate::gpu::extract::extraction::StaleExtraction;
 use crate::gpu::extract::include::IncludeError;
-use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
+use crate::light::LightError;
+use crate::shadow::{CameraError, Counting, DepthDirection};
 
-/// Why shadow volumes cannot be made or recorded.
+/// Why shadow volumes cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShadowError {
-    /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
+pub enum ShadowVolumesError {
+    /// The extractor makes no lists or no facing masks.
     #[error(transparent)]
     Include(#[from] IncludeError),
     /// The volumes' own buffers do not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
+}
+
+/// Why shadow volumes cannot be recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadowEncodeError {
+    /// An array of the extraction does not fit one binding.
+    #[error(transparent)]
+    Include(#[from] IncludeError),
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),
     /// The camera is refused.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The lights are refused.
+    /// A light is refused: one with a negative `w`.
     #[error(transparent)]
-    Light(#[from] ShadowLightError),
+    Light(#[from] LightError),
     /// The volumes read the lists of the extractor that they were made for.
-    #[error("these volumes were made for another extractor; encode them with the one given to `ShadowVolumes::new`")]
+    #[error(
+        "these volumes were made for another extractor; encode them with an extraction of the one given to `ShadowVolumes::new`"
+    )]
     OtherExtractor,
-    /// The lists of some lights are not there.
-    #[error(
-        "{given} lights given, and the extractor's last encode was for {encoded}; encode the extractor for all of them \
-         before the volumes"
-    )]
-    NotExtracted {
-        /// Lights given.
-        given: usize,
-        /// Lights of the extractor's last encode.
-        encoded: usize,
-    },
-    /// The lists at a light's place are another light's.
-    #[error(
-        "light {index} is not, bit for bit, light {index} of the extractor's last encode; encode the extractor for the same \
-         lights in the same order before the volumes"
-    )]
-    OtherLight {
-        /// Position in the list.
-        index: usize,
-    },
+    /// A later encode of the extractor overwrote what the volumes read.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
     /// Near and far would be taken for each other.
     #[error(
         "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
@@ -69,10 +65,27 @@ pub enum ShadowError {
     },
 }
 
-/// Why volumes cannot be drawn with these pipelines.
+/// Why volumes cannot be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowDrawError {
+    /// A later encode of the extractor overwrote what is drawn.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
+    /// A later encode of the volumes overwrote what is drawn.
+    #[error(
+        "this frame is out of date: its volumes were encoded again, which overwrites them; draw the value that the last \
+         encode returned"
+    )]
+    StaleFrame,
+    /// The frame has fewer lights.
+    #[error("light {light} asked for, and {lights} lights were encoded; lights count from 0")]
+    NoSuchLight {
+        /// The light asked for.
+        light: usize,
+        /// Lights there are.
+        lights: usize,
+    },
     /// What was listed is not what the pipelines draw.
     #[error(
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \

@@ -4,10 +4,12 @@ mod buffers;
 mod choice;
 mod draws;
 mod errors;
+mod frame;
 mod pipelines;
 mod volumes;
 
-pub use errors::{ShadowDrawError, ShadowError};
+pub use errors::{ShadowDrawError, ShadowEncodeError, ShadowVolumesError};
+pub use frame::ShadowFrame;
 pub(crate) use pipelines::VolumeKey;
 pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
 pub use volumes::{ShadowOptions, ShadowVolumes};

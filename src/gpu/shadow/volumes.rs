@@ -1,22 +1,23 @@
 //! Shadow volumes of one caster.
 
+use std::sync::Arc;
+
 use super::buffers::{Buffers, fitting_capacity};
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
-use super::errors::{ShadowDrawError, ShadowError};
-use super::pipelines::{Convention, Layouts, ShadowPipelines};
+use super::errors::{ShadowEncodeError, ShadowVolumesError};
+use super::frame::{ShadowFrame, Shared};
+use super::pipelines::{Convention, ShadowPipelines};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
+use crate::gpu::extract::extraction::{Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
-use crate::gpu::extract::include::IncludeError;
 use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
-use crate::light;
-use crate::shadow::{RangedLight, ShadowCamera, check_ranged_lights};
-use crate::{Counting, Light, Mesh};
+use crate::light::{self, check_shadow_lights};
+use crate::{Counting, ShadowCamera};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +72,7 @@ impl Default for ShadowOptions {
 /// use rimline::gpu::{
 ///     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 /// };
-/// use rimline::{Counting, Light, Mesh, RangedLight, ShadowCamera, wgpu};
+/// use rimline::{Counting, Light, Mesh, ShadowCamera, wgpu};
 ///
 /// /// The light pass's: it meets the depth pass's surfaces again, and lights them where no volume was counted.
 /// fn light_pass_depth_stencil() -> wgpu::DepthStencilState {
@@ -102,12 +103,12 @@ impl Default for ShadowOptions {
 /// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
 /// // Once a caster:
 /// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
-/// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, mesh, ShadowOptions::default())?;
+/// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 ///
 /// // Every frame:
 /// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
-/// extractor.encode(encoder, vertices, &lights, None)?;
-/// volumes.encode(encoder, &extractor, vertices, camera, &lights.map(RangedLight::from), None)?;
+/// let extraction = extractor.encode(encoder, vertices, &lights, None)?;
+/// let shadows = volumes.encode(encoder, &extraction, camera, None)?;
 /// // After your depth pass, for each light; your colour attachments go here, too, and into the format:
 /// for light in 0..lights.len() {
 ///     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -119,7 +120,7 @@ impl Default for ShadowOptions {
 ///         }),
 ///         ..Default::default()
 ///     });
-///     volumes.draw(&mut pass, &pipelines, light)?;
+///     shadows.draw(&mut pass, &pipelines, light)?;
 ///     draw_lit(&mut pass, light); // with a pipeline of `light_pass_depth_stencil`, blending by addition
 /// }
 /// # Ok(())
@@ -127,14 +128,10 @@ impl Default for ShadowOptions {
 /// ```
 #[derive(Debug)]
 pub struct ShadowVolumes {
-    buffers: Buffers,
+    shared: Arc<Shared>,
     choice: Choice,
-    layouts: Layouts,
-    groups: Option<DrawGroups>,
+    bound: Option<(Place, Arc<DrawGroups>)>,
     shape: ShadowShape,
-    max_lights: usize,
-    convention: Convention,
-    bound_to: Option<(wgpu::Buffer, u64, u64)>,
 }
 
 impl ShadowVolumes {
@@ -142,18 +139,15 @@ impl ShadowVolumes {
     /// is kept there, too.
     ///
     /// # Errors
-    /// [`ShadowError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
+    /// [`ShadowVolumesError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
     pub fn new(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
-        mesh: &Mesh,
         options: ShadowOptions,
-    ) -> Result<Self, ShadowError> {
-        let (device, split, extraction) = extractor.parts();
-        let results = extractor.results();
-        if results.lists.is_empty() || results.facing.is_empty() {
-            return Err(IncludeError::NoLists.into());
-        }
+    ) -> Result<Self, ShadowVolumesError> {
+        let source = extractor.shared();
+        source.check_include()?;
+        let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let face_count = extraction.faces;
         let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
         let cap_capacity = options.cap_capacity.map_or_else(
@@ -172,7 +166,7 @@ impl ShadowVolumes {
             edges: extraction.edges as u32,
             capacity: extraction.capacity,
             cap_capacity: cap_capacity as u32,
-            averted: u32::from(mesh.is_closed() && !options.every_face),
+            averted: u32::from(source.is_closed && !options.every_face),
             counting: pipelines.counting().code(),
             skip_unseen: u32::from(options.skip_unseen),
             position_offset: 0,
@@ -180,45 +174,34 @@ impl ShadowVolumes {
             cap_groups: most(face_count.div_ceil(WORKGROUP as usize)),
             end_at_range: u32::from(options.end_at_range),
         };
-        if extractor.faces().size() > split.binding {
-            let (bytes, limit) = (extractor.faces().size(), split.binding);
+        if source.buffers.faces.size() > split.binding {
+            let (bytes, limit) = (source.buffers.faces.size(), split.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let buffers = Buffers::new(extractor, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(pipelines.shared(), &buffers, &results, pipelines.counting(), options);
-        Ok(Self {
-            buffers,
-            choice,
-            layouts: pipelines.layouts.clone(),
-            groups: None,
-            shape,
-            max_lights: extraction.max_lights,
-            convention: pipelines.convention,
-            bound_to: None,
-        })
+        let buffers = Buffers::new(source, cap_capacity, options.memory_limit)?;
+        let choice = Choice::new(pipelines.shared(), &buffers, &source.results(), pipelines.counting(), options);
+        let shared = Shared::new(Arc::clone(source), buffers, pipelines, options.end_at_range);
+        Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
 
-    /// Records, after the extraction's encode for the same positions and lights, what chooses and lists for `camera`.
-    /// Fewer lights than were extracted are fine: the first ones.
+    /// Records, after the encode that returned `extraction`, what chooses and lists for `camera`, and returns what can be
+    /// drawn. The lights are the extraction's, with their ranges; none are fine.
     ///
     /// # Errors
-    /// [`ShadowError`] when positions, camera or lights are refused, or do not go with the extractor's last encode or with
-    /// the pipelines of [`Self::new`]; nothing is recorded then.
+    /// [`ShadowEncodeError`] when camera or lights are refused, or the extraction is another extractor's or out of date;
+    /// nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        extractor: &Extractor,
-        positions: PositionBuffer<'_>,
+        extraction: &Extraction,
         camera: &ShadowCamera,
-        lights: &[RangedLight],
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), ShadowError> {
-        check_ranged_lights(lights, self.max_lights)?;
-        self.check(extractor, camera, lights)?;
+    ) -> Result<ShadowFrame, ShadowEncodeError> {
+        self.check(extraction, camera)?;
         let view = camera.view()?;
-        let (device, split, extraction) = extractor.parts();
-        let bound = positions.bind(extraction.vertices, split)?;
-        self.bind(extractor, positions)?;
+        let lights = extraction.lights();
+        let bound = extraction.bound()?;
+        let groups = self.bind(extraction)?;
         let shape = ShadowShape {
             lights: lights.len() as u32,
             position_offset: bound.offset_words,
@@ -227,7 +210,8 @@ impl ShadowVolumes {
         };
         let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
         let words = light::words(lights.len());
-        let buffers = &self.buffers;
+        let Shared { buffers, source, .. } = &*self.shared;
+        let device = source.device();
         upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
         upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
         upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
@@ -236,105 +220,74 @@ impl ShadowVolumes {
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
-        // A thread takes some 64 faces: few atomics, and still all cores.
-        let groups = Groups {
-            bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
-            lights: (lights.len() as u32).div_ceil(64),
-        };
-        self.choice.record(encoder, buffers, groups, lights.len(), timer);
-        Ok(())
+        if !lights.is_empty() {
+            // A thread takes some 64 faces: few atomics, and still all cores.
+            let groups = Groups {
+                bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
+                lights: (lights.len() as u32).div_ceil(64),
+            };
+            self.choice.record(encoder, buffers, groups, lights.len(), timer);
+        }
+        Ok(ShadowFrame::new(Arc::clone(&self.shared), groups, extraction.clone()))
     }
 
-    /// Draws the volume of light `light`, as it was encoded, into a pass whose attachments are those of `pipelines`.
-    /// Counts up from whatever the stencil holds; no other state of the pass matters, and bind groups 0 and 1 and the
-    /// pipeline are left changed. A light that was not encoded draws nothing.
-    ///
-    /// `pipelines` may be others than those of [`Self::new`], for other attachments, as long as they count alike.
-    ///
-    /// # Errors
-    /// [`ShadowDrawError`] when they do not; nothing is drawn then.
-    pub fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &ShadowPipelines,
-        light: usize,
-    ) -> Result<(), ShadowDrawError> {
-        let (ours, theirs) = (self.convention, pipelines.convention);
-        if ours.counting != theirs.counting {
-            return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });
-        }
-        if ours.depth != theirs.depth {
-            return Err(ShadowDrawError::Depth { volumes: ours.depth, pipelines: theirs.depth });
-        }
-        if ours.is_unclipped && !theirs.is_unclipped {
-            return Err(ShadowDrawError::FarPlane);
-        }
-        if let Some(groups) = &self.groups {
-            groups.draw(pass, pipelines, &self.buffers, light, self.shape.end_at_range != 0);
-        }
-        Ok(())
-    }
-
-    /// A [`crate::layout::ShadowStatistics`] of the last encode, once submitted; usage `COPY_SRC`.
+    /// A [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once submitted; usage `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
-        &self.buffers.statistics
+        &self.shared.buffers.statistics
     }
 
     /// What was chosen for each light: [`ShadowLight`]s, once submitted; usage `COPY_SRC`.
+    #[cfg(feature = "reference")]
     pub fn lights(&self) -> &wgpu::Buffer {
-        &self.buffers.lights
+        &self.shared.buffers.lights
     }
 
-    /// The draws of each light: [`crate::layout::ShadowDraws`], once submitted; usages `INDIRECT` and `COPY_SRC`.
+    /// The draws of each light: [`ShadowDraws`](crate::layout::ShadowDraws), once submitted; usages `INDIRECT` and `COPY_SRC`.
+    #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
-        &self.buffers.draws
+        &self.shared.buffers.draws
     }
 
-    /// Refuses what would draw wrong shadows: another extractor or other lights than the lists are of, another camera than
-    /// the pipelines are for.
-    fn check(&self, extractor: &Extractor, camera: &ShadowCamera, lights: &[RangedLight]) -> Result<(), ShadowError> {
-        // Each extractor has a buffer of its own.
-        if extractor.faces() != &self.buffers.faces {
-            return Err(ShadowError::OtherExtractor);
+    /// Refuses what would draw wrong shadows: an extraction of another extractor or out of date, another camera than the
+    /// pipelines are for.
+    fn check(&self, extraction: &Extraction, camera: &ShadowCamera) -> Result<(), ShadowEncodeError> {
+        let Shared { source, convention, .. } = &*self.shared;
+        if !Arc::ptr_eq(source, &extraction.shared) {
+            return Err(ShadowEncodeError::OtherExtractor);
         }
-        let Convention { counting, depth, .. } = self.convention;
+        extraction.check_current()?;
+        check_shadow_lights(extraction.lights(), source.shape.max_lights)?;
+        let &Convention { counting, depth, .. } = convention;
         if camera.depth != depth {
-            return Err(ShadowError::Depth { camera: camera.depth, pipelines: depth });
+            return Err(ShadowEncodeError::Depth { camera: camera.depth, pipelines: depth });
         }
-        if self.convention.needs_far_end() && camera.has_far_plane() {
-            return Err(ShadowError::FarPlane { counting });
+        if convention.needs_far_end() && camera.has_far_plane() {
+            return Err(ShadowEncodeError::FarPlane { counting });
         }
-        let encoded = extractor.encoded();
-        if lights.len() > encoded.len() {
-            return Err(ShadowError::NotExtracted { given: lights.len(), encoded: encoded.len() });
-        }
-        let bits = |light: Light| light.to_array().map(f32::to_bits);
-        match lights.iter().zip(encoded).position(|(given, encoded)| bits(given.light) != bits(*encoded)) {
-            Some(index) => Err(ShadowError::OtherLight { index }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind(&mut self, extractor: &Extractor, positions: PositionBuffer<'_>) -> Result<(), ShadowError> {
-        let target = (positions.buffer.clone(), positions.offset, positions.stride);
-        if self.bound_to.as_ref() == Some(&target) {
-            return Ok(());
+    fn bind(&mut self, extraction: &Extraction) -> Result<Arc<DrawGroups>, ShadowEncodeError> {
+        if let Some((place, groups)) = &self.bound
+            && *place == extraction.place
+        {
+            return Ok(Arc::clone(groups));
         }
-        let (device, split, extraction) = extractor.parts();
-        let results = extractor.results();
+        let Shared { buffers, source, layouts, .. } = &*self.shared;
+        let (device, results) = (source.device(), source.results());
+        let positions = extraction.positions();
         let groups = (0..results.facing.len())
-            .map(|word| extractor.results_bind_group(&self.layouts.results, word, positions))
+            .map(|batch| source.include_group(&layouts.results, batch, positions))
             .collect::<Result<Vec<_>, _>>()?;
-        let bound = positions.bind(extraction.vertices, split)?;
-        let buffers = &self.buffers;
+        let bound = extraction.bound()?;
         self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
             group(device, "shadow volumes", layout, resources)
         };
         let frame = group(
-            &self.layouts.frame,
+            &layouts.frame,
             &[
                 whole(&buffers.shape),
                 whole(&buffers.view),
@@ -345,13 +298,12 @@ impl ShadowVolumes {
         let placed = bound.first_binding(positions.buffer);
         let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
             group(
-                &self.layouts.cap_data,
+                &layouts.cap_data,
                 &[placed.clone(), whole(&buffers.faces), whole(facing), whole(&buffers.cap_counts), whole(list)],
             )
         });
-        let caps = caps.collect();
-        self.groups = Some(DrawGroups { frame, results: groups, caps });
-        self.bound_to = Some(target);
-        Ok(())
+        let groups = Arc::new(DrawGroups { frame, results: groups, caps: caps.collect() });
+        self.bound = Some((extraction.place.clone(), Arc::clone(&groups)));
+        Ok(groups)
     }
 }

@@ -1,7 +1,8 @@
 //! The methods that are compared.
 
+use rimline::Predicate;
 use rimline::gpu::ExtractorOptions;
-use rimline::{Method, Predicate};
+use rimline::reference::Method;
 
 use super::subject::Case;
 use crate::chart::Key;

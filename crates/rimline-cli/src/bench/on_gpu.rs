@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use rimline::gpu::{Extractor, PositionBuffer, StageTimer};
+use rimline::reference::Method;
 use rimline::reference::cpu::CpuExtraction;
 use rimline::reference::layout::Statistics;
-use rimline::{Method, Predicate, wgpu};
+use rimline::{Predicate, wgpu};
 
 use super::measure::{Contender, Sample, Summary};
 use super::method::{checked, timed};

@@ -1,6 +1,6 @@
 //! The picture's passes, in order: contact shadow, paper and model, occlusion, lines.
 
-use rimline::gpu::{Extractor, PositionBuffer, Results, include_wgsl, results_bind_group_layout};
+use rimline::gpu::{Extraction, PositionBuffer, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 
@@ -23,7 +23,7 @@ pub(super) struct Subject<'a> {
     /// One a corner, see [`super::normals`].
     pub(super) normals: &'a [u32],
     /// Its lists hold the silhouette for the eye, as light 0.
-    pub(super) extractor: &'a Extractor,
+    pub(super) extraction: &'a Extraction,
 }
 
 /// Records everything and returns the finished picture's texture.
@@ -150,9 +150,9 @@ impl<'a> Canvas<'a> {
         let source = include_str!("darken.wgsl");
         let triangles = PrimitiveTopology::TriangleList;
         let darken = onto_picture(kit, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
-        let extractor = subject.extractor;
+        let extraction = subject.extraction;
         let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-        let results = extractor.results_bind_group(&results_layout, 0, subject.positions)?;
+        let results = extraction.bind_group(&results_layout, 0)?;
         let lines = onto_picture(
             kit,
             "lines",
@@ -173,7 +173,7 @@ impl<'a> Canvas<'a> {
         pass.set_bind_group(1, &self.depth_group, &[]);
         pass.set_bind_group(2, &results, &[]);
         // As many lines as the GPU found; the CPU never learns how many.
-        pass.draw_indirect(extractor.results().draw_arguments, Results::draw_offset(0));
+        extraction.draw(&mut pass, 0)?;
         Ok(())
     }
 }

@@ -2,13 +2,18 @@
 
 use std::io::{self, Seek, Write};
 
-use rimline::light::words;
 use rimline::mesh::EdgeKind;
 use rimline::reference::layout::Masks;
+use rimline::reference::light::words;
 use rimline::{Light, Mesh};
 
 use super::Found;
 use crate::npz::{ElementType, NpzWriter};
+
+/// The four components of each light.
+pub(crate) fn components(lights: &[Light]) -> Vec<[f32; 4]> {
+    lights.iter().map(|light| light.to_array()).collect()
+}
 
 /// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
 pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
@@ -16,7 +21,7 @@ pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], foun
     let mut npz = NpzWriter::new(file);
     npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
     npz.array("faces", ElementType::U32, &[faces, 3], slice(mesh.faces()))?;
-    npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(lights))?;
+    npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(&components(lights)))?;
     npz.array("edges", ElementType::U32, &[edges, 2], slice(mesh.edges().vertices()))?;
     npz.array("edge_faces", ElementType::U32, &[edges, 2], |to| {
         // No face 1 is `0xFFFFFFFF` here as in memory; `face_0` has its flag taken off.

@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
+use rimline::Light;
 use rimline::Predicate;
+use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, Method};
 
 use super::Found;
 use crate::input::{Scene, Shape};

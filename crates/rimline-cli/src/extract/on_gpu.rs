@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::reference::Method;
 use rimline::reference::cpu::FacingCounts;
 use rimline::reference::layout::Statistics;
-use rimline::{Displacement, Light, Method, Predicate, wgpu};
+use rimline::{Displacement, Light, Predicate, wgpu};
 
 use super::Found;
 use crate::device::Gpu;

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use rimline::mesh::EdgeCounts;
+use rimline::reference::Method;
 use rimline::reference::cpu::FacingCounts;
-use rimline::{Light, Mesh, Method, Predicate};
+use rimline::{Light, Mesh, Predicate};
 use rimline_measure::error_metrics::light_counts;
 use serde_json::json;
 

@@ -67,7 +67,7 @@ impl Job<'_, '_> {
         gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(points));
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("query") });
         let bound = PositionBuffer { buffer, offset: 0, stride: 12 };
-        query.encode(&mut encoder, placed.buffer(), bound, points.len() as u32, self.lights, None)?;
+        query.encode_at(&mut encoder, placed.buffer(), bound, points.len() as u32, self.lights, None)?;
         gpu.queue.submit([encoder.finish()]);
         let mut found = read_back_vec(&gpu.device, &gpu.queue, query.depths())?;
         found.truncate(points.len() * self.lights.len());

@@ -1,6 +1,6 @@
 //! Where the picture is taken from.
 
-use rimline::glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::args::ViewArgs;
 use crate::failure::UsageError;

@@ -1,6 +1,6 @@
 //! Shading normals: smooth where the surface bends gently, split where it has a crease.
 
-use rimline::glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Faces that meet at more than this angle, in degrees, keep their own normals.
 const CREASE: f32 = 60.0;

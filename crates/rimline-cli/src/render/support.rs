@@ -1,6 +1,6 @@
 //! The outermost of many points: those that a picture's frame hangs on.
 
-use rimline::glam::DVec3;
+use glam::DVec3;
 
 /// How many directions are looked in, beside the axes and the diagonals.
 const DIRECTIONS: u32 = 128;

@@ -1,7 +1,10 @@
 //! A body that throws shadows, on the GPU.
 
-use rimline::gpu::{Extractor, ExtractorOptions, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer};
-use rimline::shadow::{RangedLight, ShadowCamera};
+use rimline::ShadowCamera;
+use rimline::gpu::{
+    Extraction, Extractor, ExtractorOptions, ShadowDrawError, ShadowFrame, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, StageTimer,
+};
 use rimline::{Light, Mesh, wgpu};
 
 use super::body::Body;
@@ -22,6 +25,9 @@ const CLAYS: [[[f32; 3]; 2]; 4] = [
 pub(crate) struct Caster {
     pub(crate) extractor: Extractor,
     pub(crate) volumes: ShadowVolumes,
+    /// What the last encode left to draw.
+    shadows: Option<ShadowFrame>,
+    extraction: Option<Extraction>,
     clay: wgpu::Buffer,
     faces: wgpu::Buffer,
     pub(crate) corners: u32,
@@ -41,11 +47,13 @@ impl Caster {
         let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
         let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
         let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
-        let volumes = ShadowVolumes::new(pipelines, &extractor, mesh, options)?;
+        let volumes = ShadowVolumes::new(pipelines, &extractor, options)?;
         let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
         Ok(Self {
             extractor,
             volumes,
+            shadows: None,
+            extraction: None,
             clay: kit.uniform(&gpu.queue, "clay", bytemuck::cast_slice(&clay)),
             faces: kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(mesh.faces())),
             corners: 3 * mesh.faces().len() as u32,
@@ -71,13 +79,27 @@ impl Caster {
         encoder: &mut wgpu::CommandEncoder,
         body: &Body<'_>,
         camera: &ShadowCamera,
-        lights: &[RangedLight],
+        lights: &[Light],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let positions = body.positions.buffer();
-        let plain: Vec<Light> = lights.iter().map(|ranged| ranged.light).collect();
-        self.extractor.encode(encoder, positions, &plain, timer.as_deref_mut())?;
-        self.volumes.encode(encoder, &self.extractor, positions, camera, lights, timer)?;
+        let extraction = self.extractor.encode(encoder, body.positions.buffer(), lights, timer.as_deref_mut())?;
+        self.shadows = Some(self.volumes.encode(encoder, &extraction, camera, timer)?);
+        self.extraction = Some(extraction);
         Ok(())
+    }
+
+    /// What the last encode extracted.
+    pub(crate) fn extraction(&self) -> Option<&Extraction> {
+        self.extraction.as_ref()
+    }
+
+    /// Draws the volume of a light, as it was encoded.
+    pub(crate) fn draw_volume(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ShadowPipelines,
+        light: usize,
+    ) -> Result<(), ShadowDrawError> {
+        self.shadows.as_ref().map_or(Ok(()), |shadows| shadows.draw(pass, pipelines, light))
     }
 }

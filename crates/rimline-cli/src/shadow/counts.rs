@@ -2,7 +2,7 @@
 
 use rimline::gpu::{ReadError, read_back_vec};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::shadow::CAST_NOTHING;
+use rimline::reference::shadow::CAST_NOTHING;
 
 use super::caster::Caster;
 use crate::device::Gpu;

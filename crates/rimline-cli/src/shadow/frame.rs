@@ -1,7 +1,7 @@
 //! The frame's uniform and the shadow volumes' camera.
 
-use rimline::glam::{Mat4, Vec3, Vec4};
-use rimline::shadow::{DepthDirection, ShadowCamera};
+use glam::{Mat4, Vec3, Vec4};
+use rimline::{DepthDirection, ShadowCamera};
 
 use super::lamps::{Lamp, Stage};
 use crate::render::camera::Camera;
@@ -50,7 +50,7 @@ impl Frame {
             share * Vec3::from(lamp.color)
         };
         let backdrop = GROUND * (ambient + lamps.iter().map(lit).sum::<Vec3>());
-        let mut view_projection = shadow_camera(camera).view_projection;
+        let mut view_projection = Mat4::from_cols_array_2d(&shadow_camera(camera).view_projection);
         view_projection.w_axis *= unit.recip();
         Self {
             view_projection: view_projection.to_cols_array_2d(),
@@ -99,8 +99,8 @@ pub(crate) fn shadow_camera(camera: &Camera) -> ShadowCamera {
     ];
     let [x, y, z, w] = rows;
     ShadowCamera {
-        view_projection: Mat4::from_cols(x, y, z, w).transpose(),
-        origin: camera.eye,
+        view_projection: Mat4::from_cols(x, y, z, w).transpose().to_cols_array_2d(),
+        origin: camera.eye.into(),
         depth: DepthDirection::Reversed,
     }
 }

@@ -1,9 +1,10 @@
 //! The volumes themselves, translucent.
 
-use rimline::gpu::{Results, include_wgsl, results_bind_group_layout};
+use rimline::gpu::{include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilFaceState};
 
+use super::caster::Caster;
 use super::painter::depth_state;
 use super::pictures::LINEAR;
 use super::studio::{Studio, Subject};
@@ -50,15 +51,14 @@ impl Glass {
         studio: &Studio<'_>,
         subject: &Subject<'_>,
     ) -> Result<(), GpuError> {
-        for (caster, body) in subject.casters.iter().zip(subject.bodies) {
-            let extractor = &caster.extractor;
+        for extraction in subject.casters.iter().filter_map(Caster::extraction) {
             for light in 0..subject.samples {
-                let group = extractor.results_bind_group(&self.layout, light / 32, body.positions.buffer())?;
+                let group = extraction.bind_group(&self.layout, light / 32)?;
                 studio.select(pass, light);
                 pass.set_bind_group(2, &group, &[]);
                 for pipeline in [&self.sides, &self.edges] {
                     pass.set_pipeline(pipeline);
-                    pass.draw_indirect(extractor.results().draw_arguments, Results::draw_offset(light));
+                    extraction.draw(pass, light)?;
                 }
             }
         }

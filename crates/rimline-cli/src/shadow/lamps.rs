@@ -1,9 +1,9 @@
 //! Lights as the picture has them: place, colour, reach, samples.
 
-use rimline::glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3};
+use rimline::falloff;
 use rimline::gltf::{SceneLight, SpotCone};
 use rimline::mesh::Bounds;
-use rimline::shadow::{RangedLight, falloff};
 use rimline::{AreaLight, AreaShape, Light};
 
 use crate::failure::{Failure, UsageError};
@@ -134,8 +134,8 @@ impl Lamp {
     }
 
     /// Its samples, as the shadow volumes take them.
-    pub(crate) fn ranged(&self) -> impl Iterator<Item = RangedLight> + '_ {
-        self.samples.iter().map(|&light| RangedLight { light, range: self.range })
+    pub(crate) fn ranged(&self) -> impl Iterator<Item = Light> + '_ {
+        self.samples.iter().map(|light| light.with_range(self.range))
     }
 
     /// Its samples, as the shaders take them; `first` is the number of the first among all.
@@ -192,7 +192,7 @@ impl Lamp {
     /// The shadow that a point throws onto the ground, or as much of the way there as a picture should show.
     pub(crate) fn shadow_of(&self, point: [f32; 3], stage: &Stage) -> [f32; 3] {
         let p = Vec3::from(point).as_dvec3();
-        let Light { xyz, w } = self.light;
+        let Light { xyz, w, .. } = self.light;
         let away = f64::from(w) * p - Vec3::from(xyz).as_dvec3();
         let height = p.y - f64::from(stage.ground);
         if away.y >= 0.0 || height <= 0.0 {

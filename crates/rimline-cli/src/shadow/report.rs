@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use rimline::gpu::{ReadError, read_back_vec};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics, Statistics};
-use rimline::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
 use serde_json::{Value, json};
 
 use super::caster::Caster;

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use rimline::glam::Vec3;
+use glam::Vec3;
 use rimline::mesh::Bounds;
-use rimline::shadow::RangedLight;
-use rimline::{Displacement, MAX_LIGHTS};
+use rimline::{Displacement, Light, MAX_LIGHTS};
 
 use super::body::{Body, animations};
 use super::caster::Caster;
@@ -124,7 +123,7 @@ impl<'a> Set<'a> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
     }
 
-    pub(crate) fn ranged(&self) -> Vec<RangedLight> {
+    pub(crate) fn ranged(&self) -> Vec<Light> {
         self.lamps.iter().flat_map(Lamp::ranged).collect()
     }
 

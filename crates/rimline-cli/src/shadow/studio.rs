@@ -103,7 +103,7 @@ pub(super) fn draw_volumes(
     casters: &[Caster],
     light: usize,
 ) -> Result<(), ShadowDrawError> {
-    casters.iter().try_for_each(|caster| caster.volumes.draw(pass, pipelines, light))
+    casters.iter().try_for_each(|caster| caster.draw_volume(pass, pipelines, light))
 }
 
 /// A colour target and its depth and stencil.

@@ -3,7 +3,8 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use rimline::light::{MAX_LIGHTS, check_lights};
+use rimline::MAX_LIGHTS;
+use rimline::reference::light::check_lights;
 use rimline::{Light, Mesh};
 
 use crate::device::Device;

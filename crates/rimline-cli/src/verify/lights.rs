@@ -86,7 +86,8 @@ impl Chance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rimline::light::{MAX_LIGHTS, check_lights};
+    use rimline::MAX_LIGHTS;
+    use rimline::reference::light::check_lights;
 
     #[test]
     fn they_are_lights_whatever_the_mesh() {

@@ -3,8 +3,8 @@
 
 use std::f32::consts::TAU;
 
+use glam::Vec3;
 use rimline::Light;
-use rimline::glam::Vec3;
 use rimline_measure::shapes::{self, Shape};
 
 use crate::render::camera::Camera;

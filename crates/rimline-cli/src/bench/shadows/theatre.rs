@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
+use rimline::ShadowCamera;
 use rimline::gpu::{
-    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
-    StageTimer, read_back_vec,
+    Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, StageTimer, read_back_vec,
 };
-use rimline::shadow::{RangedLight, ShadowCamera};
 use rimline::{Light, Mesh, wgpu};
 use rimline_measure::shapes::Shape;
 use wgpu::{ColorWrites, LoadOp, PrimitiveTopology, TextureAspect, TextureFormat, TextureUsages};
@@ -65,6 +65,7 @@ pub(super) struct Theatre<'a> {
     extractor: Extractor,
     pipelines: ShadowPipelines,
     volumes: ShadowVolumes,
+    shadows: Option<ShadowFrame>,
     color_view: wgpu::TextureView,
     depth_texture: wgpu::Texture,
     depth_view: wgpu::TextureView,
@@ -108,7 +109,7 @@ impl<'a> Theatre<'a> {
         let extractor = Extractor::new(&gpu.pipelines, stage.mesh, ExtractorOptions::default())?;
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, method.counting)?;
-        let volumes = ShadowVolumes::new(&pipelines, &extractor, stage.mesh, ShadowOptions::default())?;
+        let volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
         let size = [stage.size; 2];
         let texture = |label, format, usage| kit.target(label, size, format, 1, usage);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -123,6 +124,7 @@ impl<'a> Theatre<'a> {
             extractor,
             pipelines,
             volumes,
+            shadows: None,
             color_view: view(&texture("color", COLOR, TextureUsages::empty())),
             depth_view: view(&depth_texture),
             depth_texture,
@@ -136,7 +138,7 @@ impl<'a> Theatre<'a> {
         let (gpu, view) = (self.gpu, shadow_camera(camera));
         let [x, y, z] = light.xyz;
         let frame = Frame {
-            view_projection: view.view_projection.to_cols_array_2d(),
+            view_projection: view.view_projection,
             eye: camera.eye.into(),
             reserved_0: 0,
             light: [x - camera.eye.x, y - camera.eye.y, z - camera.eye.z],
@@ -205,9 +207,8 @@ impl<'a> Theatre<'a> {
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         let positions = PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 };
-        self.extractor.encode(encoder, positions, &[light], timer.as_deref_mut())?;
-        let lights = [RangedLight { light, range: f32::INFINITY }];
-        self.volumes.encode(encoder, &self.extractor, positions, camera, &lights, timer)?;
+        let extraction = self.extractor.encode(encoder, positions, &[light], timer.as_deref_mut())?;
+        self.shadows = Some(self.volumes.encode(encoder, &extraction, camera, timer)?);
         Ok(())
     }
 
@@ -248,7 +249,10 @@ impl<'a> Theatre<'a> {
             multiview_mask: None,
         });
         if is_stencil {
-            return Ok(self.volumes.draw(&mut pass, &self.pipelines, 0)?);
+            if let Some(shadows) = &self.shadows {
+                shadows.draw(&mut pass, &self.pipelines, 0)?;
+            }
+            return Ok(());
         }
         pass.set_pipeline(if is_first { &self.depth } else { &self.light });
         pass.set_bind_group(0, &self.kit.frame_group, &[]);

@@ -1,7 +1,7 @@
 //! What is right: rays in `f64` from pixels' centres, and on to the light.
 
+use glam::{DMat4, DVec3, DVec4};
 use rimline::Light;
-use rimline::glam::{DMat4, DVec3, DVec4};
 use rimline::reference::cpu;
 use rimline_measure::shapes::Shape;
 
@@ -51,8 +51,8 @@ impl Truth {
 
     pub(super) fn seen(&self, camera: &Camera) -> Seen {
         let view = shadow_camera(camera);
-        let inverse = view.view_projection.as_dmat4().inverse();
-        let origin = view.origin.as_dvec3();
+        let inverse = DMat4::from_cols_array_2d(&view.view_projection.map(|column| column.map(f64::from))).inverse();
+        let origin = DVec3::from_array(view.origin.map(f64::from));
         let pixel = |x: u32, y: u32| self.pixel(self.ray(&inverse, origin, [x, y]));
         let row = |y: u32| (0..self.size).map(move |x| pixel(x, y));
         let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -1,0 +1,245 @@
+//! What one encode extracted.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::buffers::{Buffers, Shape};
+use super::include::IncludeError;
+use super::results::Results;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::mesh::MeshId;
+use crate::{Light, light};
+
+/// What an extractor and its extractions share.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub(crate) pipelines: Pipelines,
+    pub(crate) limits: DispatchLimits,
+    pub(crate) shape: Shape,
+    pub(crate) buffers: Buffers,
+    pub(crate) mesh: MeshId,
+    pub(crate) is_closed: bool,
+    /// The masks were asked for.
+    pub(crate) has_masks: bool,
+    encodes: AtomicU64,
+    include_groups: Mutex<Vec<IncludeGroup>>,
+}
+
+/// A bind group of the include that was made before.
+#[derive(Debug)]
+struct IncludeGroup {
+    layout: wgpu::BindGroupLayout,
+    batch: usize,
+    place: Place,
+    group: wgpu::BindGroup,
+}
+
+/// Bind groups of the include that are kept; a program has one layout, or a few.
+const KEPT_GROUPS: usize = 64;
+
+/// A place in a position buffer, kept.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) offset: u64,
+    pub(crate) stride: u64,
+}
+
+impl Place {
+    pub(crate) fn of(positions: PositionBuffer<'_>) -> Self {
+        let PositionBuffer { buffer, offset, stride } = positions;
+        Self { buffer: buffer.clone(), offset, stride }
+    }
+
+    pub(crate) fn as_buffer(&self) -> PositionBuffer<'_> {
+        PositionBuffer { buffer: &self.buffer, offset: self.offset, stride: self.stride }
+    }
+}
+
+impl Shared {
+    pub(crate) fn new(
+        pipelines: Pipelines,
+        limits: DispatchLimits,
+        shape: Shape,
+        buffers: Buffers,
+        mesh: &crate::Mesh,
+        has_masks: bool,
+    ) -> Self {
+        Self {
+            pipelines,
+            limits,
+            shape,
+            buffers,
+            mesh: mesh.id(),
+            is_closed: mesh.is_closed(),
+            has_masks,
+            encodes: AtomicU64::new(0),
+            include_groups: Mutex::default(),
+        }
+    }
+
+    pub(crate) fn device(&self) -> &wgpu::Device {
+        self.pipelines.device()
+    }
+
+    /// The buffers are written again from here on: earlier extractions are out of date.
+    pub(crate) fn begin_encode(&self) -> u64 {
+        self.encodes.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    pub(crate) fn results(&self) -> Results<'_> {
+        let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
+            &self.buffers;
+        Results {
+            edge_vertices,
+            edge_faces,
+            facing,
+            masks: if self.has_masks { masks } else { &[] },
+            lists,
+            capacity: self.shape.capacity,
+            counts,
+            draw_arguments,
+            statistics,
+        }
+    }
+}
+
+/// What one [`Extractor::encode`](crate::gpu::Extractor::encode) extracted: a mesh, at these positions, for these lights. Whatever reads the
+/// results takes this value, so it cannot be given other positions or lights by mistake. It is refused
+/// ([`StaleExtraction`]) once a later encode of the same extractor was recorded, which overwrites the results.
+///
+/// Cheap to clone; it keeps the extractor's buffers alive.
+#[derive(Clone, Debug)]
+pub struct Extraction {
+    pub(crate) shared: Arc<Shared>,
+    pub(crate) place: Place,
+    lights: Arc<[Light]>,
+    encode: u64,
+}
+
+/// An extraction whose results were overwritten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
+     the last encode returned"
+)]
+pub struct StaleExtraction;
+
+/// Why a light's silhouette cannot be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DrawError {
+    /// A later encode overwrote the results.
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
+    /// The extraction has fewer lights.
+    #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
+    NoSuchLight {
+        /// The light asked for.
+        light: usize,
+        /// Lights there are.
+        lights: usize,
+    },
+    /// The extractor makes no lists.
+    #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
+    NoLists,
+}
+
+impl Extraction {
+    pub(crate) fn new(shared: Arc<Shared>, place: Place, lights: &[Light], encode: u64) -> Self {
+        Self { shared, place, lights: lights.into(), encode }
+    }
+
+    /// The lights, in the order of their bits.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Where the positions lie that were extracted from.
+    pub fn positions(&self) -> PositionBuffer<'_> {
+        self.place.as_buffer()
+    }
+
+    /// Batches of 32 lights: ⌈lights / 32⌉.
+    pub fn batches(&self) -> usize {
+        light::words(self.lights.len())
+    }
+
+    /// The buffers that hold the results once the encoder is submitted.
+    ///
+    /// # Errors
+    /// [`StaleExtraction`] when a later encode overwrites them.
+    pub fn results(&self) -> Result<Results<'_>, StaleExtraction> {
+        self.check_current()?;
+        Ok(self.shared.results())
+    }
+
+    /// Draws the silhouette of light `light` by an indirect draw: an instance an edge, of as many vertices as
+    /// [`ListOptions::vertices_per_edge`](crate::gpu::ListOptions::vertices_per_edge) says. Pipeline and bind groups are
+    /// the caller's; [`Self::bind_group`] makes the one that the include reads.
+    ///
+    /// # Errors
+    /// [`DrawError`] for a light that was not extracted, and when a later encode overwrites the results; nothing is
+    /// drawn then.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), DrawError> {
+        let (arguments, offset) = self.draw_arguments(light)?;
+        pass.draw_indirect(arguments, offset);
+        Ok(())
+    }
+
+    /// The buffer and the place in it, in bytes, of light `light`'s [`DrawArguments`](crate::gpu::DrawArguments), for
+    /// callers with draws of their own.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), DrawError> {
+        self.check_current()?;
+        let lights = self.lights.len();
+        if self.shared.buffers.lists.is_empty() {
+            return Err(DrawError::NoLists);
+        }
+        if light >= lights {
+            return Err(DrawError::NoSuchLight { light, lights });
+        }
+        Ok((&self.shared.buffers.draw_arguments, (light * size_of::<crate::layout::DrawArguments>()) as u64))
+    }
+
+    /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, by
+    /// [`include_wgsl`](crate::gpu::include_wgsl), over the positions that were extracted from. `layout` is
+    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). A group made before is given again.
+    ///
+    /// # Errors
+    /// [`IncludeError`] when the results lack what the include reads, an array does not fit one binding, there is no such
+    /// batch, or a later encode overwrites the results.
+    pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, IncludeError> {
+        self.check_current()?;
+        let batches = self.batches();
+        if batch >= batches {
+            return Err(IncludeError::NoSuchBatch { batch, batches });
+        }
+        let mut kept = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |kept: &&IncludeGroup| kept.batch == batch && kept.place == self.place && kept.layout == *layout;
+        if let Some(made) = kept.iter().find(is_it) {
+            return Ok(made.group.clone());
+        }
+        let group = self.shared.include_group(layout, batch, self.place.as_buffer())?;
+        // Places that the positions left are not likely to come again.
+        kept.retain(|kept| kept.place == self.place);
+        if kept.len() >= KEPT_GROUPS {
+            kept.remove(0);
+        }
+        kept.push(IncludeGroup { layout: layout.clone(), batch, place: self.place.clone(), group: group.clone() });
+        Ok(group)
+    }
+
+    pub(crate) fn check_current(&self) -> Result<(), StaleExtraction> {
+        if self.shared.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(StaleExtraction) }
+    }
+
+    /// The positions as stages bind them.
+    pub(crate) fn bound(&self) -> Result<BoundPositions, PositionError> {
+        self.place.as_buffer().bind(self.shared.shape.vertices, &self.shared.limits)
+    }
+}
