@@ -68,6 +68,7 @@ impl Report {
             Predicate::Exact => "exact",
             Predicate::Fast => "fast",
             Predicate::Plane => "plane",
+            _ => "other",
         }
     }
 
