@@ -8,6 +8,7 @@ mod device;
 mod devices;
 mod displacement;
 mod draw;
+mod ending;
 mod extract;
 mod failure;
 mod film;
@@ -15,9 +16,11 @@ mod gpu_error;
 mod image;
 mod info;
 mod input;
+mod interrupt;
 mod moment;
 mod npz;
 mod output;
+mod overwrite;
 mod page;
 mod positions;
 mod progress;
@@ -25,21 +28,26 @@ mod query;
 mod rays;
 mod render;
 mod shadow;
+mod shown;
+mod source;
 mod spec;
+mod target;
 mod times;
 mod verify;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
+use crate::shown::Text;
 
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off,rimline=warn"))
-        .format_timestamp(None)
+        .format(|to, record| writeln!(to, "[{:<5} {}] {}", record.level(), record.target(), Text(record.args())))
         .init();
     let cli = Cli::parse();
     match run(&cli.command) {

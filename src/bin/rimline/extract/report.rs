@@ -10,6 +10,7 @@ use rimline::{Light, Mesh, Method, Predicate};
 use serde_json::json;
 
 use super::Found;
+use crate::shown::Line;
 use crate::times::Times;
 
 /// What came out, in numbers.
@@ -113,7 +114,7 @@ impl Report {
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
         line("milliseconds", &self.times.text());
-        line("written", &out.display().to_string());
+        line("written", &Line(out.display()).to_string());
         text
     }
 }
