@@ -265,7 +265,9 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
     let record_error = record.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         record_error(match error {
-            wgpu::Error::OutOfMemory { .. } => "it is out of memory; try a smaller mesh or fewer lights".into(),
+            wgpu::Error::OutOfMemory { .. } => {
+                "it is out of memory; try a smaller model, a smaller picture or fewer lights".into()
+            }
             error => error.to_string(),
         });
     }));

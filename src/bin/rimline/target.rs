@@ -36,7 +36,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     for (is_stdout, stream) in [(true, standard(&io::stdout())), (false, standard(&io::stderr()))] {
         if let Some(file) = stream
             && !is_character_device(&there)
-            && file.metadata().is_ok_and(|open| is_same(&open, &there))
+            && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
         {
             return Ok(Target::Through { file, is_cut: false, is_stdout });
         }
@@ -45,7 +45,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
     let file = OpenOptions::new().write(true).open(name)?;
     if there.is_file()
         && let Ok(path) = name.canonicalize()
-        && std::fs::metadata(&path).is_ok_and(|found| is_same(&found, &there))
+        && std::fs::metadata(&path).is_ok_and(|found| identity(&path, &found) == identity(name, &there))
     {
         return Ok(Target::Replace { path, existing: Some(there) });
     }
@@ -94,29 +94,34 @@ fn is_character_device(_: &Metadata) -> bool {
     false
 }
 
-/// Whether both are of one file, by whatever names.
+/// What tells files apart, whatever names they have.
 #[cfg(unix)]
-pub(crate) fn is_same(a: &Metadata, b: &Metadata) -> bool {
+pub(crate) type Identity = (u64, u64);
+#[cfg(not(unix))]
+pub(crate) type Identity = PathBuf;
+
+/// That of a file that is there.
+#[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "elsewhere it may not be known")]
+pub(crate) fn identity(_: &Path, there: &Metadata) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
+    Some((there.dev(), there.ino()))
 }
 
 #[cfg(not(unix))]
-pub(crate) fn is_same(_: &Metadata, _: &Metadata) -> bool {
-    true
+pub(crate) fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
+    file.canonicalize().ok()
 }
 
 /// Whether both name one file, be it there or not.
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
-    #[cfg(unix)]
-    if let (Ok(a), Ok(b)) = (std::fs::metadata(a), crate::source::metadata(b)) {
-        return is_same(&a, &b);
+    if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
+        return identity(a, &there) == identity(b, &other);
     }
     let place = |path: &Path| {
         let path = end_of_links(path).ok()?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let named = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(named)
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
     };
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
 }
