@@ -35,9 +35,9 @@ pub(crate) fn check(out: &Path, written: Written) -> Result<(), UsageError> {
     }
 }
 
-/// Refuses a folder that is not there and ends as a file does.
+/// Refuses a folder that is not there and is named as a file would be.
 pub(crate) fn check_folder(out: &Path) -> Result<(), UsageError> {
-    if format_of(out).is_some() && !out.is_dir() {
+    if format_of(out).is_some() && !out.exists() {
         return Err(UsageError::FolderEnding { out: out.to_owned() });
     }
     Ok(())
