@@ -30,6 +30,7 @@ mod geometry;
 mod graph;
 mod instances;
 mod json;
+mod named_files;
 mod parse;
 mod parse_mesh;
 mod parse_scene;
@@ -39,7 +40,7 @@ mod skin;
 mod triangles;
 mod vertices;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gltf::json::Value;
 use gltf::json::mesh::Mode;
@@ -85,6 +86,7 @@ pub struct Asset {
     built: Built,
     /// Of each geometry, ascending.
     used_joints: Vec<Vec<u32>>,
+    named_files: Vec<PathBuf>,
 }
 
 /// An animation of the file.
@@ -194,6 +196,7 @@ impl Asset {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
         let mut document = parse::document(&value)?;
+        let named_files = named_files::find(&value, base_dir);
         drop(value);
         let graph = Graph::new(&document)?;
         let buffers = buffers::load(&document, binary, base_dir)?;
@@ -217,7 +220,14 @@ impl Asset {
             animation_infos,
             skipped,
             built,
+            named_files,
         })
+    }
+
+    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, what extensions
+    /// name. They need not exist. Empty without a folder to look in.
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
     }
 
     /// Geometry of every mesh, instances of the chosen scene. Only geometries with faces have instances.

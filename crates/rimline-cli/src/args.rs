@@ -20,11 +20,15 @@ pub(crate) struct Cli {
 
 const LONG_ABOUT: &str = "\
 Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
-software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).";
+software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).
+
+Every file that is read is a regular file, or `-` for standard input (once; a glTF that comes so can name no other \
+files). A result never replaces a file that is read. It is written beside its place and takes its name when it is \
+complete; a pipe or device, /dev/stdout too, gets it whole, and what would be printed there goes to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
-5 `verify` found other bits, 130 stopped by Ctrl-C.";
+5 `verify` found other bits, 128 and its number if a signal stopped it: 130 for Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -51,7 +55,7 @@ pub(crate) enum Command {
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb or .npz file; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
+    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
@@ -100,7 +104,7 @@ pub(crate) struct MomentArgs {
     pub(crate) pose: PoseArgs,
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin; needs a GPU
+    /// after morph and skin; needs a GPU; - for standard input
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -218,7 +222,7 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) moment: MomentArgs,
 
-    /// Where to write the picture
+    /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
 }

@@ -1,7 +1,6 @@
 //! The model file, whatever its format, and the mesh it makes at one moment.
 
-use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
@@ -14,6 +13,7 @@ use rimline::{Light, LightError, Mesh, Model, Pose};
 use crate::args::{ModelArgs, PoseArgs};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::npz;
+use crate::source;
 use crate::spec::LightSpec;
 
 /// A model file in memory.
@@ -61,6 +61,15 @@ impl Input {
     pub(crate) fn read(file: &Path, weld: Weld) -> Result<Self, Failure> {
         let source = open(file, weld).map_err(Failure::input(file))?;
         Ok(Self { file: file.to_owned(), source })
+    }
+
+    /// The file, and those that it names, textures included.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let named = match &self.source {
+            Source::Gltf(asset) => asset.named_files(),
+            Source::Npz { .. } => &[],
+        };
+        std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
     }
 
     pub(crate) fn model(&self) -> &Model {
@@ -181,11 +190,14 @@ pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
 fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
+    if source::is_stdin(file) {
+        return open_stdin(weld);
+    }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     if let Some("gltf" | "glb") = ending.as_deref() {
         return open_gltf(file, weld);
     }
-    let mut reader = BufReader::with_capacity(1 << 18, File::open(file)?);
+    let mut reader = source::open(file)?;
     if ending.as_deref() == Some("npz") {
         return open_npz(reader, weld);
     }
@@ -195,6 +207,19 @@ fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
     match start.as_slice() {
         b"glTF" => open_gltf(file, weld),
         b"PK\x03\x04" => open_npz(reader, weld),
+        _ => Err(InputError::Format),
+    }
+}
+
+/// Standard input, by how it begins.
+fn open_stdin(weld: Weld) -> Result<Source, InputError> {
+    let bytes = source::read(Path::new("-"))?;
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
+    match &*bytes {
+        [b'P', b'K', 3, 4, ..] => open_npz(Cursor::new(bytes), weld),
+        _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
+            Ok(Source::Gltf(Box::new(Asset::from_slice(&bytes, None, weld)?)))
+        }
         _ => Err(InputError::Format),
     }
 }
