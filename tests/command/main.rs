@@ -11,6 +11,7 @@ mod draw;
 #[path = "../common/files.rs"]
 mod files;
 mod info;
+mod load;
 mod models;
 mod npz_input;
 mod query;
@@ -50,6 +51,7 @@ fn main() {
         verify_wrong::TESTS,
         schema::TESTS,
         bench::TESTS,
+        load::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()

@@ -15,6 +15,7 @@ mod gpu_error;
 mod image;
 mod info;
 mod input;
+mod load_args;
 mod moment;
 mod npz;
 mod output;
