@@ -55,6 +55,7 @@ pub(crate) const SQUARE: &[Row] = &[
     ("mesh_weights", |m| m.json["meshes"][0]["weights"] = json!([1]), &["meshes[0].weights", "1 elements, expected 0"]),
     ("node_weights", |m| m.json["nodes"][0]["weights"] = json!([1]), &["nodes[0].weights", "expected 0"]),
     ("sparse_order", |m| sparse(m, [2, 1]), &["accessors[0]", "sparse index 1 is 1"]),
+    ("sparse_twice", |m| sparse(m, [1, 1]), &["accessors[0]", "sparse index 1 is 1", "must increase"]),
     ("sparse_range", |m| sparse(m, [2, 4]), &["accessors[0]", "sparse index 1 is 4"]),
     ("sparse_count", sparse_count, &["accessors[0]", "it replaces 5 elements of 4"]),
     ("extension", |m| m.json["extensionsRequired"] = json!(["ACME_fold"]), &["ACME_fold", "not supported"]),
