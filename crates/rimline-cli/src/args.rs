@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use rimline::gltf::LoadOptions;
 use rimline::mesh::Weld;
 
 use crate::bench::args::BenchArgs;
+use crate::load_args::LoadArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
@@ -60,11 +62,14 @@ pub(crate) struct ModelArgs {
 
     #[command(flatten)]
     weld: WeldArgs,
+
+    #[command(flatten)]
+    load: LoadArgs,
 }
 
 impl ModelArgs {
-    pub(crate) fn weld(&self) -> Weld {
-        self.weld.weld()
+    pub(crate) fn options(&self) -> LoadOptions {
+        self.load.options(self.weld.weld())
     }
 }
 
@@ -290,7 +295,7 @@ Keys of --json: adapters, a list of name, backend, type, driver, driver_info, us
 as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
 
 #[derive(Args, Debug)]
-#[command(after_help = VERIFY_EXAMPLES)]
+#[command(after_help = VERIFY_EXAMPLES, mut_args(when_making))]
 pub(crate) struct VerifyArgs {
     /// The folder of .npz files that `rimline extract` or `rimline verify --make` wrote
     #[arg(value_name = "DIR")]
@@ -305,6 +310,9 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "MODEL", requires = "make")]
     pub(crate) models: Vec<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+
     /// With --make: about how many faces a stress scene has
     #[arg(long, value_name = "N", requires = "make", default_value = "2000")]
     pub(crate) faces: usize,
@@ -317,6 +325,11 @@ pub(crate) struct VerifyArgs {
     /// Print JSON instead of text
     #[arg(long, conflicts_with = "make")]
     pub(crate) json: bool,
+}
+
+/// What `verify` reads models with goes with --make, too.
+fn when_making(arg: clap::Arg) -> clap::Arg {
+    if arg.get_id() == "memory_limit" || arg.get_id() == "allow_outside" { arg.requires("make") } else { arg }
 }
 
 const VERIFY_EXAMPLES: &str = "\

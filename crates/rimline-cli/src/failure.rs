@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use rimline::{CameraError, LightError, MeshError};
 
+use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::shown::Line;
 use crate::spec::SpecError;
@@ -55,6 +56,16 @@ pub(crate) enum InputError {
     Format,
     #[error("{}", Line(.0))]
     Gltf(#[from] rimline::gltf::GltfError),
+    #[error(
+        "{what}: reading it takes at least {} of memory, more than the limit of {}; if it is meant to be that large, give \
+         a larger --memory-limit", size(*.needed), size(*.limit)
+    )]
+    TooLarge { what: String, needed: u64, limit: u64 },
+    #[error(
+        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
+         --allow-outside", .path.display()
+    )]
+    Outside { place: String, uri: String, path: PathBuf },
     #[error("{}", Line(.0))]
     Pose(#[from] rimline::gltf::PoseError),
     #[error("{}", Line(.0))]

@@ -17,6 +17,7 @@ mod image;
 mod info;
 mod input;
 mod interrupt;
+mod load_args;
 mod moment;
 mod npz;
 mod output;

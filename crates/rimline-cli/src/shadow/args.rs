@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use rimline::Counting;
 
 use crate::args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::load_args::LoadArgs;
 use crate::spec::{self, AreaSpec, LampSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,6 +64,9 @@ pub(crate) struct ShadowSceneArgs {
 
     #[command(flatten)]
     pub(crate) weld: WeldArgs,
+
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
     /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the

@@ -41,7 +41,8 @@ impl Props {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
         let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
-        let open = |file: &std::path::PathBuf| Input::read(file, args.weld.weld());
+        let options = args.load.options(args.weld.weld());
+        let open = |file: &std::path::PathBuf| Input::read(file, options);
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.moment.pose)?;
         Ok(Self { inputs, animations, displacement })

@@ -38,7 +38,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
-        let input = Input::read(model, Weld::Data)?;
+        let input = Input::read(model, args.load.options(Weld::Data))?;
         maker.pose(&input, None, 0.0, &stem(model))?;
         if let Source::Gltf(asset) = &input.source
             && let [animation, ..] = asset.animations()

@@ -11,6 +11,7 @@ mod draw;
 mod fallback;
 mod info;
 mod inputs;
+mod load;
 mod models;
 mod npz_input;
 mod outputs;
@@ -63,6 +64,7 @@ fn main() {
         outputs_unix::TESTS,
         #[cfg(unix)]
         signals::TESTS,
+        load::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()
