@@ -3,6 +3,7 @@
 mod contact;
 mod frame;
 mod picture;
+mod survey;
 
 use std::borrow::Cow;
 
@@ -12,8 +13,8 @@ use rimline::mesh::Bounds;
 use rimline::{Light, wgpu};
 
 use crate::args::DrawArgs;
-use crate::device::{self, Gpu, Wanted};
-use crate::failure::{Failure, InputError, NoDevice, UsageError};
+use crate::device::{self, Wanted};
+use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::input::Shape;
@@ -42,7 +43,6 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
-    check_backend(&gpu)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, moment.displacement.as_ref()).map_err(fail)?;
@@ -84,13 +84,4 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     gpu.check()?;
     progress.step("writing");
     output.finish(|file| picture.write_png(file))
-}
-
-/// The shaders read the depth buffer, which WGSL can and GLSL, as wgpu writes it, cannot.
-fn check_backend(gpu: &Gpu) -> Result<(), NoDevice> {
-    if gpu.info.backend == wgpu::Backend::Gl {
-        let lacking = "reading of depth textures, which drawing needs; `extract` runs there".to_owned();
-        return Err(NoDevice::Lacks { adapter: device::describe(&gpu.info), lacking });
-    }
-    Ok(())
 }

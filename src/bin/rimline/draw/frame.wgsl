@@ -45,3 +45,8 @@ fn cover(vertex: u32) -> vec4<f32> {
 fn dither(pixel: vec2<f32>) -> f32 {
   return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
 }
+
+// Depth from what the survey saw; 0 where that is nothing.
+fn depth_of(seen: vec4<u32>) -> f32 {
+  return bitcast<f32>(seen.b | (seen.a << 16u));
+}
