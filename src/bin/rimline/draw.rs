@@ -77,7 +77,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         normals: &normals::corner_normals(&world, &faces),
         extractor: &extractor,
     };
-    let frame = Frame::new(&camera, args.view.size, &bounds);
+    let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+    let frame = Frame::new(&camera, args.view.size, &bounds, places);
     let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     let picture = Picture::read(&gpu, &texture).map_err(fail)?;

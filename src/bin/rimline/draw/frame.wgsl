@@ -22,6 +22,8 @@ struct Frame {
   ground_half: f32,
   // Height above the ground up to which the model darkens it.
   shadow_height: f32,
+  // The survey's places a pixel, each way.
+  places: i32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

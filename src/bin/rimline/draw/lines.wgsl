@@ -4,7 +4,7 @@
 // knows the faces that are seen around the point; the point is hidden where one of them covers it and lies strictly in
 // front. A face that holds the point, as the edge's own do and those that touch it there, hides nothing.
 
-@group(1) @binding(0) var seen: texture_multisampled_2d<u32>;
+@group(1) @binding(0) var seen: texture_2d<u32>;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 @group(1) @binding(2) var<storage, read> faces: array<u32>;
 
@@ -123,32 +123,31 @@ fn verdict(face: u32, point: vec3<f32>) -> u32 {
   return select(BEYOND, BESIDE, is_behind || is_far_behind);
 }
 
-// Of the faces seen within a pixel of the point one hides it; or all are in front, as where faces are smaller than pixels,
+// Of the faces seen a pixel or so around the point one hides it; or all are in front, as where faces are smaller than pixels,
 // or meet as exactly over the point as rounding can tell.
-fn is_hidden(point: vec3<f32>, place: vec2<f32>) -> bool {
-  let last = vec2<i32>(frame.size) - 1;
-  let pixel = clamp(vec2<i32>(floor(place)), vec2<i32>(0), last);
+fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
+  let last = frame.places * vec2<i32>(frame.size) - 1;
+  let middle = clamp(vec2<i32>(floor(f32(frame.places) * at)), vec2<i32>(0), last);
+  let reach = 3 * frame.places / 2;
   var known = 0u;
   var is_open = false;
-  for (var y = -1; y <= 1; y++) {
-    for (var x = -1; x <= 1; x++) {
-      let other = pixel + vec2<i32>(x, y);
-      if (any(other < vec2<i32>(0)) || any(other > last)) {
+  for (var y = -reach; y <= reach; y++) {
+    for (var x = -reach; x <= reach; x++) {
+      let place = middle + vec2<i32>(x, y);
+      if (any(place < vec2<i32>(0)) || any(place > last)) {
         continue;
       }
-      for (var i = 0; i < 4; i++) {
-        let halves = textureLoad(seen, other, i).rg;
-        let face = halves.x | (halves.y << 16u);
-        if (face == 0u) {
-          is_open = true;
-        } else if (face != known) {
-          known = face;
-          let verdict = verdict(face - 1u, point);
-          if (verdict == HIDES) {
-            return true;
-          }
-          is_open = is_open || verdict == BEYOND;
+      let halves = textureLoad(seen, place, 0).rg;
+      let face = halves.x | (halves.y << 16u);
+      if (face == 0u) {
+        is_open = true;
+      } else if (face != known) {
+        known = face;
+        let verdict = verdict(face - 1u, point);
+        if (verdict == HIDES) {
+          return true;
         }
+        is_open = is_open || verdict == BEYOND;
       }
     }
   }

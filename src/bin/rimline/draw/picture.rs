@@ -13,7 +13,7 @@ use crate::render::kit::{Kit, Pass};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
-pub(super) const SAMPLES: u32 = 4;
+const SAMPLES: u32 = 4;
 
 /// What is drawn.
 pub(super) struct Subject<'a> {
@@ -59,7 +59,7 @@ impl<'a> Canvas<'a> {
         let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), bytemuck::bytes_of(frame));
         let target = |label, format, samples, usage| view(&kit.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
-        let survey = Survey::new(&kit, size);
+        let survey = Survey::new(&kit, size, frame.places());
         let seen_layout = kit.layout(&[SEEN]);
         Self {
             colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
@@ -93,7 +93,7 @@ impl<'a> Canvas<'a> {
         let resources = [subject.positions.buffer, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
         let geometry = kit.group(&layout, &resources);
         let corners = 3 * subject.faces.len() as u32;
-        self.survey.record(kit, encoder, (&layout, &geometry), corners, &self.depth);
+        self.survey.record(kit, encoder, (&layout, &geometry), corners);
         let shadow = frame.sees_ground().then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
 
         let triangles = PrimitiveTopology::TriangleList;

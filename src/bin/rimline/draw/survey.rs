@@ -1,9 +1,9 @@
-//! What the picture shows at each sample: the face and its depth. Lines ask it which faces may hide them.
+//! What the picture shows at each place, several a pixel: the face and its depth. Lines ask it which faces may hide them.
 
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use super::picture::{SAMPLES, color_pass, depth_test};
+use super::picture::{color_pass, depth_test};
 use crate::render::kit::{Kit, Pass};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
@@ -12,28 +12,44 @@ const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 pub(super) const SEEN: BindingType = BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Uint,
     view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: true,
+    multisampled: false,
 };
 
-/// The survey's target.
+/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one place a pixel.
+const MOST_FINE: u64 = 1 << 23;
+
+/// How many places each way a pixel of a picture of this size has in the survey.
+pub(super) fn places([width, height]: [u32; 2], most: u32) -> u32 {
+    let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
+    if is_small { 2 } else { 1 }
+}
+
+/// The survey's targets.
 pub(super) struct Survey {
     pub(super) seen: wgpu::TextureView,
+    depth: wgpu::TextureView,
 }
 
 impl Survey {
-    pub(super) fn new(kit: &Kit<'_>, size: [u32; 2]) -> Self {
-        let texture = kit.target("survey", size, FORMAT, SAMPLES, TextureUsages::TEXTURE_BINDING);
-        Self { seen: texture.create_view(&wgpu::TextureViewDescriptor::default()) }
+    /// For a picture of this size, with so many places each way a pixel.
+    pub(super) fn new(kit: &Kit<'_>, size: [u32; 2], places: u32) -> Self {
+        let target = |label, format, usage| {
+            let texture = kit.target(label, size.map(|pixels| places * pixels), format, 1, usage);
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        Self {
+            seen: target("survey", FORMAT, TextureUsages::TEXTURE_BINDING),
+            depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
+        }
     }
 
-    /// Records the survey of so many corners; `depth` is its depth buffer.
+    /// Records the survey of so many corners.
     pub(super) fn record(
         &self,
         kit: &Kit<'_>,
         encoder: &mut wgpu::CommandEncoder,
         (layout, geometry): (&BindGroupLayout, &BindGroup),
         corners: u32,
-        depth: &wgpu::TextureView,
     ) {
         let pipeline = kit.pipeline(&Pass {
             name: "survey",
@@ -43,13 +59,13 @@ impl Survey {
             topology: wgpu::PrimitiveTopology::TriangleList,
             format: FORMAT,
             blend: None,
-            samples: SAMPLES,
+            samples: 1,
             write: wgpu::ColorWrites::ALL,
             depth: Some(depth_test(true)),
             constants: &[],
         });
         let nothing = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(depth));
+        let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(&self.depth));
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &kit.frame_group, &[]);
         pass.set_bind_group(1, geometry, &[]);

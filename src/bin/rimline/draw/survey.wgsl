@@ -1,13 +1,12 @@
-// Which face each sample of the picture shows, and how deep. In a colour attachment, since OpenGL's shaders cannot read a
-// multisampled depth buffer; in integers, since it need not draw onto floats.
+// Which face each place of the picture shows, and how deep. Not the depth buffer, which OpenGL's shaders cannot read as
+// WGSL does; in integers, since OpenGL need not draw onto floats; not multisampled, since Mesa's OpenGL then reads zeros.
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 
 struct Seen {
   @builtin(position) clip: vec4<f32>,
-  // Where the face covers it: its plane may lead anywhere beside it.
-  @location(0) @interpolate(perspective, centroid) distance: f32,
+  @location(0) distance: f32,
   // Its number plus 1.
   @location(1) @interpolate(flat) face: u32,
 }
