@@ -13,6 +13,7 @@ mod files;
 mod info;
 mod models;
 mod npz_input;
+mod outlines;
 mod query;
 mod run;
 mod schema;
@@ -45,6 +46,7 @@ fn main() {
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,
+        outlines::TESTS,
         shadow::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
@@ -58,6 +60,7 @@ fn main() {
         .collect();
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
+    trials.extend(outlines::trials());
     trials.extend(info::trials());
     trials.extend(shadow::trials());
     trials.extend(verify::trials());

@@ -158,11 +158,7 @@ impl<'a> Kit<'a> {
     }
 }
 
-fn layout(
-    device: &wgpu::Device,
-    visibility: wgpu::ShaderStages,
-    types: &[wgpu::BindingType],
-) -> wgpu::BindGroupLayout {
+fn layout(device: &wgpu::Device, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(types)
         .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
