@@ -25,7 +25,6 @@ pub(crate) struct Studio<'a> {
 /// What a picture is of.
 pub(crate) struct Subject<'a> {
     pub(crate) casters: &'a [Caster],
-    pub(crate) bodies: &'a [Body<'a>],
     /// Of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
