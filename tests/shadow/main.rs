@@ -6,6 +6,7 @@ mod classes;
 mod common;
 mod compare;
 mod hairlines;
+mod nested;
 mod overflow;
 mod paper;
 mod query;
@@ -34,6 +35,7 @@ fn main() {
         .iter()
         .chain(paper::TESTS)
         .chain(range::TESTS)
+        .chain(nested::TESTS)
         .chain(overflow::TESTS)
         .chain(hairlines::TESTS)
         .chain(query::TESTS)
