@@ -4,7 +4,6 @@ use rimline::gpu::{ShadowDrawError, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, wgpu};
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
-use super::body::Body;
 use super::caster::Caster;
 use super::frame::Frame;
 use super::lamps::LampData;
