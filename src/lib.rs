@@ -63,7 +63,7 @@ pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::{Method, Predicate};
-pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
+pub use model::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, ModelError, Pose, PoseMismatch};
 pub use shadow::{Counting, DepthDirection, RangedLight, ShadowCamera};
 
 pub use {glam, wgpu};

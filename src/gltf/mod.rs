@@ -209,7 +209,7 @@ impl Asset {
         Ok(Self {
             skin_infos: skin_infos(&document),
             mesh_infos: mesh_infos(&document, &built),
-            used_joints: built.model.geometries.iter().map(pose::used_joints).collect(),
+            used_joints: built.model.geometries().iter().map(pose::used_joints).collect(),
             document,
             graph,
             skins,

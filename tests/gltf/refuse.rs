@@ -124,7 +124,7 @@ fn deep() -> Outcome {
     maker.json["nodes"] = json!(chain);
     maker.push("nodes", json!({ "mesh": 0, "translation": [1, 0, 0] }));
     let asset = maker.load()?;
-    ensure(asset.pose(None, 0.0)?.instances.len() == 1, || "instances".to_owned())
+    ensure(asset.pose(None, 0.0)?.instances().len() == 1, || "instances".to_owned())
 }
 
 fn not_gltf() -> Outcome {

@@ -31,7 +31,7 @@ pub(crate) struct Found<'a> {
 pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
     let (method, predicate) = (Method::FaceMask, Predicate::Exact);
     match device {
-        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())),
+        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())?),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
             job.run(gpu, &mut Times::default())
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let device = moment.device()?;
     progress.step("extracting");
     let (found, adapter) = match &device {
-        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), device.name()),
+        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times)?, device.name()),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job {
                 scene: &scene,

@@ -19,6 +19,9 @@ pub(crate) enum Failure {
         #[source]
         source: InputError,
     },
+    /// A pose of another model.
+    #[error(transparent)]
+    Pose(#[from] rimline::PoseMismatch),
     /// The command line asks for what cannot be.
     #[error(transparent)]
     Usage(#[from] UsageError),
@@ -57,6 +60,8 @@ pub(crate) enum InputError {
     Gltf(#[from] rimline::gltf::GltfError),
     #[error(transparent)]
     Pose(#[from] rimline::gltf::PoseError),
+    #[error(transparent)]
+    Model(#[from] rimline::ModelError),
     #[error(transparent)]
     Npz(#[from] NpzError),
     #[error(transparent)]
@@ -168,7 +173,7 @@ impl Failure {
     /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 130 stopped.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Input { .. } => 1,
+            Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,

@@ -194,17 +194,17 @@ impl Deformer {
     fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), PoseMismatch> {
         let mut words = Vec::new();
         let mut target_counts = Vec::with_capacity(self.layouts.len());
-        if pose.instances.len() != self.layouts.len() {
-            return Err(PoseMismatch::Instances { given: pose.instances.len(), needed: self.layouts.len() });
+        if pose.instances().len() != self.layouts.len() {
+            return Err(PoseMismatch::Instances { given: pose.instances().len(), needed: self.layouts.len() });
         }
-        for (instance, (layout, pose)) in self.layouts.iter().zip(&pose.instances).enumerate() {
+        for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
             layout.check(instance, pose)?;
             words.resize(layout.palette as usize, 0);
-            for row in pose.palette.iter().take(layout.joints as usize).flatten() {
+            for row in pose.palette().iter().take(layout.joints as usize).flatten() {
                 words.extend(row.map(f32::to_bits));
             }
             words.resize(layout.targets as usize, 0);
-            let active = (0..).zip(&pose.morph_weights).filter(|(_, weight)| **weight != 0.0);
+            let active = (0..).zip(pose.morph_weights()).filter(|(_, weight)| **weight != 0.0);
             let before = words.len();
             words.extend(active.flat_map(|(target, weight)| [target, weight.to_bits()]));
             target_counts.push(((words.len() - before) / 2) as u32);
