@@ -1,9 +1,12 @@
 //! The deform stage on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod poser;
 mod stage;
 
 use rimline_measure::harness;
 
 fn main() {
-    harness::run(harness::gpu_trials(stage::TESTS.iter().copied()));
+    let mut trials = harness::gpu_trials([stage::TESTS, poser::TESTS].concat());
+    trials.extend(poser::trials());
+    harness::run(trials);
 }
