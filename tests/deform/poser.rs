@@ -38,15 +38,14 @@ fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
 }
 
-/// A vertex whose tolerance is small moved by twice of it.
+/// A coordinate that is not zero throughout, moved by twice its tolerance.
 fn control(found: &[[f32; 3]], expected: &[Posed]) -> Result<(), String> {
-    let (vertex, posed) = expected
-        .iter()
-        .enumerate()
-        .find(|(_, posed)| posed.tolerance[1] > 1e-30)
+    let coordinates = || (0..expected.len()).flat_map(|vertex| [0, 1, 2].map(|axis| (vertex, axis)));
+    let (vertex, axis) = coordinates()
+        .find(|&(vertex, axis)| expected[vertex].tolerance[axis] > 1e-30)
         .ok_or("every vertex is at the origin")?;
     let mut moved = found.to_vec();
-    moved[vertex][1] = (posed.position[1] + 2.0 * posed.tolerance[1]) as f32;
+    moved[vertex][axis] = (expected[vertex].position[axis] + 2.0 * expected[vertex].tolerance[axis]) as f32;
     must_fail("a moved vertex", &poser::compare("control", &moved, expected))
 }
 

@@ -132,6 +132,10 @@ fn integers() -> Outcome {
         let asset = maker.load()?;
         close(&at(&asset, 0.0, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "a quarter turn")?;
         close(&at(&asset, 1.0, [1.0, 0.0, 0.0])?, &[-1.0, 0.0, 0.0], 1e-6, "half a turn")?;
+        // The lengths of the keys themselves are up to 0.4 % off 1.
+        close(&at(&asset, -1.0, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "before the first key")?;
+        maker.json["animations"][0]["samplers"][0]["interpolation"] = json!("STEP");
+        close(&at(&maker.load()?, 0.5, [1.0, 0.0, 0.0])?, &[0.0, 1.0, 0.0], 1e-6, "a step")?;
     }
     Ok(())
 }
