@@ -8,7 +8,7 @@ use crate::gpu::common::dispatch_limits::Split;
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::DeformChunk;
-use crate::model::{Geometry, InstancePose, Model, PoseMismatch};
+use crate::model::{Geometry, Influences, InstancePose, Model, PoseMismatch};
 
 /// Words of a 3×4 matrix.
 const MATRIX_WORDS: u64 = 12;
@@ -30,6 +30,8 @@ pub(super) struct PoseLayout {
     pub(super) joints: u32,
     pub(super) targets: u32,
     pub(super) target_count: u32,
+    /// The most influences that any vertex has.
+    pub(super) influences: u32,
 }
 
 /// One dispatch of the deform stage.
@@ -79,6 +81,7 @@ impl ModelData {
                 joints: joints as u32,
                 targets: targets as u32,
                 target_count: target_count as u32,
+                influences: geometry.influences().map_or(0, Influences::most_per_vertex) as u32,
             });
         }
         let dispatches = model.instances().iter().map(|instance| geometries[instance.geometry()].len() as u64);
