@@ -3,7 +3,7 @@
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
 use rimline::model::PoseMismatch;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Displacement, Geometry, InstancePose, MeshError, Pose};
+use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -16,6 +16,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("deform_equals_its_twin_within_the_bound", random_models),
     ("displace_sees_position_vertex_and_time", displaced),
     ("displace_reads_the_callers_bind_group", resources),
+    ("models_without_vertices_or_instances_are_nothing_to_do", empty),
     ("wrong_poses_and_missing_resources_are_typed_errors", refused),
 ];
 
@@ -150,6 +151,23 @@ fn resources() -> Result<(), String> {
         expected.extend(sources.map(|&v| [v as f32, offsets[v as usize][1], 0.5]));
     }
     same("positions", &found, &expected)
+}
+
+fn empty() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let pose = |instances| -> Result<Pose, String> {
+        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Ok(Pose::new(vec![InstancePose::new(vec![rows], Vec::new()).map_err(text)?; instances]))
+    };
+    let vertexless = Model::new(vec![Geometry::default()], vec![Instance::new(0, None)]).map_err(text)?;
+    let unplaced = Model::new(vec![Geometry::default()], Vec::new()).map_err(text)?;
+    for (model, instances) in [(Model::default(), 0), (vertexless, 1), (unplaced, 0)] {
+        let (deformer, pose) = (Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()), pose(instances)?);
+        same("positions", &deformed(gpu, &deformer.map_err(text)?, &model, &pose)?, &[])?;
+        same("on the CPU", &cpu::deform(&model, &pose, 0.0, None, Threads::ONE).map_err(text)?, &[])?;
+        same("mesh", &[model.mesh(&pose).err()], &[Some(MeshError::NoFaces)])?;
+    }
+    Ok(())
 }
 
 /// What is done to a pose, and the error that it gives.
