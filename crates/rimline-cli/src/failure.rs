@@ -20,6 +20,9 @@ pub(crate) enum Failure {
         #[source]
         source: InputError,
     },
+    /// A pose of another model.
+    #[error(transparent)]
+    Pose(#[from] rimline::PoseMismatch),
     /// The command line asks for what cannot be.
     #[error(transparent)]
     Usage(#[from] UsageError),
@@ -68,6 +71,8 @@ pub(crate) enum InputError {
     Outside { place: String, uri: String, path: PathBuf },
     #[error("{}", Line(.0))]
     Pose(#[from] rimline::gltf::PoseError),
+    #[error(transparent)]
+    Model(#[from] rimline::ModelError),
     #[error("{}", Line(.0))]
     Npz(#[from] NpzError),
     #[error(transparent)]
@@ -192,7 +197,7 @@ impl Failure {
     /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 + the signal that stopped it.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Input { .. } => 1,
+            Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,
