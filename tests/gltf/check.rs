@@ -159,14 +159,16 @@ impl Parts {
     }
 }
 
+/// What spoils the parts, and whether a constructor refuses them then.
+type Spoiler = (fn(&mut Parts), bool);
+
 /// What is spoilt is refused by a constructor or by the check, whichever comes first.
 fn model_control() -> Outcome {
     let good = crate::maker::everything().load()?;
     model(good.model())?;
     let (whole, joints) = Parts::of(good.model())?;
     model(&whole.build(joints)?)?;
-    // Whether a constructor refuses it.
-    let spoilers: [(fn(&mut Parts), bool); 7] = [
+    let spoilers: [Spoiler; 7] = [
         (|p| p.positions[0][1] = f32::NAN, false),
         (|p| p.faces[0][2] = 1000, true),
         (|p| p.targets[0].truncate(1), true),

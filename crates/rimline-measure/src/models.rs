@@ -33,12 +33,14 @@ pub fn random_geometry(
     let morph_targets = (0..targets).map(|_| (0..vertices).map(|_| offset(0.4)).collect()).collect();
     let influences = most_influences.map(|most| {
         let (mut offsets, mut joints, mut all_weights) = (vec![0], Vec::new(), Vec::new());
-        for _ in 0..vertices {
+        for vertex in 0..vertices {
+            // Weights need not lie between 0 and 1, nor sum to 1.
+            let scale = [1.0, 1.0, 2.5, -0.75][vertex % 4];
             let count = random.below(most + 1);
             let weights: Vec<_> = (0..count).map(|_| random.between(0.0, 1.0)).collect();
             let sum: f32 = weights.iter().sum();
             joints.extend((0..count).map(|_| random.below(12) as u32));
-            all_weights.extend(weights.iter().map(|weight| weight / sum));
+            all_weights.extend(weights.iter().map(|weight| scale * weight / sum));
             offsets.push(joints.len() as u32);
         }
         Influences::new(offsets, joints, all_weights).expect("the offsets rise")

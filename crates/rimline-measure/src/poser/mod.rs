@@ -92,7 +92,9 @@ pub fn compare(what: &str, found: &[[f32; 3]], expected: &[Posed]) -> Result<f64
     for (vertex, (found, expected)) in found.iter().zip(expected).enumerate() {
         for axis in 0..3 {
             let distance = (f64::from(found[axis]) - expected.position[axis]).abs();
-            if !(distance <= expected.tolerance[axis]) {
+            // A NaN is not near.
+            let near = distance <= expected.tolerance[axis];
+            if !near {
                 return Err(format!("{what}: vertex {vertex} is at {found:?}, expected {expected:?}"));
             }
             largest = largest.max(distance / expected.tolerance[axis]);
