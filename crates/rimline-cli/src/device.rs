@@ -290,7 +290,9 @@ impl Gpu {
     }
 
     pub(crate) fn failed(&self, message: &str) -> Failure {
-        Failure::DeviceLost { adapter: describe(&self.info), message: message.to_owned() }
+        // wgpu's messages are paragraphs; the command's are lines.
+        let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        Failure::DeviceLost { adapter: describe(&self.info), message: lines.join(" ") }
     }
 
     /// Waits until everything submitted is done.

@@ -169,6 +169,22 @@ mod tests {
     }
 
     #[test]
+    fn an_earlier_film_makes_room() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let at = |name: &str| folder.path().join(name);
+        for name in ["0000.png", "0001.png", "0003.png", "notes.txt"] {
+            std::fs::write(at(name), "earlier").expect("there is room");
+        }
+        std::fs::create_dir(at("0002.png")).expect("there is room");
+        remove_earlier((1..3).map(|frame| frame_file(folder.path(), frame, 3))).expect("they can be removed");
+        for (name, is_left) in
+            [("0000.png", true), ("0001.png", false), ("0002.png", true), ("0003.png", true), ("notes.txt", true)]
+        {
+            assert_eq!(at(name).exists(), is_left, "{name}");
+        }
+    }
+
+    #[test]
     fn frames_are_numbered_in_their_folder() {
         for folder in ["a/frames", "a/frames/"] {
             assert_eq!(frame_file(Path::new(folder), 7, 10), Path::new("a/frames/0007.png"));
