@@ -125,7 +125,13 @@ fn grazing(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
             let mut other = corner;
             for (axis, at) in other.iter_mut().enumerate() {
                 let by = random.between(100.0, 1e5);
-                *at += if axis == low { by } else if axis == high { -by } else { by * [1.0, -1.0][random.below(2)] };
+                *at += if axis == low {
+                    by
+                } else if axis == high {
+                    -by
+                } else {
+                    by * [1.0, -1.0][random.below(2)]
+                };
             }
             shape.positions.push(other);
         }

@@ -100,13 +100,18 @@ fn lights_in_the_casters_box_make_every_face_cast() {
         let is_free = random.below(4) == 0;
         for (axis, at) in at.iter_mut().enumerate().take(1 + random.below(3)) {
             let side = [low, high][random.below(2)][axis];
-            *at = if is_free { side + random.between(-1.0, 1.0) * scale } else { stepped(side, random.below(3) as i32 - 1) };
+            *at = if is_free {
+                side + random.between(-1.0, 1.0) * scale
+            } else {
+                stepped(side, random.below(3) as i32 - 1)
+            };
         }
         let weight = if w == 0.0 { 1.0 } else { w };
         let light = Light::homogeneous([at[0] * weight, at[1] * weight, at[2] * weight, w]);
         let product = |at: f32| f64::from(at) * f64::from(w);
         let xyz = light.xyz.map(f64::from);
-        let is_within = w > 0.0 && (0..3).all(|axis| product(low[axis]) <= xyz[axis] && xyz[axis] <= product(high[axis]));
+        let is_within =
+            w > 0.0 && (0..3).all(|axis| product(low[axis]) <= xyz[axis] && xyz[axis] <= product(high[axis]));
         let Shape { positions, faces } = block(low, high);
         let (_, light) = chosen(&camera, light.into(), CLOSED, &positions, &faces);
         if is_within {

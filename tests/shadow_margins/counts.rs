@@ -56,8 +56,8 @@ impl Case {
     fn new(shape: Shape, light: Light, casting: u32) -> Self {
         let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a good mesh");
         let lights = [light];
-        let found =
-            cpu::extract(&shape.positions, &mesh, &lights, Method::FaceMask, Predicate::Exact, Threads::ONE).expect("good");
+        let found = cpu::extract(&shape.positions, &mesh, &lights, Method::FaceMask, Predicate::Exact, Threads::ONE)
+            .expect("good");
         let silhouettes = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
         let edges = silhouettes.map(|(edge, _)| {
             (edge.vertices.map(|vertex| shape.positions[vertex as usize]), edge.kind == EdgeKind::Boundary)

@@ -40,7 +40,8 @@ fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
         would_be_cut += usize::from(is_before(corner.near.z, corner.near.w));
         for ends in [[(0, first), (1, second)], [(1, second), (0, first)]] {
             let polygon = cpu::side_clipped(&view, &light, ends);
-            let is_first = |clip: &&rimline::glam::Vec4| (clip.x, clip.y, clip.w) == (corner.near.x, corner.near.y, corner.near.w);
+            let is_first =
+                |clip: &&rimline::glam::Vec4| (clip.x, clip.y, clip.w) == (corner.near.x, corner.near.y, corner.near.w);
             let found = polygon.iter().find(is_first).expect("the vertex itself");
             assert!(!is_before(found.z, found.w), "{number}: {found} for a height of {}", corner.height);
         }

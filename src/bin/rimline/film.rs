@@ -80,6 +80,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     drop(progress);
     bound.warn();
+    set.warn_of_depth(&gpu);
     print(&format!("{frames} pictures, {} to {}\n", file(0).display(), file(frames - 1).display()))
 }
 
