@@ -19,8 +19,10 @@ pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
 };
 
 /// Features that Rimline uses where a device has them; it needs none of them.
-pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 1] =
-    [(Features::TIMESTAMP_QUERY, "times of the stages as the device measures them")];
+pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
+    (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),
+    (Features::DEPTH32FLOAT_STENCIL8, "shadows far away from a near plane that is next to the eye"),
+];
 
 /// What `--device` stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]

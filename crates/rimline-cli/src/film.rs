@@ -90,6 +90,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     drop(progress);
     bound.warn();
+    set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
     print(&format!("{frames} pictures, {} to {}\n", Line(first.display()), Line(last.display())))
 }
