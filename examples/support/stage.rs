@@ -1,11 +1,12 @@
 //! A host's renderer that shadow volumes are dropped into: bodies and a floor at y = 0, ambient light first, then light
 //! after light where the stencil is still 0. Twice as large as the picture, which averages it.
+#![allow(dead_code, reason = "each example uses its part")]
 
 use rimline::glam::{Mat4, Vec3, Vec4};
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, CompareFunction, LoadOp, StoreOp, TextureFormat};
 
-use crate::support::{Canvas, PipelineOptions};
+use super::support::{Canvas, PipelineOptions};
 
 /// The format of the colour attachment in which light is added.
 pub(crate) const COLOR: TextureFormat = TextureFormat::Rgba16Float;
