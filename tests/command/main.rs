@@ -13,6 +13,7 @@ mod files;
 mod info;
 mod models;
 mod npz_input;
+mod plot_labels;
 mod query;
 mod run;
 mod schema;
@@ -46,6 +47,7 @@ fn main() {
         contract::TESTS,
         draw::TESTS,
         shadow::TESTS,
+        plot_labels::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
