@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "the example's own main is not run here")]
 mod soft;
 
-use rimline::glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use rimline::{AreaLight, shapes};
 
 const SIZE: [usize; 2] = [960, 720];
