@@ -12,6 +12,7 @@ pub use common::memory::{Allocation, MemoryError};
 pub use common::pipelines::Pipelines;
 pub use common::positions::{PositionBuffer, PositionError};
 pub use common::readback::{ReadError, read_back, read_back_vec};
+pub use common::requirements::DeviceError;
 pub use common::timer::StageTimer;
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use extract::extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};

@@ -7,5 +7,6 @@ pub(crate) mod pass;
 pub(crate) mod pipelines;
 pub(crate) mod positions;
 pub(crate) mod readback;
+pub(crate) mod requirements;
 pub(crate) mod timer;
 pub(crate) mod uniforms;

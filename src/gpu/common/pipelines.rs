@@ -1,9 +1,13 @@
 //! Pipelines made from the list of stages, and what shares them.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::cache::Cache;
+use super::dispatch_limits::binding;
+use super::memory::any_error;
+use super::positions::{PositionError, bound};
+use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use crate::displace::{Displacement, plain_deform_wgsl};
 use crate::gpu::shadow::VolumeKey;
 use crate::stages::{DEFORM, Stage};
@@ -35,6 +39,8 @@ struct Shared {
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
+    /// Whether the device serves, by [`Subject`]; asked once.
+    serves: [OnceLock<Result<(), DeviceError>>; 4],
 }
 
 /// A bind group layout: its label, its entries.
@@ -62,7 +68,20 @@ impl Pipelines {
             layouts: Cache::default(),
             compute: Cache::default(),
             volumes: Cache::default(),
+            serves: Default::default(),
         }))
+    }
+
+    /// Runs a constructor on a device that serves `subject` and is alive. What the device refuses all the same is an error,
+    /// too; but not in a browser, see [`super::memory::scoped`].
+    pub(crate) fn construct<T, E: From<DeviceError>>(
+        &self,
+        subject: Subject,
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.0.serves[subject as usize].get_or_init(|| check_device(self.device(), subject)).clone()?;
+        check_alive(self.device())?;
+        any_error(self.device(), make).unwrap_or_else(|message| Err(DeviceError::Refused { message }.into()))
     }
 
     /// The device they are of.
@@ -128,6 +147,12 @@ impl Pipelines {
                 source: wgpu::ShaderSource::Wgsl(wgsl.into()),
             })
         })
+    }
+
+    /// Refuses a caller's buffer that the device cannot bind.
+    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
+        let layout = self.layout("bindable", entries(&[Slot::Read]));
+        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[binding(buffer, 0..4)])))
     }
 
     /// A bind group layout.

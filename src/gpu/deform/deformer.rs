@@ -9,6 +9,7 @@ use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::common::requirements::{DeviceError, Subject};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::layout::DeformChunk;
@@ -30,6 +31,9 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
+    /// The device lacks what deformation needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The model does not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
@@ -77,7 +81,8 @@ impl Deformer {
         model: &Model,
         options: DeformerOptions<'_>,
     ) -> Result<Self, DeformError> {
-        Self::with(&pipelines.into(), model, options)
+        let pipelines = pipelines.into();
+        pipelines.construct(Subject::Deform, || Self::with(&pipelines, model, options))
     }
 
     fn with(pipelines: &Pipelines, model: &Model, options: DeformerOptions<'_>) -> Result<Self, DeformError> {
@@ -184,8 +189,8 @@ impl Deformer {
                 ..chunk
             });
         }
-        upload(&self.device, encoder, &self.chunks, table.bytes());
-        upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
+        upload(&self.device, encoder, &self.chunks, table.bytes())?;
+        upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words))?;
         self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }

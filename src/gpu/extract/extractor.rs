@@ -9,7 +9,8 @@ use crate::gpu::common::dispatch_limits::Split;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, Subject};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::{Chunk, LightWord};
@@ -80,6 +81,9 @@ impl Default for ListOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EncodeError {
+    /// The device is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The lights are refused.
     #[error(transparent)]
     Light(#[from] LightError),
@@ -92,6 +96,9 @@ pub enum EncodeError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExtractorError {
+    /// The device lacks what extraction needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
     #[error(transparent)]
     Light(#[from] LightError),
@@ -151,7 +158,8 @@ impl Extractor {
         mesh: &Mesh,
         options: ExtractorOptions,
     ) -> Result<Self, ExtractorError> {
-        Self::with(pipelines.into(), mesh, options)
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::Extract, || Self::with(pipelines, mesh, options))
     }
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
@@ -244,13 +252,13 @@ impl Extractor {
     ) -> Result<(), EncodeError> {
         check_lights(lights, self.options.max_lights)?;
         let bound = positions.bind(self.shape.vertices, &self.split)?;
-        self.bind_positions(&positions, &bound);
+        self.bind_positions(&positions, &bound)?;
 
         let mut words = UniformTable::default();
         for lights in lights.chunks(32) {
             words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.pipelines.device(), encoder, &self.light_words, words.bytes());
+        upload(self.pipelines.device(), encoder, &self.light_words, words.bytes())?;
         encoder.clear_buffer(&self.buffers.statistics, 0, None);
         encoder.clear_buffer(&self.buffers.counts, 0, None);
         let used = light::words(lights.len());
@@ -297,12 +305,24 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind_positions(&mut self, positions: &PositionBuffer<'_>, bound: &BoundPositions) {
+    fn bind_positions(
+        &mut self,
+        positions: &PositionBuffer<'_>,
+        bound: &BoundPositions,
+    ) -> Result<(), PositionError> {
         let &PositionBuffer { buffer, offset, stride } = positions;
         let target = BoundTo { buffer: buffer.clone(), offset, stride };
         if self.bound_to.as_ref() == Some(&target) {
-            return;
+            return Ok(());
         }
+        self.bound_to = None;
+        let device = self.pipelines.device().clone();
+        positions::bound(&device, || self.make_position_groups(buffer, bound))?;
+        self.bound_to = Some(target);
+        Ok(())
+    }
+
+    fn make_position_groups(&mut self, buffer: &wgpu::Buffer, bound: &BoundPositions) {
         let Self { pipelines, shape, buffers, chunks, light_words, .. } = self;
         let binder = Binder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_words };
         if self.from_positions.pipeline.window_words != bound.windows.words {
@@ -315,7 +335,6 @@ impl Extractor {
             }
             binder.bind_positions(&self.options, exact, buffer, bound);
         }
-        self.bound_to = Some(target);
     }
 
     /// The buffers that hold the results once the encoder is submitted.

@@ -3,7 +3,7 @@
 use super::extractor::Extractor;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions::{PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, PositionBuffer, PositionError};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
 use crate::stages::INCLUDES;
@@ -69,7 +69,8 @@ impl Extractor {
     /// The include's bind group for 32 lights from `32 · word` on, over the positions that are drawn.
     ///
     /// # Errors
-    /// [`IncludeError`] when the results lack what the include reads, or an array does not fit one binding.
+    /// [`IncludeError`] when the results lack what the include reads, an array does not fit one binding, or the device takes
+    /// the position buffer or the layout for another's.
     pub fn results_bind_group(
         &self,
         layout: &wgpu::BindGroupLayout,
@@ -114,6 +115,6 @@ impl Extractor {
             list.as_entire_binding(),
             results.counts.as_entire_binding(),
         ];
-        Ok(group(device, "rimline results", layout, &resources))
+        Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }
 }

@@ -12,6 +12,7 @@ use crate::gpu::common::dispatch_limits::{Split, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_alive};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
@@ -47,6 +48,9 @@ impl Default for ShadowQueryOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowQueryError {
+    /// The device lacks what the query needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
     #[error(transparent)]
     Light(#[from] LightError),
@@ -59,6 +63,9 @@ pub enum ShadowQueryError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
+    /// The device is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The lights are refused, one with a negative `w` among them.
     #[error(transparent)]
     Light(#[from] LightError),
@@ -146,7 +153,8 @@ impl ShadowQuery {
         mesh: &Mesh,
         options: ShadowQueryOptions,
     ) -> Result<Self, ShadowQueryError> {
-        Self::with(pipelines.into(), mesh, options)
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::Query, || Self::with(pipelines, mesh, options))
     }
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
@@ -218,6 +226,9 @@ impl ShadowQuery {
         }
         let bound = positions.bind(self.vertices, &self.split)?;
         points.end(point_count).map_err(QueryError::Points)?;
+        check_alive(self.pipelines.device())?;
+        self.pipelines.check_bindable(positions.buffer)?;
+        self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| QueryError::Points(error.into()))?;

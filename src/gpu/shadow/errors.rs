@@ -2,6 +2,7 @@
 
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
+use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::extract::include::IncludeError;
 use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
 
@@ -9,6 +10,9 @@ use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowError {
+    /// The device lacks what shadow volumes need, is lost, or is another than the pipelines'.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.
     #[error(transparent)]
     Include(#[from] IncludeError),
@@ -70,9 +74,12 @@ pub enum ShadowError {
 }
 
 /// Why volumes cannot be drawn with these pipelines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowDrawError {
+    /// The pipelines are of another device.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// What was listed is not what the pipelines draw.
     #[error(
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \

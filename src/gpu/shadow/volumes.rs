@@ -8,7 +8,8 @@ use super::pipelines::{Convention, Layouts, ShadowPipelines};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::common::positions::{self, PositionBuffer};
+use crate::gpu::common::requirements::{Subject, check_same};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::extractor::Extractor;
@@ -128,6 +129,7 @@ impl Default for ShadowOptions {
 #[derive(Debug)]
 pub struct ShadowVolumes {
     buffers: Buffers,
+    device: wgpu::Device,
     choice: Choice,
     layouts: Layouts,
     groups: Option<DrawGroups>,
@@ -142,8 +144,20 @@ impl ShadowVolumes {
     /// is kept there, too.
     ///
     /// # Errors
-    /// [`ShadowError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
+    /// [`ShadowError`] when the extractor lacks lists or facing masks, is on another device than the pipelines, or the mesh
+    /// does not fit the device.
     pub fn new(
+        pipelines: &ShadowPipelines,
+        extractor: &Extractor,
+        mesh: &Mesh,
+        options: ShadowOptions,
+    ) -> Result<Self, ShadowError> {
+        let device = pipelines.shared().device();
+        check_same(["the extractor", "the pipelines"], [extractor.parts().0, device])?;
+        pipelines.shared().construct(Subject::Shadow, || Self::with(pipelines, extractor, mesh, options))
+    }
+
+    fn with(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
         mesh: &Mesh,
@@ -188,6 +202,7 @@ impl ShadowVolumes {
         let choice = Choice::new(pipelines.shared(), &buffers, &results, pipelines.counting(), options);
         Ok(Self {
             buffers,
+            device: device.clone(),
             choice,
             layouts: pipelines.layouts.clone(),
             groups: None,
@@ -228,18 +243,19 @@ impl ShadowVolumes {
         let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
         let words = light::words(lights.len());
         let buffers = &self.buffers;
-        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
-        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
-        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
-        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]));
-        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)));
+        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape))?;
+        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view))?;
+        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen))?;
+        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]))?;
+        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)))?;
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         // A thread takes some 64 faces: few atomics, and still all cores.
+        let most = u32::try_from(split.workgroups).unwrap_or(u32::MAX);
         let groups = Groups {
-            bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
-            lights: (lights.len() as u32).div_ceil(64),
+            bounds: (extraction.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
+            lights: (lights.len() as u32).div_ceil(64).min(most),
         };
         self.choice.record(encoder, buffers, groups, lights.len(), timer);
         Ok(())
@@ -259,6 +275,7 @@ impl ShadowVolumes {
         pipelines: &ShadowPipelines,
         light: usize,
     ) -> Result<(), ShadowDrawError> {
+        check_same(["the pipelines", "the volumes"], [pipelines.shared().device(), &self.device])?;
         let (ours, theirs) = (self.convention, pipelines.convention);
         if ours.counting != theirs.counting {
             return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });
@@ -328,7 +345,9 @@ impl ShadowVolumes {
             .collect::<Result<Vec<_>, _>>()?;
         let bound = positions.bind(extraction.vertices, split)?;
         let buffers = &self.buffers;
-        self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
+        positions::bound(device, || {
+            self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
+        })?;
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
             group(device, "shadow volumes", layout, resources)
