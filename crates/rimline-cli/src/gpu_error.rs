@@ -4,6 +4,7 @@ use rimline::LightError;
 use rimline::gpu::{
     DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
     ShadowDrawError, ShadowError, ShadowFormatError, ShadowQueryError,
+    TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -28,6 +29,8 @@ pub(crate) enum GpuError {
     ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
     Read(#[from] ReadError),
+    #[error(transparent)]
+    Timer(#[from] TimerError),
     #[error(transparent)]
     Shadow(#[from] ShadowError),
     #[error(transparent)]

@@ -2,6 +2,7 @@
 
 pub(crate) mod cache;
 pub(crate) mod dispatch_limits;
+pub(crate) mod download;
 pub(crate) mod memory;
 pub(crate) mod pass;
 pub(crate) mod pipelines;

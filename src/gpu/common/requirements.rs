@@ -1,6 +1,7 @@
 //! What the stages need of a device, compared with what it has.
 
 use super::memory::{any_error, mapped, scoped, write_mapped};
+use super::timer::StageTimer;
 
 /// Why a device does not serve.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -200,6 +201,11 @@ pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
     let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);
     let buffer = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
     if write_mapped(&buffer, &[0; 4]) { Ok(()) } else { Err(DeviceError::Lost) }
+}
+
+/// Refuses a timer of another device.
+pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> Result<(), DeviceError> {
+    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [timer.device(), device]))
 }
 
 /// Refuses things of two devices.

@@ -9,7 +9,7 @@ use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{DeviceError, Subject};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::layout::DeformChunk;
@@ -31,7 +31,7 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
-    /// The device lacks what deformation needs, or is lost.
+    /// The device lacks what deformation needs, is lost, or is another than the timer's.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The model does not fit the device.
@@ -179,6 +179,7 @@ impl Deformer {
         if self.has_resources != resources.is_some() {
             return Err(DeformError::Resources);
         }
+        check_timer(timer.as_deref(), &self.device)?;
         let (words, target_counts) = self.pose_words(pose)?;
         let mut table = UniformTable::default();
         for &(instance, chunk) in &self.plan {

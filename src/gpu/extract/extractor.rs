@@ -10,7 +10,7 @@ use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, PositionError};
-use crate::gpu::common::requirements::{DeviceError, Subject};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::{Chunk, LightWord};
@@ -81,7 +81,7 @@ impl Default for ListOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EncodeError {
-    /// The device is lost.
+    /// The device is lost, or the timer is of another one.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The lights are refused.
@@ -251,6 +251,7 @@ impl Extractor {
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), EncodeError> {
         check_lights(lights, self.options.max_lights)?;
+        check_timer(timer.as_deref(), self.pipelines.device())?;
         let bound = positions.bind(self.shape.vertices, &self.split)?;
         self.bind_positions(&positions, &bound)?;
 

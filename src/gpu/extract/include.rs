@@ -4,6 +4,7 @@ use super::extractor::Extractor;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, check_alive};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
 use crate::stages::INCLUDES;
@@ -46,6 +47,9 @@ pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindG
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IncludeError {
+    /// The device is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
     #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
     NoLists,
@@ -85,6 +89,7 @@ impl Extractor {
         let (Some(list), Some(facing)) = (results.lists.get(word), results.facing.get(word)) else {
             return Err(IncludeError::NoSuchWord { word, words: results.lists.len() });
         };
+        check_alive(device)?;
         let bound = positions.bind(shape.vertices, split)?;
         let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: split.binding };
         if bound.windows.words != 0 {

@@ -12,7 +12,7 @@ use crate::gpu::common::dispatch_limits::{Split, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
-use crate::gpu::common::requirements::{DeviceError, Subject, check_alive};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
@@ -63,7 +63,7 @@ pub enum ShadowQueryError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The device is lost.
+    /// The device is lost, or the timer is of another one.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The lights are refused, one with a negative `w` among them.
@@ -226,6 +226,7 @@ impl ShadowQuery {
         }
         let bound = positions.bind(self.vertices, &self.split)?;
         points.end(point_count).map_err(QueryError::Points)?;
+        check_timer(timer.as_deref(), self.pipelines.device())?;
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
         self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;

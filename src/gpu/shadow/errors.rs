@@ -10,7 +10,7 @@ use crate::shadow::{CameraError, Counting, DepthDirection, ShadowLightError};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowError {
-    /// The device lacks what shadow volumes need, is lost, or is another than the pipelines'.
+    /// The device lacks what shadow volumes need, is lost, or is another than the pipelines' or the timer's.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The extractor makes no lists or no facing masks, or its arrays do not fit one binding.

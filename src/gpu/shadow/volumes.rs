@@ -9,7 +9,7 @@ use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, PositionBuffer};
-use crate::gpu::common::requirements::{Subject, check_same};
+use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::extractor::Extractor;
@@ -229,6 +229,7 @@ impl ShadowVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), ShadowError> {
         check_ranged_lights(lights, self.max_lights)?;
+        check_timer(timer.as_deref(), &self.device)?;
         self.check(extractor, camera, lights)?;
         let view = camera.view()?;
         let (device, split, extraction) = extractor.parts();
