@@ -2,8 +2,8 @@
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
-    Pipelines, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery,
-    ShadowQueryError, ShadowQueryOptions, ShadowVolumes,
+    Pipelines, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError,
+    ShadowQueryOptions, ShadowVolumes,
 };
 use rimline::{Counting, Light, Method};
 use rimline_measure::harness::Test;
@@ -113,7 +113,8 @@ const LIMITS: [Limit; 16] = limits![
 
 fn with(name: &str, value: u64) -> Result<Watched, String> {
     let mut limits = wgpu::Limits::default();
-    let (_, set) = LIMITS.iter().find(|(limit, _)| *limit == name).ok_or_else(|| format!("{name} is not in the list"))?;
+    let (_, set) =
+        LIMITS.iter().find(|(limit, _)| *limit == name).ok_or_else(|| format!("{name} is not in the list"))?;
     set(&mut limits, value);
     Watched::new(wgpu::Features::empty(), limits)
 }

@@ -19,13 +19,16 @@ pub(crate) struct Watched {
 
 impl Watched {
     pub(crate) fn new(features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
-        let gpu = Gpu::with(features, limits)?;
+        Ok(Self::of(Gpu::with(features, limits)?))
+    }
+
+    pub(crate) fn of(gpu: Gpu) -> Self {
         let errors = Arc::new(Mutex::new(Vec::new()));
         let kept = Arc::clone(&errors);
         gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             kept.lock().unwrap_or_else(PoisonError::into_inner).push(error.to_string());
         }));
-        Ok(Self { gpu, errors })
+        Self { gpu, errors }
     }
 
     pub(crate) fn plain() -> Result<Self, String> {

@@ -3,8 +3,7 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError, ReadError,
-    ShadowDrawError, ShadowError, ShadowFormatError, ShadowQueryError,
-    TimerError,
+    ShadowDrawError, ShadowError, ShadowFormatError, ShadowQueryError, TimerError,
 };
 
 use crate::device::{Gpu, describe};

@@ -29,6 +29,14 @@ use crate::stages::{DEFORM, Stage};
 /// Options, limits and formats that ask for different pipelines get different ones. Displacements share a pipeline where
 /// their sources are equal and their bind group layout is one and the same object. Everything stays until the last clone
 /// and the last thing made with it are gone, so a displacement that changes again and again is better off with the device.
+///
+/// Each constructor first compares the device with what its stages need; a device that does not serve is one
+/// [`DeviceError`], which names the limit, the value needed and the value there. That is done once for each `Pipelines`.
+///
+/// In browsers the limits are compared as elsewhere. What the device itself reports comes later there than a function that
+/// does not wait can return: running out of memory, a buffer of another device, attachments that it refuses. These errors
+/// go to the device's own handler, [`wgpu::Device::on_uncaptured_error`], and a lost device is noticed only by
+/// [`wgpu::Device::set_device_lost_callback`].
 #[derive(Clone)]
 pub struct Pipelines(Arc<Shared>);
 

@@ -44,7 +44,9 @@ pub enum PositionError {
     #[error("the position buffer lacks usage STORAGE")]
     NotStorage,
     /// The device cannot bind the buffer: it is another device's, or was destroyed.
-    #[error("the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}")]
+    #[error(
+        "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
+    )]
     Refused {
         /// What the device said.
         message: String,

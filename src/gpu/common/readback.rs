@@ -11,8 +11,8 @@ pub enum ReadError {
     /// The buffer was made without `COPY_SRC`.
     #[error("the buffer to read lacks usage COPY_SRC")]
     NotCopySource,
-    /// The device was lost or refused the copy or the mapping: it lacks the memory, say, or buffer or queue are of another
-    /// device.
+    /// The device was lost or refused the copy or the mapping: it lacks the memory, say, or the buffer is of
+    /// another device or destroyed.
     #[error("the device did not hand back {bytes} bytes: {message}")]
     Device {
         /// Bytes asked for.
@@ -47,10 +47,13 @@ pub fn read_back(
 }
 
 /// As [`read_back`], without waiting: the future is ready once `take` had every piece. The copy is submitted before this
-/// function returns, so the buffer may be written again at once; until the future is ready, as many bytes are taken again.
+/// function returns, so later submissions may write the buffer. The copy takes as many bytes as the buffer until the future
+/// is ready.
 ///
-/// Something must poll the device meanwhile, on native platforms: [`wgpu::Device::poll`] with [`wgpu::PollType::Poll`], from
-/// any thread, or a later [`wgpu::Queue::submit`], as each frame makes. Browsers do so by themselves.
+/// On native platforms the device must be polled meanwhile: by [`wgpu::Device::poll`] with [`wgpu::PollType::Poll`] from any
+/// thread, or by a later [`wgpu::Queue::submit`]. Browsers poll by themselves.
+///
+/// `queue` must be the device's own: wgpu does not tell of which device a queue is.
 ///
 /// ```no_run
 /// # use rimline::gpu::{ReadError, read_back_vec_async};
@@ -113,11 +116,7 @@ pub fn read_back_vec_async<T: bytemuck::Pod>(
 }
 
 /// Submits the copies of a whole buffer.
-fn downloads(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    buffer: &wgpu::Buffer,
-) -> Result<Vec<Download>, ReadError> {
+fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, ReadError> {
     pieces(buffer)?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 

@@ -38,7 +38,9 @@ pub enum DeviceError {
         there: u64,
     },
     /// The adapter lacks something that is no feature and no limit. A device does not list these; each is tried once.
-    #[error("{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}")]
+    #[error(
+        "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
+    )]
     Downlevel {
         /// Whose stages need it.
         subject: &'static str,
@@ -50,7 +52,8 @@ pub enum DeviceError {
     /// The device was lost or destroyed.
     #[error("the device is lost; make a new one, and everything on it anew")]
     Lost,
-    /// Things of two devices were given together.
+    /// Things of two devices were given together. Both devices are of one [`wgpu::Instance`]: wgpu does not tell things of
+    /// two instances apart, and panics or mistakes one for another.
     #[error("{what} is of another device than {with}; make both on one device")]
     OtherDevice {
         /// What was given.
@@ -116,7 +119,7 @@ pub(crate) const AT_LEAST: [Need; 16] = [
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_y, [1; 4]),
     need!(max_compute_workgroup_size_z, [1; 4]),
-    need!(max_compute_workgroup_storage_size, [0, 0, 0, 0]),
+    need!(max_compute_workgroup_storage_size, [1024, 2064, 1024, 0]),
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
     need!(max_uniform_buffers_per_shader_stage, [2, 3, 3, 1]),
     need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 11, 11, 7]),
@@ -124,9 +127,9 @@ pub(crate) const AT_LEAST: [Need; 16] = [
     need!(max_bind_groups, [1, 2, 1, 1]),
     need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),
     need!(max_bindings_per_bind_group, [10, 10, 11, 7]),
-    need!(max_uniform_buffer_binding_size, [0, 0, 0, 0]),
-    need!(max_storage_buffer_binding_size, [0, 0, 0, 0]),
-    need!(max_buffer_size, [0, 0, 0, 0]),
+    need!(max_uniform_buffer_binding_size, [1184, 128, 1184, 32]),
+    need!(max_storage_buffer_binding_size, [256, 256, 448, 256]),
+    need!(max_buffer_size, [1184, 256, 1184, 256]),
 ];
 
 /// What must not be larger: uniforms, and what dispatches begin at, lie at multiples of 256 bytes.
@@ -209,13 +212,9 @@ pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> 
 }
 
 /// Refuses things of two devices.
-pub(crate) fn check_same(
-    [what, with]: [&'static str; 2],
-    [given, own]: [&wgpu::Device; 2],
-) -> Result<(), DeviceError> {
+pub(crate) fn check_same([what, with]: [&'static str; 2], [given, own]: [&wgpu::Device; 2]) -> Result<(), DeviceError> {
     if given == own { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
 }
-
 
 #[cfg(test)]
 mod tests;

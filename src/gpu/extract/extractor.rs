@@ -306,11 +306,7 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind_positions(
-        &mut self,
-        positions: &PositionBuffer<'_>,
-        bound: &BoundPositions,
-    ) -> Result<(), PositionError> {
+    fn bind_positions(&mut self, positions: &PositionBuffer<'_>, bound: &BoundPositions) -> Result<(), PositionError> {
         let &PositionBuffer { buffer, offset, stride } = positions;
         let target = BoundTo { buffer: buffer.clone(), offset, stride };
         if self.bound_to.as_ref() == Some(&target) {

@@ -75,10 +75,12 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
 /// Bytes of workgroup memory that an entry point uses, as WebGPU counts them.
 fn workgroup_bytes(module: &Module, info: &naga::valid::ModuleInfo, entry_point: usize) -> u64 {
     let function = info.get_entry_point(entry_point);
-    let used = module.global_variables.iter().filter(|(handle, variable)| {
-        variable.space == AddressSpace::WorkGroup && !function[*handle].is_empty()
-    });
-    used.map(|(_, variable)| u64::from(module.types[variable.ty].inner.size(module.to_ctx())).next_multiple_of(16)).sum()
+    let used = module
+        .global_variables
+        .iter()
+        .filter(|(handle, variable)| variable.space == AddressSpace::WorkGroup && !function[*handle].is_empty());
+    used.map(|(_, variable)| u64::from(module.types[variable.ty].inner.size(module.to_ctx())).next_multiple_of(16))
+        .sum()
 }
 
 /// What every stage of a subject needs together.
