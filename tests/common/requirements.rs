@@ -40,6 +40,8 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
         Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
             Ok(_) => Ok(None),
             Err(ExtractorError::Device(error)) => Ok(Some(error)),
+            // What the mesh needs is not what every mesh needs.
+            Err(ExtractorError::Memory(_)) => Ok(None),
             Err(error) => other(&error),
         },
         Subject::Shadow => match ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto) {
@@ -50,6 +52,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
         Subject::Query => match ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()) {
             Ok(_) => Ok(None),
             Err(ShadowQueryError::Device(error)) => Ok(Some(error)),
+            Err(ShadowQueryError::Memory(_)) => Ok(None),
             Err(error) => other(&error),
         },
         Subject::Deform => {
@@ -57,6 +60,7 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
             match Deformer::new(pipelines, &model, DeformerOptions::default()) {
                 Ok(_) => Ok(None),
                 Err(DeformError::Device(error)) => Ok(Some(error)),
+                Err(DeformError::Memory(_)) => Ok(None),
                 Err(error) => other(&error),
             }
         }
@@ -163,7 +167,9 @@ fn enough() -> Result<(), String> {
     let mut least = SUBJECTS.map(|_| wgpu::Limits::default());
     for (name, set) in LIMITS {
         if !matches!(name, "max_storage_buffer_binding_size" | "max_buffer_size") {
-            for (limits, value) in least.iter_mut().zip(needed(name)?) {
+            let [extract, shadow, query, deform] = needed(name)?;
+            // Volumes are of an extraction.
+            for (limits, value) in least.iter_mut().zip([extract, shadow.max(extract), query, deform]) {
                 set(limits, value);
             }
         }
