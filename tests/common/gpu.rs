@@ -1,9 +1,14 @@
 //! What all subjects share on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod other_devices;
 mod pipelines;
+mod reading;
+mod requirements;
+mod watched;
 
 use rimline_measure::harness;
 
 fn main() {
-    harness::run(harness::gpu_trials(pipelines::TESTS.iter().copied()));
+    let tests = [pipelines::TESTS, requirements::TESTS, other_devices::TESTS, reading::TESTS];
+    harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -4,7 +4,7 @@ use std::any::Any;
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer,
-    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
+    ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryOptions, ShadowVolumes,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Displacement, Light, Mesh, Predicate};
@@ -286,22 +286,22 @@ fn threads() -> Result<(), String> {
     })
 }
 
-/// A device that cannot have some of the pipelines: its error goes where errors of the caller's own go, every time.
+/// Attachments that no pipeline can have: the error comes every time, and nothing is kept of it.
 fn errors() -> Result<(), String> {
-    let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() };
-    let gpu = Gpu::with_limits(limits)?;
-    let mesh = shapes::cube().mesh().map_err(text)?;
+    let gpu = Gpu::with_limits(wgpu::Limits::default())?;
     let pipelines = Pipelines::new(&gpu.device);
+    let colors = vec![Some(wgpu::TextureFormat::Rgb9e5Ufloat)];
     let (mut kept, mut messages) = (Vec::new(), Vec::new());
     for _ in 0..2 {
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let extractor = Extractor::new(&pipelines, &mesh, ExtractorOptions::default());
-        let error = pollster::block_on(scope.pop()).ok_or("no error was reported")?;
-        drop(extractor);
-        messages.push(error.to_string());
+        let format = ShadowFormat { colors: colors.clone(), ..ShadowFormat::default() };
+        match ShadowPipelines::new(&pipelines, &format, Counting::Auto) {
+            Err(ShadowFormatError::Refused { message }) => messages.push(message),
+            other => return Err(format!("expected a refusal, got {:?}", other.err())),
+        }
         kept.push(pipelines.len());
     }
     same("message", &messages[1..], &messages[..1])?;
-    // The one that writes arguments, which needs three storage buffers.
-    same("pipelines kept", &kept, &[1, 1])
+    same("pipelines kept", &kept, &[0, 0])?;
+    ShadowPipelines::new(&pipelines, &ShadowFormat::default(), Counting::Auto).map(drop).map_err(text)?;
+    must_fail("pipelines kept", &same("pipelines", &[pipelines.len()], &[0]))
 }

@@ -3,7 +3,7 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, DrawError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError,
-    ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryError, ShadowVolumesError,
+    ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryError, ShadowVolumesError, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -28,6 +28,8 @@ pub(crate) enum GpuError {
     ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
     Read(#[from] ReadError),
+    #[error(transparent)]
+    Timer(#[from] TimerError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error(transparent)]

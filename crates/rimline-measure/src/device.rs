@@ -24,6 +24,15 @@ impl Gpu {
     /// A device with these features and limits.
     pub fn with(features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
+        Self::of(instance, features, limits)
+    }
+
+    /// Another device of the same instance.
+    pub fn another(&self, features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
+        Self::of(self.instance.clone(), features, limits)
+    }
+
+    fn of(instance: wgpu::Instance, features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, String> {
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
             .map_err(|error| format!("no GPU adapter: {error}; `cargo xtask test` installs a software one"))?;
         let info = adapter.get_info();

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::memory::scoped;
+use super::memory::any_error;
 
 /// A value or the room for it. Whoever makes it holds its lock, so that others wait instead of making it again, and other
 /// values are made meanwhile.
@@ -68,11 +68,5 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// What `make` makes, unless the device reports an error of any kind.
 fn without_error<V>(device: &wgpu::Device, make: impl FnOnce() -> V) -> Option<V> {
-    use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
-    // In a browser scopes answer too late, and would only swallow the error.
-    if cfg!(target_family = "wasm") {
-        return Some(make());
-    }
-    let made = scoped(device, Internal, || scoped(device, OutOfMemory, || scoped(device, Validation, make)));
-    made.ok()?.ok()?.ok()
+    any_error(device, make).ok()
 }

@@ -90,19 +90,31 @@ pub(crate) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() 
     scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| MemoryError::OutOfMemory { bytes, message })
 }
 
-/// Runs `make` and reports the device's errors of one kind as an error, in the device's words.
+/// Runs `make` and reports the device's errors of one kind as an error, in the device's words. A browser answers later than
+/// a function that does not wait can return, so there the error goes to the device's own handler.
 pub(crate) fn scoped<T>(
     device: &wgpu::Device,
     filter: wgpu::ErrorFilter,
     make: impl FnOnce() -> T,
 ) -> Result<T, String> {
+    // A scope whose answer nobody waits for would swallow it.
+    if cfg!(target_family = "wasm") {
+        return Ok(make());
+    }
     let scope = device.push_error_scope(filter);
     let made = make();
-    // Ready at once on native backends; elsewhere the error goes to the device's own handler.
+    // Ready at once on native backends.
     match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(Some(error)) => Err(error.to_string()),
         _ => Ok(made),
     }
+}
+
+/// Runs `make` and reports the device's errors of any kind as an error, likewise.
+pub(crate) fn any_error<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
+    use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+    let made = scoped(device, Internal, || scoped(device, OutOfMemory, || scoped(device, Validation, make)));
+    made.and_then(|made| made).and_then(|made| made)
 }
 
 /// A buffer of at least 4 bytes.
@@ -127,18 +139,36 @@ pub(crate) fn filled(
     contents: &[u8],
     usage: wgpu::BufferUsages,
 ) -> wgpu::Buffer {
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+    let buffer = mapped(device, label, contents.len() as u64, usage);
+    // Fails only where the buffer could not be made: the error scope around it reports that, and the next encode that the
+    // device is lost.
+    write_mapped(&buffer, contents);
+    buffer
+}
+
+/// A buffer of at least 4 bytes, for [`write_mapped`].
+pub(crate) fn mapped(
+    device: &wgpu::Device,
+    label: &'static str,
+    bytes: u64,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: padded(contents.len() as u64),
+        size: padded(bytes),
         usage,
         mapped_at_creation: true,
-    });
-    // Fails only where the buffer could not be made, which the error scope around it reports.
-    if let Ok(mut view) = buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
-        view.copy_from_slice(contents);
+    })
+}
+
+/// Writes the beginning of a buffer that is mapped, and unmaps it. Whether it was mapped: none of a lost device is.
+pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
+    match buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
+        Ok(mut view) => view.copy_from_slice(contents),
+        Err(_) => return false,
     }
     buffer.unmap();
-    buffer
+    true
 }
 
 /// What a buffer of `bytes` really takes: buffers and mappings are never empty, and whole words.

@@ -2,10 +2,12 @@
 
 pub(crate) mod cache;
 pub(crate) mod dispatch_limits;
+pub(crate) mod download;
 pub(crate) mod memory;
 pub(crate) mod pass;
 pub(crate) mod pipelines;
 pub(crate) mod positions;
 pub(crate) mod readback;
+pub(crate) mod requirements;
 pub(crate) mod timer;
 pub(crate) mod uniforms;

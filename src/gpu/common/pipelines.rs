@@ -1,9 +1,13 @@
 //! Pipelines made from the list of stages, and what shares them.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::cache::Cache;
+use super::dispatch_limits::binding;
+use super::memory::any_error;
+use super::positions::{PositionError, bound};
+use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use crate::displace::{Displacement, plain_deform_wgsl};
 use crate::gpu::shadow::VolumeKey;
 use crate::stages::{DEFORM, Stage};
@@ -25,6 +29,14 @@ use crate::stages::{DEFORM, Stage};
 /// Options, limits and formats that ask for different pipelines get different ones. Displacements share a pipeline where
 /// their sources are equal and their bind group layout is one and the same object. Everything stays until the last clone
 /// and the last thing made with it are gone, so a displacement that changes again and again is better off with the device.
+///
+/// Each constructor first compares the device with what its stages need; a device that does not serve is one
+/// [`DeviceError`], which names the limit, the value needed and the value there. That is done once for each `Pipelines`.
+///
+/// In browsers the limits are compared as elsewhere. What the device itself reports comes later there than a function that
+/// does not wait can return: running out of memory, a buffer of another device, attachments that it refuses. These errors
+/// go to the device's own handler, [`wgpu::Device::on_uncaptured_error`], and a lost device is noticed only by
+/// [`wgpu::Device::set_device_lost_callback`].
 #[derive(Clone)]
 pub struct Pipelines(Arc<Shared>);
 
@@ -35,6 +47,8 @@ struct Shared {
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
+    /// Whether the device serves, by [`Subject`]; asked once.
+    serves: [OnceLock<Result<(), DeviceError>>; 4],
 }
 
 /// A bind group layout: its label, its entries.
@@ -62,7 +76,20 @@ impl Pipelines {
             layouts: Cache::default(),
             compute: Cache::default(),
             volumes: Cache::default(),
+            serves: Default::default(),
         }))
+    }
+
+    /// Runs a constructor on a device that serves `subject` and is alive. What the device refuses all the same is an error,
+    /// too; but not in a browser, see [`super::memory::scoped`].
+    pub(crate) fn construct<T, E: From<DeviceError>>(
+        &self,
+        subject: Subject,
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.0.serves[subject as usize].get_or_init(|| check_device(self.device(), subject)).clone()?;
+        check_alive(self.device())?;
+        any_error(self.device(), make).unwrap_or_else(|message| Err(DeviceError::Refused { message }.into()))
     }
 
     /// The device they are of.
@@ -128,6 +155,12 @@ impl Pipelines {
                 source: wgpu::ShaderSource::Wgsl(wgsl.into()),
             })
         })
+    }
+
+    /// Refuses a caller's buffer that the device cannot bind.
+    pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
+        let layout = self.layout("bindable", entries(&[Slot::Read]));
+        bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[binding(buffer, 0..4)])))
     }
 
     /// A bind group layout.

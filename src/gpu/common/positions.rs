@@ -1,7 +1,7 @@
 //! Where positions lie.
 
 use super::dispatch_limits::{DispatchLimits, Windows, binding};
-use super::memory::MemoryError;
+use super::memory::{MemoryError, scoped};
 
 /// Vertex positions in a storage buffer: three consecutive `f32` a vertex, at any offset and stride.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,14 @@ pub enum PositionError {
     /// The buffer cannot be bound in a shader.
     #[error("the position buffer lacks usage STORAGE")]
     NotStorage,
+    /// The device cannot bind the buffer: it is another device's, or was destroyed.
+    #[error(
+        "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
+    )]
+    Refused {
+        /// What the device said.
+        message: String,
+    },
     /// The positions do not fit the shaders' bindings.
     #[error(transparent)]
     Memory(#[from] MemoryError),
@@ -92,6 +100,11 @@ impl PositionBuffer<'_> {
             stride_words: (stride / 4) as u32,
         })
     }
+}
+
+/// Runs what makes bind groups over a caller's buffers, and reports a buffer that the device does not take.
+pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, PositionError> {
+    scoped(device, wgpu::ErrorFilter::Validation, make).map_err(|message| PositionError::Refused { message })
 }
 
 impl BoundPositions {

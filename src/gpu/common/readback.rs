@@ -1,5 +1,9 @@
 //! Reading buffers back, for headless tools and tests; no stage does.
 
+use std::ops::Range;
+
+use super::download::{Download, wait};
+
 /// Why a buffer cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -7,7 +11,8 @@ pub enum ReadError {
     /// The buffer was made without `COPY_SRC`.
     #[error("the buffer to read lacks usage COPY_SRC")]
     NotCopySource,
-    /// The device was lost or refused the mapping.
+    /// The device was lost or refused the copy or the mapping: it lacks the memory, say, or the buffer is of
+    /// another device or destroyed.
     #[error("the device did not hand back {bytes} bytes: {message}")]
     Device {
         /// Bytes asked for.
@@ -15,51 +20,69 @@ pub enum ReadError {
         /// What the device said.
         message: String,
     },
+    /// No thread of a browser may wait for the device.
+    #[error("this platform does not wait for the device; await `read_back_async` or `StageTimer::read_async` instead")]
+    CannotWait,
 }
 
-/// Copies `buffer` to the CPU in pieces and hands each to `take`, in order. Waits for the device.
+/// Bytes that one copy takes at most.
+const PIECE: u64 = 16 << 20;
+
+/// Copies `buffer` to the CPU in pieces and hands each to `take`, in order. Waits for the device; [`read_back_async`] does
+/// not, and is the one for browsers, where nothing may wait.
 ///
 /// # Errors
-/// [`ReadError`] when the buffer may not be copied or the device is lost.
+/// [`ReadError`] when the buffer may not be copied, the device is lost, or the platform cannot wait.
 pub fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), ReadError> {
-    const PIECE: u64 = 16 << 20;
-    if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
-        return Err(ReadError::NotCopySource);
-    }
-    let staging = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read_back"),
-        size: buffer.size().min(PIECE),
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut begin = 0;
-    while begin < buffer.size() {
-        let bytes = (buffer.size() - begin).min(PIECE);
-        let failed = |message: String| ReadError::Device { bytes, message };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read_back") });
-        encoder.copy_buffer_to_buffer(buffer, begin, &staging, 0, bytes);
-        queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver is there until the answer came.
-            let _ = sender.send(result);
-        });
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
-        let mapped = receiver.recv().map_err(|error| failed(error.to_string()))?;
-        mapped.map_err(|error| failed(error.to_string()))?;
-        take(&staging.slice(..bytes).get_mapped_range().map_err(|error| failed(error.to_string()))?);
-        staging.unmap();
-        begin += bytes;
+    // Piece by piece, so that no more than a piece is there twice.
+    for range in pieces(buffer)? {
+        wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut take)?;
     }
     Ok(())
 }
 
-/// A whole buffer as items; a remainder shorter than an item is left out.
+/// As [`read_back`], without waiting: the future is ready once `take` had every piece. The copy is submitted before this
+/// function returns, so later submissions may write the buffer. The copy takes as many bytes as the buffer until the future
+/// is ready.
+///
+/// On native platforms the device must be polled meanwhile: by [`wgpu::Device::poll`] with [`wgpu::PollType::Poll`] from any
+/// thread, or by a later [`wgpu::Queue::submit`]. Browsers poll by themselves.
+///
+/// `queue` must be the device's own: wgpu does not tell of which device a queue is.
+///
+/// ```no_run
+/// # use rimline::gpu::{ReadError, read_back_vec_async};
+/// # async fn counts(device: &wgpu::Device, queue: &wgpu::Queue, counts: &wgpu::Buffer) -> Result<(), ReadError> {
+/// let counts: Vec<u32> = read_back_vec_async(device, queue, counts).await?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`ReadError`] when the buffer may not be copied or the device is lost.
+pub fn read_back_async<F: FnMut(&[u8])>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    mut take: F,
+) -> impl Future<Output = Result<(), ReadError>> + use<F> {
+    // Here, not when the future is first polled: what is read is what the buffer holds now.
+    let downloads = downloads(device, queue, buffer);
+    async move {
+        for download in downloads? {
+            download.await?.hand_to(&mut take)?;
+        }
+        Ok(())
+    }
+}
+
+/// A whole buffer as items; a remainder shorter than an item is left out. Waits for the device; [`read_back_vec_async`]
+/// does not.
 ///
 /// # Errors
 /// As [`read_back`].
@@ -68,18 +91,66 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
 ) -> Result<Vec<T>, ReadError> {
-    let mut items: Vec<T> = Vec::with_capacity(buffer.size() as usize / size_of::<T>());
-    let mut rest: Vec<u8> = Vec::new();
-    read_back(device, queue, buffer, |bytes| {
+    let mut items = Items::with_capacity_for(buffer);
+    read_back(device, queue, buffer, |bytes| items.take(bytes))?;
+    Ok(items.items)
+}
+
+/// As [`read_back_vec`], without waiting; see [`read_back_async`] for who polls.
+///
+/// # Errors
+/// As [`read_back_async`].
+pub fn read_back_vec_async<T: bytemuck::Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+) -> impl Future<Output = Result<Vec<T>, ReadError>> + use<T> {
+    let downloads = downloads(device, queue, buffer);
+    let mut items = Items::with_capacity_for(buffer);
+    async move {
+        for download in downloads? {
+            download.await?.hand_to(&mut |bytes| items.take(bytes))?;
+        }
+        Ok(items.items)
+    }
+}
+
+/// Submits the copies of a whole buffer.
+fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Result<Vec<Download>, ReadError> {
+    pieces(buffer)?.map(|range| Download::new(device, queue, buffer, range)).collect()
+}
+
+/// The ranges of bytes that are copied by themselves.
+fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + use<>, ReadError> {
+    if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
+        return Err(ReadError::NotCopySource);
+    }
+    let end = buffer.size();
+    Ok((0..end).step_by(PIECE as usize).map(move |begin| begin..end.min(begin + PIECE)))
+}
+
+/// Bytes as items.
+struct Items<T> {
+    items: Vec<T>,
+    /// The beginning of an item that lies in two pieces.
+    rest: Vec<u8>,
+}
+
+impl<T: bytemuck::Pod> Items<T> {
+    fn with_capacity_for(buffer: &wgpu::Buffer) -> Self {
+        Self { items: Vec::with_capacity(buffer.size() as usize / size_of::<T>()), rest: Vec::new() }
+    }
+
+    fn take(&mut self, bytes: &[u8]) {
+        let Self { items, rest } = self;
         let begin = if rest.is_empty() { 0 } else { (size_of::<T>() - rest.len()).min(bytes.len()) };
         rest.extend_from_slice(&bytes[..begin]);
         if rest.len() == size_of::<T>() {
-            items.push(bytemuck::pod_read_unaligned(&rest));
+            items.push(bytemuck::pod_read_unaligned(rest));
             rest.clear();
         }
         let whole = bytes[begin..].chunks_exact(size_of::<T>());
         rest.extend_from_slice(whole.remainder());
         items.extend(whole.map(bytemuck::pod_read_unaligned::<T>));
-    })?;
-    Ok(items)
+    }
 }

@@ -1,16 +1,61 @@
 //! GPU time a stage, where the device has timestamp queries.
 
-use super::readback::{ReadError, read_back_vec};
+use super::readback::{ReadError, read_back_vec, read_back_vec_async};
 
 /// Passes that one timer can hold: a query set has at most 4,096 queries, two a pass.
 const MOST: u32 = 2048;
 
+/// Why a timer has no figures.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TimerError {
+    /// The timestamps cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The queue does not say how long a tick is.
+    #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
+    Period {
+        /// Nanoseconds a tick as [`wgpu::Queue::get_timestamp_period`] has it.
+        period: f32,
+    },
+    /// Every pass ended at the very tick at which the first began.
+    #[error(
+        "{passes} passes were timed, and all timestamps are equal: the device's clock stands still, or is too coarse; \
+         measure by a clock"
+    )]
+    Still {
+        /// Passes that were timed.
+        passes: usize,
+    },
+    /// Some pass ended before it began, or before the first one.
+    #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
+    Backwards {
+        /// Its number, in the order of recording.
+        pass: usize,
+        /// Its stage.
+        name: &'static str,
+    },
+}
+
+/// What a [`StageTimer`] measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageTimes {
+    /// Name and milliseconds of each stage, summed over its passes, in the order first recorded.
+    pub stages: Vec<(&'static str, f64)>,
+    /// Milliseconds from the beginning of the first stage to the end of the last, what lies between stages included.
+    pub span_ms: f64,
+}
+
 /// Takes timestamps around each stage's pass. Needs `Features::TIMESTAMP_QUERY`.
+///
+/// Timestamps of a software device are the machine's clock, read by whichever thread comes by: [`Self::is_software`]. Where
+/// figures would mean nothing, reading them is a [`TimerError`].
 #[derive(Debug)]
 pub struct StageTimer {
     set: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    period_ns: f64,
+    device: wgpu::Device,
+    period_ns: f32,
     names: Vec<&'static str>,
 }
 
@@ -29,7 +74,8 @@ impl StageTimer {
                 usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
-            period_ns: f64::from(queue.get_timestamp_period()),
+            device: device.clone(),
+            period_ns: queue.get_timestamp_period(),
             names: Vec::new(),
         })
     }
@@ -74,40 +120,114 @@ impl StageTimer {
         encoder.resolve_query_set(&self.set, 0..2 * self.names.len() as u32, &self.resolved, 0);
     }
 
+    /// Whether the device is software: its timestamps are then times of the CPU, which other programs share, and stages may
+    /// overlap. Good for ratios at most.
+    pub fn is_software(&self) -> bool {
+        self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The device that it times.
+    pub(crate) fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
     /// Name and milliseconds of each stage, summed over its passes, in the order first recorded; after the encoder was
     /// submitted. Waits for the device. More than 2,048 passes are not timed: an extraction has at most two a chunk of
     /// the mesh and word of 32 lights, four a word and one more.
     ///
     /// # Errors
-    /// [`ReadError`] when the device is lost.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, ReadError> {
-        let ticks = self.read_ticks(device, queue)?;
-        let spans = ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * self.period_ns / 1e6);
-        let mut stages: Vec<(&'static str, f64)> = Vec::new();
-        for (&name, ms) in self.names.iter().zip(spans) {
-            match stages.iter_mut().find(|(stage, _)| *stage == name) {
-                Some((_, sum)) => *sum += ms,
-                None => stages.push((name, ms)),
-            }
-        }
-        Ok(stages)
+    /// [`TimerError`] when the device is lost or its timestamps mean nothing.
+    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, TimerError> {
+        self.read_times(device, queue).map(|times| times.stages)
     }
 
     /// Milliseconds from the beginning of the first stage to the end of the last, what lies between stages included; as
     /// [`Self::read`] otherwise.
     ///
     /// # Errors
-    /// [`ReadError`] when the device is lost.
-    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, ReadError> {
-        let ticks = self.read_ticks(device, queue)?;
-        let pairs = ticks.chunks_exact(2).take(self.names.len());
-        let first = pairs.clone().map(|pair| pair[0]).min().unwrap_or(0);
-        let last = pairs.map(|pair| pair[1]).max().unwrap_or(0);
-        Ok(last.saturating_sub(first) as f64 * self.period_ns / 1e6)
+    /// As [`Self::read`].
+    pub fn read_span(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, TimerError> {
+        self.read_times(device, queue).map(|times| times.span_ms)
     }
 
-    /// A beginning and an end for each pass.
-    fn read_ticks(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<u64>, ReadError> {
-        read_back_vec(device, queue, &self.resolved)
+    fn read_times(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<StageTimes, TimerError> {
+        let ticks: Vec<u64> = read_back_vec(device, queue, &self.resolved)?;
+        times(&self.names, &ticks, self.period_ns)
+    }
+
+    /// Stages and span as by [`Self::read`] and [`Self::read_span`], without waiting; who polls the device, says
+    /// [`read_back_async`](crate::gpu::read_back_async). The timer may be cleared and used again at once.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_async(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> impl Future<Output = Result<StageTimes, TimerError>> + use<> {
+        let ticks = read_back_vec_async::<u64>(device, queue, &self.resolved);
+        let (names, period_ns) = (self.names.clone(), self.period_ns);
+        async move { times(&names, &ticks.await?, period_ns) }
+    }
+}
+
+/// Stages and span of passes, a beginning and an end each, where they mean something.
+fn times(names: &[&'static str], ticks: &[u64], period_ns: f32) -> Result<StageTimes, TimerError> {
+    let mut times = StageTimes { stages: Vec::new(), span_ms: 0.0 };
+    let passes: Vec<[u64; 2]> = ticks.chunks_exact(2).map(|pair| [pair[0], pair[1]]).take(names.len()).collect();
+    let Some(first) = passes.iter().map(|pass| pass[0]).min() else { return Ok(times) };
+    if !(period_ns > 0.0 && period_ns.is_finite()) {
+        return Err(TimerError::Period { period: period_ns });
+    }
+    if let Some(pass) = passes.iter().position(|[begin, end]| end < begin) {
+        return Err(TimerError::Backwards { pass, name: names[pass] });
+    }
+    let last = passes.iter().map(|pass| pass[1]).max().unwrap_or(first);
+    if last == first {
+        return Err(TimerError::Still { passes: passes.len() });
+    }
+    let milliseconds = |ticks: u64| ticks as f64 * f64::from(period_ns) / 1e6;
+    times.span_ms = milliseconds(last - first);
+    for (&name, [begin, end]) in names.iter().zip(passes) {
+        let ms = milliseconds(end - begin);
+        match times.stages.iter_mut().find(|(stage, _)| *stage == name) {
+            Some((_, sum)) => *sum += ms,
+            None => times.stages.push((name, ms)),
+        }
+    }
+    Ok(times)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_of_a_stage_are_summed() {
+        let found = times(&["a", "b", "a"], &[1000, 3000, 4000, 4500, 5000, 6000, 0, 0], 1000.0);
+        let expected = StageTimes { stages: vec![("a", 3.0), ("b", 0.5)], span_ms: 5.0 };
+        assert_eq!(found, Ok(expected));
+    }
+
+    #[test]
+    fn nothing_timed_is_no_error() {
+        assert_eq!(times(&[], &[0, 0], 0.0), Ok(StageTimes { stages: Vec::new(), span_ms: 0.0 }));
+    }
+
+    #[test]
+    fn a_period_that_is_no_time_is_an_error() {
+        for period in [0.0, -1.0, f32::INFINITY] {
+            assert_eq!(times(&["a"], &[0, 9], period), Err(TimerError::Period { period }));
+        }
+        assert!(matches!(times(&["a"], &[0, 9], f32::NAN), Err(TimerError::Period { .. })));
+    }
+
+    #[test]
+    fn a_clock_that_stands_still_or_runs_backwards_is_an_error() {
+        assert_eq!(times(&["a", "b"], &[7, 7, 7, 7], 1.0), Err(TimerError::Still { passes: 2 }));
+        assert_eq!(times(&["a", "b"], &[0; 4], 1.0), Err(TimerError::Still { passes: 2 }));
+        assert_eq!(times(&["a", "b"], &[7, 8, 9, 8], 1.0), Err(TimerError::Backwards { pass: 1, name: "b" }));
+        // One stage below the clock's step is fine, as long as some time passed.
+        assert!(times(&["a", "b"], &[7, 7, 8, 8], 1.0).is_ok());
     }
 }

@@ -2,7 +2,8 @@
 
 use bytemuck::Pod;
 
-use super::memory::filled;
+use super::memory::{any_error, filled, mapped, write_mapped};
+use super::requirements::DeviceError;
 
 /// What dynamic offsets of uniforms must be a multiple of, on every device.
 const ALIGNMENT: usize = 256;
@@ -43,13 +44,18 @@ pub(crate) fn entry<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
 }
 
 /// Records that `target` be set to `contents` from here on, without touching what was recorded before: the encoder may
-/// hold several uses of it.
+/// hold several uses of it. Records nothing where the device is lost.
 pub(crate) fn upload(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
     target: &wgpu::Buffer,
     contents: &[u8],
-) {
-    let staging = filled(device, "upload", contents, wgpu::BufferUsages::COPY_SRC);
+) -> Result<(), DeviceError> {
+    let make = || mapped(device, "upload", contents.len() as u64, wgpu::BufferUsages::COPY_SRC);
+    let staging = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
+    if !write_mapped(&staging, contents) {
+        return Err(DeviceError::Lost);
+    }
     encoder.copy_buffer_to_buffer(&staging, 0, target, 0, contents.len() as u64);
+    Ok(())
 }

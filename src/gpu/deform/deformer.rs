@@ -9,6 +9,7 @@ use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::layout::DeformChunk;
@@ -30,6 +31,9 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
+    /// The device lacks what deformation needs, is lost, or is another than the timer's.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The model does not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
@@ -98,7 +102,8 @@ impl Deformer {
         model: &Model,
         options: DeformerOptions<'_>,
     ) -> Result<Self, DeformError> {
-        Self::with(&pipelines.into(), model, options)
+        let pipelines = pipelines.into();
+        pipelines.construct(Subject::Deform, || Self::with(&pipelines, model, options))
     }
 
     fn with(pipelines: &Pipelines, model: &Model, options: DeformerOptions<'_>) -> Result<Self, DeformError> {
@@ -198,6 +203,7 @@ impl Deformer {
         if self.has_resources != resources.is_some() {
             return Err(DeformError::Resources);
         }
+        check_timer(timer.as_deref(), &self.device)?;
         let (words, target_counts) = self.pose_words(pose)?;
         let mut table = UniformTable::default();
         for &(instance, chunk) in &self.plan {
@@ -208,8 +214,8 @@ impl Deformer {
                 ..chunk
             });
         }
-        upload(&self.device, encoder, &self.chunks, table.bytes());
-        upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words));
+        upload(&self.device, encoder, &self.chunks, table.bytes())?;
+        upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words))?;
         self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }

@@ -11,7 +11,8 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
 use crate::layout::{Chunk, LightWord};
@@ -94,6 +95,9 @@ impl Default for ListOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EncodeError {
+    /// The device is lost, or the timer is of another one.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The lights are refused.
     #[error(transparent)]
     Light(#[from] LightError),
@@ -106,6 +110,9 @@ pub enum EncodeError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExtractorError {
+    /// The device lacks what extraction needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
     #[error(transparent)]
     Light(#[from] LightError),
@@ -152,7 +159,8 @@ impl Extractor {
         mesh: &Mesh,
         options: ExtractorOptions,
     ) -> Result<Self, ExtractorError> {
-        Self::with(pipelines.into(), mesh, options)
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::Extract, || Self::with(pipelines, mesh, options))
     }
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
@@ -227,16 +235,17 @@ impl Extractor {
         mut timer: Option<&mut StageTimer>,
     ) -> Result<Extraction, EncodeError> {
         check_lights(lights, self.options.max_lights)?;
+        check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
         let place = Place::of(positions);
-        self.bind_positions(&place, &bound);
+        self.bind_positions(&place, &bound)?;
         let buffers = &self.shared.buffers;
 
         let mut words = UniformTable::default();
         for lights in lights.chunks(32) {
             words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.shared.device(), encoder, &self.light_words, words.bytes());
+        upload(self.shared.device(), encoder, &self.light_words, words.bytes())?;
         encoder.clear_buffer(&buffers.statistics, 0, None);
         encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::words(lights.len());
@@ -286,10 +295,18 @@ impl Extractor {
     }
 
     /// Makes the bind groups that read positions, unless they are made for this very place already.
-    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) {
+    fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), PositionError> {
         if self.bound_to.as_ref() == Some(place) {
-            return;
+            return Ok(());
         }
+        self.bound_to = None;
+        let device = self.shared.device().clone();
+        positions::bound(&device, || self.make_position_groups(place, bound))?;
+        self.bound_to = Some(place.clone());
+        Ok(())
+    }
+
+    fn make_position_groups(&mut self, place: &Place, bound: &BoundPositions) {
         let Self { shared, chunks, light_words, .. } = self;
         let Shared { pipelines, shape, buffers, .. } = &**shared;
         let binder = Binder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_words };
@@ -303,7 +320,6 @@ impl Extractor {
             }
             binder.bind_positions(exact, &place.buffer, bound);
         }
-        self.bound_to = Some(place.clone());
     }
 
     /// The buffers that hold the results of the last encode once its encoder is submitted. They stay the same for as long as

@@ -3,7 +3,8 @@
 use super::extraction::{Shared, StaleExtraction};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions::{PositionBuffer, PositionError};
+use crate::gpu::common::positions::{self, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, check_alive};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
 use crate::stages::INCLUDES;
@@ -46,6 +47,9 @@ pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindG
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IncludeError {
+    /// The device is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
     #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
     NoLists,
@@ -82,6 +86,7 @@ impl Shared {
         let (Some(list), Some(facing)) = (results.lists.get(batch), results.facing.get(batch)) else {
             return Err(IncludeError::NoSuchBatch { batch, batches: results.lists.len() });
         };
+        check_alive(device)?;
         let bound = positions.bind(shape.vertices, limits)?;
         let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: limits.binding };
         if bound.windows.words != 0 {
@@ -112,7 +117,7 @@ impl Shared {
             list.as_entire_binding(),
             results.counts.as_entire_binding(),
         ];
-        Ok(group(device, "rimline results", layout, &resources))
+        Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }
 
     /// Whether there is what the include reads.

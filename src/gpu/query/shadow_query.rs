@@ -12,6 +12,7 @@ use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::gpu::extract::extraction::{Extraction, StaleExtraction};
@@ -49,6 +50,9 @@ impl Default for ShadowQueryOptions {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowQueryError {
+    /// The device lacks what the query needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
     #[error(transparent)]
     Light(#[from] LightError),
@@ -61,6 +65,9 @@ pub enum ShadowQueryError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
+    /// The device is lost, or the timer is of another one.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The lights are refused, one with a negative `w` among them.
     #[error(transparent)]
     Light(#[from] LightError),
@@ -155,7 +162,8 @@ impl ShadowQuery {
         mesh: &Mesh,
         options: ShadowQueryOptions,
     ) -> Result<Self, ShadowQueryError> {
-        Self::with(pipelines.into(), mesh, options)
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::Query, || Self::with(pipelines, mesh, options))
     }
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
@@ -246,6 +254,10 @@ impl ShadowQuery {
         }
         let bound = positions.bind(self.vertices, &self.split)?;
         points.end(point_count).map_err(QueryError::Points)?;
+        check_timer(timer.as_deref(), self.pipelines.device())?;
+        check_alive(self.pipelines.device())?;
+        self.pipelines.check_bindable(positions.buffer)?;
+        self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
         if lights.is_empty() {
             return Ok(());
         }

@@ -2,6 +2,7 @@
 
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
+use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::extract::extraction::StaleExtraction;
 use crate::gpu::extract::include::IncludeError;
 use crate::light::LightError;
@@ -11,6 +12,9 @@ use crate::shadow::{CameraError, Counting, DepthDirection};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowVolumesError {
+    /// The device lacks what shadow volumes need, is lost, or is another than the pipelines' or the timer's.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// The extractor makes no lists or no facing masks.
     #[error(transparent)]
     Include(#[from] IncludeError),
@@ -23,6 +27,9 @@ pub enum ShadowVolumesError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowEncodeError {
+    /// The device is lost, or another than the timer's.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// An array of the extraction does not fit one binding.
     #[error(transparent)]
     Include(#[from] IncludeError),
@@ -66,9 +73,12 @@ pub enum ShadowEncodeError {
 }
 
 /// Why volumes cannot be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowDrawError {
+    /// The pipelines are of another device.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// A later encode of the extractor overwrote what is drawn.
     #[error(transparent)]
     Stale(#[from] StaleExtraction),

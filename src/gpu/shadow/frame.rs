@@ -8,6 +8,7 @@ use super::draws::DrawGroups;
 use super::errors::ShadowDrawError;
 use super::pipelines::{Convention, Layouts, ShadowPipelines};
 use crate::Light;
+use crate::gpu::common::requirements::check_same;
 use crate::gpu::extract::extraction::{self, Extraction};
 
 /// What volumes and their frames share.
@@ -81,6 +82,8 @@ impl ShadowFrame {
         if light >= lights {
             return Err(ShadowDrawError::NoSuchLight { light, lights });
         }
+        let devices = [pipelines.shared().device(), self.shared.source.device()];
+        check_same(["the pipelines", "the volumes"], devices)?;
         let (ours, theirs) = (self.shared.convention, pipelines.convention);
         if ours.counting != theirs.counting {
             return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });

@@ -2,7 +2,9 @@
 
 use wgpu::{CompareFunction, StencilOperation};
 
+use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::requirements::{DeviceError, Subject};
 use crate::gpu::extract::include::{include_wgsl, results_entries};
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
@@ -22,7 +24,8 @@ pub struct ShadowFormat {
     pub depth_stencil: wgpu::TextureFormat,
     /// Which depth is near: the cameras'.
     pub depth: DepthDirection,
-    /// Samples a pixel.
+    /// Samples a pixel: 1 or 4, and others where the adapter has them and the device was made with
+    /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
     pub samples: u32,
     /// Formats of the pass's colour attachments, which are left as they are. Empty: a pass without any.
     pub colors: Vec<Option<wgpu::TextureFormat>>,
@@ -50,9 +53,12 @@ impl Default for ShadowFormat {
 }
 
 /// Why pipelines cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowFormatError {
+    /// The device lacks what shadow volumes need, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// Counting needs a stencil, and telling near from far a depth.
     #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
     NoStencil(wgpu::TextureFormat),
@@ -63,6 +69,23 @@ pub enum ShadowFormatError {
         format: wgpu::TextureFormat,
         /// What the device lacks.
         needed: wgpu::Features,
+    },
+    /// No pipeline has so many samples.
+    #[error("{samples} samples a pixel of {format:?} are not to be had; take one of {supported:?}")]
+    Samples {
+        /// Samples given.
+        samples: u32,
+        /// The depth-stencil format.
+        format: wgpu::TextureFormat,
+        /// What every device has, or with `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES` what some have.
+        supported: Vec<u32>,
+    },
+    /// The device makes no pipelines for the attachments: such as formats that cannot be drawn into, more of them than the
+    /// device has, or samples that this adapter lacks.
+    #[error("the device refuses pipelines for these attachments: {message}")]
+    Refused {
+        /// What the device said.
+        message: String,
     },
     /// Dark caps would be cut off at the far plane.
     #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
@@ -129,13 +152,18 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        Self::with(pipelines.into(), format, counting)
+        let pipelines = pipelines.into();
+        pipelines.clone().construct(Subject::Shadow, || {
+            check(pipelines.device(), format, counting.may_fail())?;
+            let device = pipelines.device().clone();
+            any_error(&device, || Self::with(pipelines, format, counting))
+                .unwrap_or_else(|message| Err(ShadowFormatError::Refused { message }))
+        })
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
         let is_paper = counting.is_paper();
         let is_fail = counting.may_fail();
-        check(shared.device(), format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset: dynamic,
@@ -192,10 +220,23 @@ fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<
     if !device.features().contains(needed) {
         return Err(ShadowFormatError::Feature { format: depth_stencil, needed });
     }
+    let supported = sample_counts(device, depth_stencil);
+    if !supported.contains(&format.samples) {
+        return Err(ShadowFormatError::Samples { samples: format.samples, format: depth_stencil, supported });
+    }
     if is_fail && format.has_far_plane && !device.features().contains(wgpu::Features::DEPTH_CLIP_CONTROL) {
         return Err(ShadowFormatError::DepthClip);
     }
     Ok(())
+}
+
+/// The sample counts that a format may have on a device. Which of them the adapter adds to those that every device has, wgpu
+/// tells only of adapters.
+fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32> {
+    if device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES) {
+        return vec![1, 2, 4, 8, 16];
+    }
+    format.guaranteed_format_features(device.features()).flags.supported_sample_counts()
 }
 
 fn entries(types: &[wgpu::BindingType]) -> Vec<wgpu::BindGroupLayoutEntry> {

@@ -12,6 +12,8 @@ use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
+use crate::gpu::common::positions;
+use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::extraction::{Extraction, Place};
@@ -147,8 +149,19 @@ impl ShadowVolumes {
     /// is kept there, too.
     ///
     /// # Errors
-    /// [`ShadowVolumesError`] when the extractor lacks lists or facing masks, or the mesh does not fit the device.
+    /// [`ShadowVolumesError`] when the extractor lacks lists or facing masks, is on another device than the pipelines, or
+    /// the mesh does not fit the device.
     pub fn new(
+        pipelines: &ShadowPipelines,
+        extractor: &Extractor,
+        options: ShadowOptions,
+    ) -> Result<Self, ShadowVolumesError> {
+        let devices = [extractor.shared().device(), pipelines.shared().device()];
+        check_same(["the extractor", "the pipelines"], devices)?;
+        pipelines.shared().construct(Subject::Shadow, || Self::with(pipelines, extractor, options))
+    }
+
+    fn with(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
         options: ShadowOptions,
@@ -206,6 +219,7 @@ impl ShadowVolumes {
         timer: Option<&mut StageTimer>,
     ) -> Result<ShadowFrame, ShadowEncodeError> {
         self.check(extraction, camera)?;
+        check_timer(timer.as_deref(), extraction.shared.device())?;
         let view = camera.view()?;
         let lights = extraction.lights();
         let bound = extraction.bound()?;
@@ -220,19 +234,20 @@ impl ShadowVolumes {
         let words = light::words(lights.len());
         let Shared { buffers, source, .. } = &*self.shared;
         let device = source.device();
-        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape));
-        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view));
-        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen));
-        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]));
-        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)));
+        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape))?;
+        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view))?;
+        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen))?;
+        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]))?;
+        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)))?;
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         if !lights.is_empty() {
             // A thread takes some 64 faces: few atomics, and still all cores.
+            let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
             let groups = Groups {
-                bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024),
-                lights: (lights.len() as u32).div_ceil(64),
+                bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
+                lights: (lights.len() as u32).div_ceil(64).min(most),
             };
             self.choice.record(encoder, buffers, groups, lights.len(), timer);
         }
@@ -284,12 +299,14 @@ impl ShadowVolumes {
         }
         let Shared { buffers, source, layouts, .. } = &*self.shared;
         let (device, results) = (source.device(), source.results());
-        let positions = extraction.positions();
+        let place = extraction.positions();
         let groups = (0..results.facing.len())
-            .map(|batch| source.include_group(&layouts.results, batch, positions))
+            .map(|batch| source.include_group(&layouts.results, batch, place))
             .collect::<Result<Vec<_>, _>>()?;
         let bound = extraction.bound()?;
-        self.choice.bind_positions(device, buffers, &results, positions.buffer, &bound);
+        positions::bound(device, || {
+            self.choice.bind_positions(device, buffers, &results, place.buffer, &bound);
+        })?;
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
             group(device, "shadow volumes", layout, resources)
@@ -303,7 +320,7 @@ impl ShadowVolumes {
                 whole(&buffers.lights),
             ],
         );
-        let placed = bound.first_binding(positions.buffer);
+        let placed = bound.first_binding(place.buffer);
         let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
             group(
                 &layouts.cap_data,

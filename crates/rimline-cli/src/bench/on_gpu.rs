@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rimline::gpu::{Extractor, PositionBuffer, StageTimer};
+use rimline::gpu::{Extractor, PositionBuffer, StageTimer, TimerError};
 use rimline::reference::Method;
 use rimline::reference::cpu::CpuExtraction;
 use rimline::reference::layout::Statistics;
@@ -62,8 +62,12 @@ impl<'a> Uploaded<'a> {
                 return Ok(Sample { wall_ms, ..Sample::default() });
             };
             let read = || Ok((timer.read(&gpu.device, &gpu.queue)?, timer.read_span(&gpu.device, &gpu.queue)?));
-            let (stages, gpu_ms) = read().map_err(fail)?;
-            Ok(Sample { wall_ms, gpu_ms: Some(gpu_ms), stages })
+            match read() {
+                Ok((stages, gpu_ms)) => Ok(Sample { wall_ms, gpu_ms: Some(gpu_ms), stages }),
+                Err(TimerError::Read(error)) => Err(fail(error.into())),
+                // Timestamps that mean nothing: the clock's time is left.
+                Err(_) => Ok(Sample { wall_ms, ..Sample::default() }),
+            }
         }))
     }
 

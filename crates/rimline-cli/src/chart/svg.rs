@@ -12,7 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Coordinate;
 use super::{Key, Target};
-use crate::shown::Text;
+use crate::shown;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<io::Error>>;
@@ -266,7 +266,7 @@ impl<'a> Legend<'a> {
 
 /// Text as it stands in XML and HTML.
 pub(crate) fn escape(text: &str) -> String {
-    Text(text).to_string().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    shown::Text(text).to_string().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// About how wide a text is, a little more rather than less; fonts differ.

@@ -1,11 +1,12 @@
 //! Example `soft`: its penumbra is as smooth as a light's whole area makes it.
 
-#[path = "../examples/soft/main.rs"]
+#[path = "../../examples/soft/main.rs"]
 #[allow(dead_code, reason = "the example's own main is not run here")]
 mod soft;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
-use rimline::{AreaLight, shapes};
+use rimline::AreaLight;
+use rimline_measure::shapes;
 
 const SIZE: [usize; 2] = [960, 720];
 /// Pixels of a block, each way.

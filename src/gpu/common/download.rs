@@ -1,0 +1,127 @@
+//! Part of a buffer on its way to the CPU, as a future.
+
+use std::ops::Range;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll, Wake, Waker};
+use std::thread::{self, Thread};
+
+use super::memory::any_error;
+use super::readback::ReadError;
+
+/// What the mapping's callback and the future share.
+#[derive(Default)]
+struct Answer {
+    result: Option<Result<(), wgpu::BufferAsyncError>>,
+    waker: Option<Waker>,
+}
+
+/// A copy that was submitted; as a future, it is ready once the copy can be read.
+pub(crate) struct Download {
+    /// Taken when the future is ready.
+    copied: Option<Copied>,
+    answer: Arc<Mutex<Answer>>,
+}
+
+/// Bytes that lie in a mapped buffer.
+pub(crate) struct Copied {
+    staging: wgpu::Buffer,
+    bytes: u64,
+}
+
+impl Download {
+    /// Submits the copy.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        buffer: &wgpu::Buffer,
+        range: Range<u64>,
+    ) -> Result<Self, ReadError> {
+        let bytes = range.end - range.start;
+        let answer = Arc::new(Mutex::new(Answer::default()));
+        let submit = || {
+            let staging = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("read_back"),
+                size: bytes,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let descriptor = wgpu::CommandEncoderDescriptor { label: Some("read_back") };
+            let mut encoder = device.create_command_encoder(&descriptor);
+            encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, bytes);
+            queue.submit([encoder.finish()]);
+            let sender = Arc::clone(&answer);
+            staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+                let mut answer = sender.lock().unwrap_or_else(PoisonError::into_inner);
+                answer.result = Some(result);
+                let waker = answer.waker.take();
+                drop(answer);
+                waker.into_iter().for_each(Waker::wake);
+            });
+            staging
+        };
+        let staging = any_error(device, submit).map_err(|message| ReadError::Device { bytes, message })?;
+        Ok(Self { copied: Some(Copied { staging, bytes }), answer })
+    }
+}
+
+impl Future for Download {
+    type Output = Result<Copied, ReadError>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        let mut answer = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(result) = answer.result.take() else {
+            answer.waker = Some(context.waker().clone());
+            return Poll::Pending;
+        };
+        drop(answer);
+        let Some(copied) = self.copied.take() else { return Poll::Pending };
+        let failed = |error: wgpu::BufferAsyncError| {
+            let message = format!("{error}; the device may be lost");
+            ReadError::Device { bytes: copied.bytes, message }
+        };
+        Poll::Ready(result.map_err(failed).map(|()| copied))
+    }
+}
+
+impl Copied {
+    /// Hands the bytes over.
+    pub(crate) fn hand_to(self, take: &mut impl FnMut(&[u8])) -> Result<(), ReadError> {
+        let Self { staging, bytes } = self;
+        let view = staging.slice(..).get_mapped_range();
+        take(&view.map_err(|error| ReadError::Device { bytes, message: error.to_string() })?);
+        Ok(())
+    }
+}
+
+/// Wakes a thread that waits.
+struct Unpark(Thread);
+
+impl Wake for Unpark {
+    fn wake(self: Arc<Self>) {
+        self.0.unpark();
+    }
+}
+
+/// Waits for the device and the copy.
+pub(crate) fn wait(device: &wgpu::Device, mut download: Download) -> Result<Copied, ReadError> {
+    if cfg!(target_family = "wasm") {
+        return Err(ReadError::CannotWait);
+    }
+    let bytes = download.copied.as_ref().map_or(0, |copied| copied.bytes);
+    let waker = Waker::from(Arc::new(Unpark(thread::current())));
+    let mut context = Context::from_waker(&waker);
+    loop {
+        if let Poll::Ready(copied) = Pin::new(&mut download).poll(&mut context) {
+            return copied;
+        }
+        device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| ReadError::Device { bytes, message: error.to_string() })?;
+        if let Poll::Ready(copied) = Pin::new(&mut download).poll(&mut context) {
+            return copied;
+        }
+        // Another thread polled the device, and is about to call back.
+        thread::park();
+    }
+}

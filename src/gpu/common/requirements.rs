@@ -1,0 +1,220 @@
+//! What the stages need of a device, compared with what it has.
+
+use super::memory::{any_error, mapped, scoped, write_mapped};
+use super::timer::StageTimer;
+
+/// Why a device does not serve.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// The device was made with too small a limit.
+    #[error(
+        "{subject} needs `{limit}` of at least {needed}, and the device has {there}; request the device with \
+         `required_limits: wgpu::Limits::default()`, or with this limit raised"
+    )]
+    Limit {
+        /// Whose stages need it.
+        subject: &'static str,
+        /// The field of [`wgpu::Limits`].
+        limit: &'static str,
+        /// The least that serves.
+        needed: u64,
+        /// What the device has.
+        there: u64,
+    },
+    /// The device was made with too coarse an alignment of offsets.
+    #[error(
+        "{subject} needs `{limit}` of at most {needed}, and the device has {there}; request the device with \
+         `required_limits: wgpu::Limits::default()`, or with this limit lowered"
+    )]
+    Alignment {
+        /// Whose stages need it.
+        subject: &'static str,
+        /// The field of [`wgpu::Limits`].
+        limit: &'static str,
+        /// The most that serves.
+        needed: u64,
+        /// What the device has.
+        there: u64,
+    },
+    /// The adapter lacks something that is no feature and no limit. A device does not list these; each is tried once.
+    #[error(
+        "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
+    )]
+    Downlevel {
+        /// Whose stages need it.
+        subject: &'static str,
+        /// The flag of [`wgpu::DownlevelFlags`].
+        flag: &'static str,
+        /// What the device said.
+        message: String,
+    },
+    /// The device was lost or destroyed.
+    #[error("the device is lost; make a new one, and everything on it anew")]
+    Lost,
+    /// Things of two devices were given together. Both devices are of one [`wgpu::Instance`]: wgpu does not tell things of
+    /// two instances apart, and panics or mistakes one for another.
+    #[error("{what} is of another device than {with}; make both on one device")]
+    OtherDevice {
+        /// What was given.
+        what: &'static str,
+        /// What it was given to.
+        with: &'static str,
+    },
+    /// The device refuses something for a reason that no limit, feature or flag tells.
+    #[error("the device refuses what Rimline makes: {message}")]
+    Refused {
+        /// What the device said.
+        message: String,
+    },
+}
+
+/// What has stages of its own, and so needs of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Subject {
+    Extract,
+    Shadow,
+    Query,
+    Deform,
+}
+
+impl Subject {
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 4] = [Self::Extract, Self::Shadow, Self::Query, Self::Deform];
+
+    pub(crate) fn name(self) -> &'static str {
+        ["extraction", "shadow volumes", "the shadow depth query", "deformation"][self as usize]
+    }
+
+    /// Whether a stage's workgroups are counted on the GPU, or its results are drawn so.
+    fn is_indirect(self) -> bool {
+        self != Self::Deform
+    }
+
+    /// Whether vertex shaders read storage buffers.
+    fn reads_in_vertex_shaders(self) -> bool {
+        self == Self::Shadow
+    }
+}
+
+/// A field of [`wgpu::Limits`], and the value that each [`Subject`] needs.
+pub(crate) struct Need {
+    pub(crate) limit: &'static str,
+    pub(crate) of: fn(&wgpu::Limits) -> u64,
+    pub(crate) needed: [u64; 4],
+}
+
+macro_rules! need {
+    ($limit:ident, $needed:expr) => {
+        Need { limit: stringify!($limit), of: |limits| u64::from(limits.$limit), needed: $needed }
+    };
+}
+
+/// What is fixed whatever the mesh, the lights and the options; a test takes the numbers from the WGSL. Sizes that grow
+/// with the mesh are [`super::memory::MemoryError`]'s. In the order of [`Subject`]: extract, shadow, query, deform.
+pub(crate) const AT_LEAST: [Need; 16] = [
+    // First, since a device without compute shaders has 0 of it.
+    need!(max_compute_workgroups_per_dimension, [1, 32, 1, 1]),
+    need!(max_compute_invocations_per_workgroup, [256, 256, 64, 256]),
+    need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
+    need!(max_compute_workgroup_size_y, [1; 4]),
+    need!(max_compute_workgroup_size_z, [1; 4]),
+    need!(max_compute_workgroup_storage_size, [1024, 2064, 1024, 0]),
+    need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
+    need!(max_uniform_buffers_per_shader_stage, [2, 3, 3, 1]),
+    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 11, 11, 7]),
+    need!(max_dynamic_uniform_buffers_per_pipeline_layout, [2, 3, 3, 1]),
+    need!(max_bind_groups, [1, 2, 1, 1]),
+    need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),
+    need!(max_bindings_per_bind_group, [10, 10, 11, 7]),
+    need!(max_uniform_buffer_binding_size, [1184, 128, 1184, 32]),
+    need!(max_storage_buffer_binding_size, [256, 256, 448, 256]),
+    need!(max_buffer_size, [1184, 256, 1184, 256]),
+];
+
+/// What must not be larger: uniforms, and what dispatches begin at, lie at multiples of 256 bytes.
+pub(crate) const AT_MOST: [Need; 2] =
+    [need!(min_uniform_buffer_offset_alignment, [256; 4]), need!(min_storage_buffer_offset_alignment, [256; 4])];
+
+/// Compares a device's limits with what a subject's stages need.
+pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<(), DeviceError> {
+    let name = subject.name();
+    for Need { limit, of, needed } in AT_LEAST {
+        let (needed, there) = (needed[subject as usize], of(limits));
+        if there < needed {
+            return Err(DeviceError::Limit { subject: name, limit, needed, there });
+        }
+    }
+    for Need { limit, of, needed } in AT_MOST {
+        let (needed, there) = (needed[subject as usize], of(limits));
+        if there > needed {
+            return Err(DeviceError::Alignment { subject: name, limit, needed, there });
+        }
+    }
+    Ok(())
+}
+
+/// Compares a device with what a subject's stages need.
+pub(crate) fn check_device(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
+    check_limits(&device.limits(), subject)?;
+    let lacks = |flag: &'static str, try_it: &dyn Fn()| {
+        scoped(device, wgpu::ErrorFilter::Validation, try_it).map_err(|message| DeviceError::Downlevel {
+            subject: subject.name(),
+            flag,
+            message,
+        })
+    };
+    if subject.is_indirect() {
+        lacks("INDIRECT_EXECUTION", &|| drop(indirect_buffer(device)))?;
+    }
+    if subject.reads_in_vertex_shaders() {
+        lacks("VERTEX_STORAGE", &|| drop(vertex_storage_layout(device)))?;
+    }
+    Ok(())
+}
+
+fn indirect_buffer(device: &wgpu::Device) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("indirect execution"),
+        size: 16,
+        usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    })
+}
+
+fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("vertex storage"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    })
+}
+
+/// Refuses a device that was lost or destroyed. wgpu only tells a callback, which is the caller's; but no buffer of a lost
+/// device can be mapped. In a browser it can, so a lost device goes unnoticed there.
+pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
+    let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);
+    let buffer = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
+    if write_mapped(&buffer, &[0; 4]) { Ok(()) } else { Err(DeviceError::Lost) }
+}
+
+/// Refuses a timer of another device.
+pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> Result<(), DeviceError> {
+    timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [timer.device(), device]))
+}
+
+/// Refuses things of two devices.
+pub(crate) fn check_same([what, with]: [&'static str; 2], [given, own]: [&wgpu::Device; 2]) -> Result<(), DeviceError> {
+    if given == own { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
+}
+
+#[cfg(test)]
+mod tests;

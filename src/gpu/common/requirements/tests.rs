@@ -1,0 +1,178 @@
+//! The table against the WGSL, by naga's reflection, and against `wgpu::Limits`.
+
+use std::collections::BTreeMap;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Module};
+
+use super::*;
+use crate::displace::plain_deform_wgsl;
+use crate::gpu::include_wgsl;
+use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage};
+
+/// Limits by name, as the WGSL has it.
+type Found = BTreeMap<&'static str, u64>;
+
+/// The subject is the folder of a stage's own file, which comes last.
+fn subject(stage: &Stage) -> Subject {
+    let own = stage.files.last().expect("a stage has files").0;
+    match own.split_once('/').expect("files lie in folders").0 {
+        "extract" => Subject::Extract,
+        "shadow" => Subject::Shadow,
+        "query" => Subject::Query,
+        "deform" => Subject::Deform,
+        other => panic!("{}: no subject is called {other}", stage.name),
+    }
+}
+
+fn raise(found: &mut Found, limit: &'static str, value: u64) {
+    let most = found.entry(limit).or_default();
+    *most = (*most).max(value);
+}
+
+/// Raises what a module needs: every binding is in its pipelines' layout, for one shader stage.
+fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
+    let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).expect("valid WGSL");
+    let size = |variable: &naga::GlobalVariable| u64::from(module.types[variable.ty].inner.size(module.to_ctx()));
+    let [mut uniforms, mut storage, mut groups] = [0, 0, 0];
+    for (_, variable) in module.global_variables.iter() {
+        let Some(binding) = &variable.binding else { continue };
+        raise(found, "max_bindings_per_bind_group", u64::from(binding.binding) + 1);
+        groups = groups.max(u64::from(binding.group) + 1);
+        match variable.space {
+            AddressSpace::Uniform => {
+                uniforms += 1;
+                raise(found, "max_uniform_buffer_binding_size", size(variable));
+            }
+            AddressSpace::Storage { .. } => {
+                storage += 1;
+                raise(found, "max_storage_buffer_binding_size", size(variable));
+            }
+            other => panic!("{:?} is bound in {other:?}", variable.name),
+        }
+    }
+    raise(found, "max_bind_groups", groups);
+    raise(found, "max_uniform_buffers_per_shader_stage", uniforms);
+    raise(found, "max_storage_buffers_per_shader_stage", storage);
+    raise(found, "max_buffers_and_acceleration_structures_per_shader_stage", uniforms + storage);
+    if is_drawn {
+        raise(found, "max_bind_groups_plus_vertex_buffers", groups);
+        return;
+    }
+    // Every uniform of a compute stage is picked by a dynamic offset.
+    raise(found, "max_dynamic_uniform_buffers_per_pipeline_layout", uniforms);
+    for (index, entry_point) in module.entry_points.iter().enumerate() {
+        let [x, y, z] = entry_point.workgroup_size.map(u64::from);
+        raise(found, "max_compute_workgroup_size_x", x);
+        raise(found, "max_compute_workgroup_size_y", y);
+        raise(found, "max_compute_workgroup_size_z", z);
+        raise(found, "max_compute_invocations_per_workgroup", x * y * z);
+        raise(found, "max_compute_workgroup_storage_size", workgroup_bytes(&module, &info, index));
+    }
+}
+
+/// Bytes of workgroup memory that an entry point uses, as WebGPU counts them.
+fn workgroup_bytes(module: &Module, info: &naga::valid::ModuleInfo, entry_point: usize) -> u64 {
+    let function = info.get_entry_point(entry_point);
+    let used = module
+        .global_variables
+        .iter()
+        .filter(|(handle, variable)| variable.space == AddressSpace::WorkGroup && !function[*handle].is_empty());
+    used.map(|(_, variable)| u64::from(module.types[variable.ty].inner.size(module.to_ctx())).next_multiple_of(16))
+        .sum()
+}
+
+/// What every stage of a subject needs together.
+fn needed(wanted: Subject) -> Found {
+    let mut found = Found::new();
+    for stage in STAGES.iter().filter(|stage| subject(stage) == wanted) {
+        let wgsl = if *stage == DEFORM { plain_deform_wgsl() } else { stage.wgsl() };
+        reflect(&mut found, &wgsl, false);
+    }
+    for stage in [&SIDES, &CAP_FACES].into_iter().filter(|stage| subject(stage) == wanted) {
+        let include = if *stage == SIDES { include_wgsl(1) } else { String::new() };
+        reflect(&mut found, &format!("{}\n{include}", stage.wgsl()), true);
+    }
+    found.entry("max_bind_groups_plus_vertex_buffers").or_default();
+    // Bindings are cut to multiples of the alignment of offsets, so the least that is not nothing.
+    raise(&mut found, "max_storage_buffer_binding_size", 256);
+    let largest = found["max_uniform_buffer_binding_size"].max(found["max_storage_buffer_binding_size"]);
+    found.insert("max_buffer_size", largest);
+    // Two stages of shadow volumes take a workgroup a light of a word; all others take turns.
+    found.insert("max_compute_workgroups_per_dimension", if wanted == Subject::Shadow { 32 } else { 1 });
+    found
+}
+
+fn table(subject: Subject) -> Found {
+    AT_LEAST.iter().map(|need| (need.limit, need.needed[subject as usize])).collect()
+}
+
+#[test]
+fn the_table_is_what_the_wgsl_needs() {
+    for subject in Subject::ALL {
+        assert_eq!(table(subject), needed(subject), "{}", subject.name());
+    }
+}
+
+/// Negative control: a larger workgroup, a further binding, more workgroup memory, a larger uniform.
+#[test]
+fn a_stage_that_needs_more_is_noticed() {
+    for more in [
+        "@compute @workgroup_size(512) fn more() {}",
+        "@compute @workgroup_size(1, 2) fn more() {}",
+        "@group(0) @binding(11) var<storage> more: u32;",
+        "@group(1) @binding(0) var<uniform> more: u32;",
+        "@group(0) @binding(11) var<uniform> more: array<vec4<u32>, 500>;",
+        "var<workgroup> more: array<u32, 9000>; @compute @workgroup_size(1) fn used() { more[0] = 1u; }",
+    ] {
+        for wanted in Subject::ALL {
+            let mut found = needed(wanted);
+            for stage in STAGES.iter().filter(|stage| subject(stage) == wanted && **stage != DEFORM) {
+                reflect(&mut found, &format!("{}\n{more}", stage.wgsl()), false);
+            }
+            assert!(wanted == Subject::Deform || found != table(wanted), "{}: {more}", wanted.name());
+        }
+    }
+}
+
+#[test]
+fn default_limits_serve_and_lower_ones_do_not() {
+    for subject in Subject::ALL {
+        let check = |limits| check_limits(&limits, subject);
+        assert_eq!(check(wgpu::Limits::default()), Ok(()));
+        assert_eq!(check(wgpu::Limits::unlimited()), Ok(()));
+        let (name, index) = (subject.name(), subject as usize);
+        // Deformation has six storage buffers, all others eight.
+        let needed = AT_LEAST.iter().find(|need| need.limit == "max_storage_buffers_per_shader_stage");
+        let needed = needed.expect("the table has it").needed[index];
+        let limit = "max_storage_buffers_per_shader_stage";
+        let too_few = DeviceError::Limit { subject: name, limit, needed, there: 4 };
+        assert_eq!(check(wgpu::Limits::downlevel_defaults()), Err(too_few));
+        let limit = "max_compute_workgroups_per_dimension";
+        let needed = if subject == Subject::Shadow { 32 } else { 1 };
+        let none = DeviceError::Limit { subject: name, limit, needed, there: 0 };
+        assert_eq!(check(wgpu::Limits::downlevel_webgl2_defaults()), Err(none));
+    }
+}
+
+#[test]
+fn coarse_alignments_do_not_serve() {
+    for subject in Subject::ALL {
+        for coarse in [
+            wgpu::Limits { min_uniform_buffer_offset_alignment: 512, ..Default::default() },
+            wgpu::Limits { min_storage_buffer_offset_alignment: 512, ..Default::default() },
+        ] {
+            let found = check_limits(&coarse, subject);
+            assert!(matches!(found, Err(DeviceError::Alignment { needed: 256, there: 512, .. })), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_message_names_limit_need_and_what_is_there() {
+    let found = check_limits(&wgpu::Limits::downlevel_defaults(), Subject::Extract).expect_err("4 are too few");
+    let message = found.to_string();
+    assert!(message.starts_with("extraction needs `max_storage_buffers_per_shader_stage` of at least 8"), "{message}");
+    assert!(message.contains("the device has 4"), "{message}");
+}

@@ -1,0 +1,198 @@
+//! Reading back and timing without waiting, and timers whose figures mean nothing.
+
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::task::{Context, Poll, Wake, Waker};
+
+use rimline::gpu::{
+    Extractor, ExtractorOptions, ReadError, StageTimer, TimerError, read_back, read_back_async, read_back_vec,
+    read_back_vec_async,
+};
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+
+use crate::watched::{LIGHT, Watched, caster, packed};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("reading_without_waiting_gives_what_waiting_gives", like_waiting),
+    ("a_future_reads_what_the_buffer_held_when_it_was_made", when_made),
+    ("a_reading_future_wakes_its_task", wakes),
+    ("errors_come_without_waiting_too", errors),
+    ("stages_are_timed_without_waiting", timed),
+    ("a_timer_whose_clock_stands_still_says_so", still),
+];
+
+/// Counts how often a task was woken.
+#[derive(Default)]
+struct Woken(AtomicUsize);
+
+impl Wake for Woken {
+    fn wake(self: Arc<Self>) {
+        self.0.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+/// Polls the device and the future by turns, as an event loop does, on this one thread.
+fn finish<T>(watched: &Watched, future: impl Future<Output = T>) -> Result<T, String> {
+    let mut future = pin!(future);
+    let mut context = Context::from_waker(Waker::noop());
+    loop {
+        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return Ok(value);
+        }
+        watched.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(text)?;
+    }
+}
+
+/// May be sent to another thread, and outlives what it was made of.
+fn sendable<T: Send + 'static>(future: T) -> T {
+    future
+}
+
+fn like_waiting() -> Result<(), String> {
+    let watched = Watched::plain()?;
+    let seed = 95;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    // Below a piece of 16 MiB, and past two; items of 12 bytes lie across the pieces' ends.
+    for words in [3, 1000, (33 << 20) / 4] {
+        let contents: Vec<u32> = (0..words).map(|_| random.next() as u32).collect();
+        let buffer = watched.gpu.storage(&contents);
+        let gpu = &watched.gpu;
+        let waited: Vec<[u32; 3]> = read_back_vec(&gpu.device, &gpu.queue, &buffer).map_err(text)?;
+        let future = sendable(read_back_vec_async::<[u32; 3]>(&gpu.device, &gpu.queue, &buffer));
+        let found = finish(&watched, future)?.map_err(text)?;
+        let expected: Vec<[u32; 3]> = contents.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+        same(&format!("{words} words"), &found[..expected.len()], &expected)?;
+        same(&format!("{words} words, waiting"), &waited, &found)?;
+        let [mut all, mut pieces] = [Vec::new(), Vec::new()];
+        read_back(&gpu.device, &gpu.queue, &buffer, |bytes| all.extend_from_slice(bytes)).map_err(text)?;
+        let future = read_back_async(&gpu.device, &gpu.queue, &buffer, |bytes| pieces.extend_from_slice(bytes));
+        finish(&watched, future)?.map_err(text)?;
+        same(&format!("{words} words, bytes"), &pieces, &all)?;
+        let mut wrong = found;
+        wrong[0][1] ^= 1;
+        must_fail("a bit", &same("wrong", &wrong, &waited))?;
+    }
+    watched.quiet("reading")
+}
+
+fn when_made() -> Result<(), String> {
+    let watched = Watched::plain()?;
+    let words = (20 << 20) / 4;
+    let buffer = watched.gpu.storage(&vec![1_u32; words]);
+    let future = read_back_vec_async::<u32>(&watched.gpu.device, &watched.gpu.queue, &buffer);
+    // Written again before the future is polled at all, in both pieces.
+    watched.gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&vec![2_u32; words]));
+    let found = finish(&watched, future)?.map_err(text)?;
+    same("as it was", &[found.iter().all(|word| *word == 1), found.len() == words], &[true, true])?;
+    let now: Vec<u32> = watched.gpu.read(&buffer, words)?;
+    same("as it is", &[now.iter().all(|word| *word == 2)], &[true])?;
+    // A future that nobody wants any more.
+    drop(read_back_vec_async::<u32>(&watched.gpu.device, &watched.gpu.queue, &buffer));
+    watched.quiet("reading")
+}
+
+fn wakes() -> Result<(), String> {
+    let watched = Watched::plain()?;
+    let buffer = watched.gpu.storage(&[7_u32; 4]);
+    let woken = Arc::new(Woken::default());
+    let waker = Waker::from(Arc::clone(&woken));
+    let mut context = Context::from_waker(&waker);
+    let mut future = pin!(read_back_vec_async::<u32>(&watched.gpu.device, &watched.gpu.queue, &buffer));
+    // Nothing polled the device, so nothing can have called back.
+    same("pending", &[future.as_mut().poll(&mut context).is_pending()], &[true])?;
+    same("woken", &[woken.0.load(Ordering::SeqCst)], &[0])?;
+    watched.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(text)?;
+    same("woken", &[woken.0.load(Ordering::SeqCst)], &[1])?;
+    let Poll::Ready(found) = future.as_mut().poll(&mut context) else { return Err("still pending".to_owned()) };
+    same("contents", &found.map_err(text)?, &[7; 4])
+}
+
+fn errors() -> Result<(), String> {
+    let watched = Watched::plain()?;
+    let gpu = &watched.gpu;
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("not for copies"),
+        size: 16,
+        usage: wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    });
+    let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
+    same("no copy source", &[found], &[Err(ReadError::NotCopySource)])?;
+    let buffer = gpu.storage(&[1_u32; 4]);
+    buffer.destroy();
+    for found in [
+        read_back_vec::<u32>(&gpu.device, &gpu.queue, &buffer),
+        finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?,
+    ] {
+        if !matches!(found, Err(ReadError::Device { bytes: 16, .. })) {
+            return Err(format!("destroyed: {found:?}"));
+        }
+    }
+    watched.quiet("destroyed")?;
+    let buffer = gpu.storage(&[1_u32; 4]);
+    gpu.device.destroy();
+    let found = finish(&watched, read_back_vec_async::<u32>(&gpu.device, &gpu.queue, &buffer))?;
+    if !matches!(found, Err(ReadError::Device { bytes: 16, .. })) {
+        return Err(format!("lost: {found:?}"));
+    }
+    watched.quiet("lost")
+}
+
+fn timed() -> Result<(), String> {
+    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
+    let gpu = &watched.gpu;
+    let (shape, mesh) = caster()?;
+    let positions = gpu.storage(&shape.positions);
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
+    let mut encode = |timer: &mut StageTimer| {
+        gpu.submit(|encoder| {
+            extractor.encode(encoder, packed(&positions), &[LIGHT], Some(timer)).map(drop).map_err(text)?;
+            timer.resolve(encoder);
+            Ok(())
+        })
+    };
+    encode(&mut timer)?;
+    let future = sendable(timer.read_async(&gpu.device, &gpu.queue));
+    let waited = [timer.read(&gpu.device, &gpu.queue).map_err(text)?];
+    let span = timer.read_span(&gpu.device, &gpu.queue).map_err(text)?;
+    // The timer is free again at once.
+    timer.clear();
+    encode(&mut timer)?;
+    let found = finish(&watched, future)?.map_err(text)?;
+    println!("{found:?}, software {}", timer.is_software());
+    same("stages", &[found.stages.clone()], &waited)?;
+    same("span", &[found.span_ms], &[span])?;
+    let names: Vec<_> = found.stages.iter().map(|(name, _)| *name).collect();
+    same("names", &names, &["facing", "exact_facing", "edges", "arguments"])?;
+    let sum: f64 = found.stages.iter().map(|(_, ms)| ms).sum();
+    // Stages do not overlap here: each waits for the one before.
+    same("no more than the span", &[sum > 0.0 && sum <= found.span_ms * 1.000_001], &[true])?;
+    let is_cpu = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+    same("software", &[timer.is_software()], &[is_cpu])?;
+    watched.quiet("timing")
+}
+
+fn still() -> Result<(), String> {
+    let watched = Watched::new(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
+    let gpu = &watched.gpu;
+    let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timer")?;
+    // Timestamps that no pass takes stay 0.
+    drop(timer.compute_pass("nothing"));
+    drop(timer.compute_pass("nothing else"));
+    gpu.submit(|encoder| {
+        timer.resolve(encoder);
+        Ok(())
+    })?;
+    same("waiting", &[timer.read(&gpu.device, &gpu.queue)], &[Err(TimerError::Still { passes: 2 })])?;
+    let found = finish(&watched, timer.read_async(&gpu.device, &gpu.queue))?;
+    same("without", &[found.map(|times| times.span_ms)], &[Err(TimerError::Still { passes: 2 })])?;
+    timer.clear();
+    same("nothing timed", &[timer.read(&gpu.device, &gpu.queue)], &[Ok(Vec::new())])?;
+    watched.quiet("standing still")
+}

@@ -1,0 +1,262 @@
+//! A device that has less than the stages need: one typed error that names it, and no error of the device.
+
+use rimline::gpu::{
+    DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
+    Pipelines, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError,
+    ShadowQueryOptions, ShadowVolumes,
+};
+use rimline::reference::Method;
+use rimline::{Counting, Light};
+use rimline_measure::harness::Test;
+use rimline_measure::models::{random_model, random_pose};
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+
+use crate::watched::{Watched, camera, caster, depth_stencil, packed};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("small_presets_are_one_typed_error", presets),
+    ("each_limit_one_too_low_is_a_typed_error", one_too_low),
+    ("the_limits_that_errors_name_are_enough", enough),
+];
+
+/// What is made on the caller's device by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Subject {
+    Extract,
+    Shadow,
+    Query,
+    Deform,
+}
+
+const SUBJECTS: [Subject; 4] = [Subject::Extract, Subject::Shadow, Subject::Query, Subject::Deform];
+
+/// The device error of a subject's constructor, if any.
+fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, String> {
+    let pipelines = &Pipelines::new(&watched.gpu.device);
+    let (_, mesh) = caster()?;
+    let other = |error: &dyn std::fmt::Display| Err(format!("{subject:?}: {error}"));
+    match subject {
+        Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
+            Ok(_) => Ok(None),
+            Err(ExtractorError::Device(error)) => Ok(Some(error)),
+            // What the mesh needs is not what every mesh needs.
+            Err(ExtractorError::Memory(_)) => Ok(None),
+            Err(error) => other(&error),
+        },
+        Subject::Shadow => match ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto) {
+            Ok(_) => Ok(None),
+            Err(ShadowFormatError::Device(error)) => Ok(Some(error)),
+            Err(error) => other(&error),
+        },
+        Subject::Query => match ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()) {
+            Ok(_) => Ok(None),
+            Err(ShadowQueryError::Device(error)) => Ok(Some(error)),
+            Err(ShadowQueryError::Memory(_)) => Ok(None),
+            Err(error) => other(&error),
+        },
+        Subject::Deform => {
+            let model = random_model(&mut Random::new(91), 50);
+            match Deformer::new(pipelines, &model, DeformerOptions::default()) {
+                Ok(_) => Ok(None),
+                Err(DeformError::Device(error)) => Ok(Some(error)),
+                Err(DeformError::Memory(_)) => Ok(None),
+                Err(error) => other(&error),
+            }
+        }
+    }
+}
+
+fn presets() -> Result<(), String> {
+    use wgpu::Limits;
+    for (limits, expected) in [
+        (Limits::downlevel_defaults(), "max_storage_buffers_per_shader_stage"),
+        (Limits::downlevel_webgl2_defaults(), "max_compute_workgroups_per_dimension"),
+    ] {
+        let watched = Watched::new(wgpu::Features::empty(), limits)?;
+        for subject in SUBJECTS {
+            match refusal(&watched, subject)? {
+                Some(DeviceError::Limit { limit, .. }) => same(&format!("{subject:?}"), &[limit], &[expected])?,
+                other => return Err(format!("{subject:?}: {other:?}")),
+            }
+            watched.quiet(&format!("{subject:?}"))?;
+        }
+    }
+    let watched = Watched::plain()?;
+    for subject in SUBJECTS {
+        same(&format!("{subject:?} by default"), &[refusal(&watched, subject)?], &[None])?;
+    }
+    watched.quiet("by default")
+}
+
+/// A limit's name, and how it is set.
+type Limit = (&'static str, fn(&mut wgpu::Limits, u64));
+
+macro_rules! limits {
+    ($($name:ident: $kind:ty),*) => { [$((stringify!($name), |limits, value| limits.$name = value as $kind)),*] };
+}
+
+const LIMITS: [Limit; 16] = limits![
+    max_compute_workgroups_per_dimension: u32,
+    max_compute_invocations_per_workgroup: u32,
+    max_compute_workgroup_size_x: u32,
+    max_compute_workgroup_size_y: u32,
+    max_compute_workgroup_size_z: u32,
+    max_compute_workgroup_storage_size: u32,
+    max_storage_buffers_per_shader_stage: u32,
+    max_uniform_buffers_per_shader_stage: u32,
+    max_buffers_and_acceleration_structures_per_shader_stage: u32,
+    max_dynamic_uniform_buffers_per_pipeline_layout: u32,
+    max_bind_groups: u32,
+    max_bind_groups_plus_vertex_buffers: u32,
+    max_bindings_per_bind_group: u32,
+    max_uniform_buffer_binding_size: u64,
+    max_storage_buffer_binding_size: u64,
+    max_buffer_size: u64
+];
+
+fn with(name: &str, value: u64) -> Result<Watched, String> {
+    let mut limits = wgpu::Limits::default();
+    let (_, set) =
+        LIMITS.iter().find(|(limit, _)| *limit == name).ok_or_else(|| format!("{name} is not in the list"))?;
+    set(&mut limits, value);
+    Watched::new(wgpu::Features::empty(), limits)
+}
+
+/// What each subject needs of a limit, as the error for a device with none of it says; 0 where it needs none.
+fn needed(name: &'static str) -> Result<[u64; 4], String> {
+    let none = with(name, 0)?;
+    let mut found = [0; 4];
+    for (needed_here, subject) in found.iter_mut().zip(SUBJECTS) {
+        match refusal(&none, subject)? {
+            Some(DeviceError::Limit { limit, needed, there: 0, .. }) if limit == name => *needed_here = needed,
+            None => {}
+            other => return Err(format!("{subject:?} with no {name}: {other:?}")),
+        }
+    }
+    none.quiet(name)?;
+    Ok(found)
+}
+
+fn one_too_low() -> Result<(), String> {
+    for (name, _) in LIMITS {
+        let all = needed(name)?;
+        println!("{name}: {all:?}");
+        let mut tried: Vec<u64> = all.iter().filter(|needed| **needed > 1).map(|needed| needed - 1).collect();
+        tried.sort_unstable();
+        tried.dedup();
+        for there in tried {
+            let watched = with(name, there)?;
+            for (needed, subject) in all.into_iter().zip(SUBJECTS) {
+                let found = refusal(&watched, subject)?.map(|error| match error {
+                    DeviceError::Limit { limit, needed, there, .. } => Ok((limit, needed, there)),
+                    error => Err(error),
+                });
+                let expected = (needed > there).then_some(Ok((name, needed, there)));
+                same(&format!("{subject:?} with {name} of {there}"), &[found], &[expected])?;
+                watched.quiet(name)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Everything that a subject can do, on a device with the very limits that errors name; sizes of bindings and buffers
+/// apart, which meshes need more of.
+fn enough() -> Result<(), String> {
+    let mut least = SUBJECTS.map(|_| wgpu::Limits::default());
+    for (name, set) in LIMITS {
+        if !matches!(name, "max_storage_buffer_binding_size" | "max_buffer_size") {
+            let [extract, shadow, query, deform] = needed(name)?;
+            // Volumes are of an extraction.
+            for (limits, value) in least.iter_mut().zip([extract, shadow.max(extract), query, deform]) {
+                set(limits, value);
+            }
+        }
+    }
+    let [extract, shadow, query, deform] = least;
+    let on = |limits| Watched::new(wgpu::Features::empty(), limits);
+    extractions(&on(extract)?)?;
+    shadows(&on(shadow)?)?;
+    queries(&on(query)?)?;
+    deformations(&on(deform)?)?;
+    // Negative control: volumes on a device that is enough for extraction alone.
+    must_fail("volumes with one bind group", &shadows(&on(wgpu::Limits { max_bind_groups: 1, ..Default::default() })?))
+}
+
+fn lights() -> Vec<Light> {
+    (0..40_u8).map(|number| Light::point([3.0 + f32::from(number), 5.0, 2.0])).collect()
+}
+
+fn extractions(watched: &Watched) -> Result<(), String> {
+    let (shape, mesh) = caster()?;
+    let positions = watched.gpu.storage(&shape.positions);
+    for (method, ordered) in [(Method::FaceMask, false), (Method::FaceMask, true), (Method::PerEdge, true)] {
+        let lists = Some(ListOptions { ordered, ..Default::default() });
+        let options = ExtractorOptions { max_lights: 40, method, masks: true, lists, ..Default::default() };
+        let mut extractor = Extractor::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
+        watched
+            .gpu
+            .submit(|encoder| extractor.encode(encoder, packed(&positions), &lights(), None).map_err(text).map(drop))?;
+        let counts: Vec<u32> = watched.gpu.read(extractor.results().counts, 40)?;
+        if counts.contains(&0) {
+            return Err(format!("{method:?}, ordered {ordered}: {counts:?}"));
+        }
+    }
+    watched.quiet("extraction")
+}
+
+fn shadows(watched: &Watched) -> Result<(), String> {
+    let (shape, mesh) = caster()?;
+    let positions = watched.gpu.storage(&shape.positions);
+    let pipelines = &watched.gpu.pipelines;
+    let view = depth_stencil(watched);
+    for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlusPaper, Counting::ZFail] {
+        let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), counting).map_err(text)?;
+        let options = ExtractorOptions { max_lights: 40, ..Default::default() };
+        let mut extractor = Extractor::new(pipelines, &mesh, options).map_err(text)?;
+        let options = ShadowOptions { bound_counts: true, end_at_range: true, ..Default::default() };
+        let mut volumes = ShadowVolumes::new(&drawing, &extractor, options).map_err(text)?;
+        watched.gpu.submit(|encoder| {
+            let positions = packed(&positions);
+            let extraction = extractor.encode(encoder, positions, &lights(), None).map_err(text)?;
+            let shadows = volumes.encode(encoder, &extraction, &camera(), None).map_err(text)?;
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("volumes"),
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &view,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                    stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+                }),
+                ..Default::default()
+            });
+            (0..40).try_for_each(|light| shadows.draw(&mut pass, &drawing, light)).map_err(text)
+        })?;
+        watched.gpu.read::<u32>(volumes.statistics(), 4)?;
+    }
+    watched.quiet("shadow volumes")
+}
+
+fn queries(watched: &Watched) -> Result<(), String> {
+    let (shape, mesh) = caster()?;
+    let positions = watched.gpu.storage(&shape.positions);
+    for skip in [true, false] {
+        let options = ShadowQueryOptions { max_points: 100, max_lights: 40, skip, ..Default::default() };
+        let mut query = ShadowQuery::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
+        let places = packed(&positions);
+        watched.gpu.submit(|encoder| query.encode_at(encoder, places, places, 30, &lights(), None).map_err(text))?;
+        watched.gpu.read::<i32>(query.depths(), 30 * 40)?;
+    }
+    watched.quiet("query")
+}
+
+fn deformations(watched: &Watched) -> Result<(), String> {
+    let mut random = Random::new(92);
+    let model = random_model(&mut random, 50);
+    let pose = random_pose(&mut random, &model);
+    let deformer = Deformer::new(&watched.gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    watched.gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(text))?;
+    watched.gpu.read::<f32>(deformer.positions().buffer, 3)?;
+    watched.quiet("deformation")
+}
