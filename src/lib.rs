@@ -40,6 +40,10 @@
 //! ```
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(feature = "reference"),
+    allow(dead_code, reason = "twins and layouts that the feature `reference` shows")
+)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod area;

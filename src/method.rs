@@ -9,6 +9,7 @@ pub enum Method {
     /// As published by Brabec and Seidel in 2003: each edge tests both its faces. For comparison; loops may fail to
     /// close, since a face's side is decided again at each of its edges. It has no exact form: see
     /// [`Method::predicate`].
+    #[cfg(feature = "reference")]
     PerEdge,
 }
 
@@ -17,14 +18,20 @@ impl Method {
     /// [`Predicate::Exact`], the default of all options, stands for the published [`Predicate::Plane`].
     pub const fn predicate(self, asked: Predicate) -> Predicate {
         match (self, asked) {
+            #[cfg(feature = "reference")]
             (Self::PerEdge, Predicate::Exact) => Predicate::Plane,
             _ => asked,
         }
+    }
+
+    pub(crate) const fn is_per_edge(self) -> bool {
+        !matches!(self, Self::FaceMask)
     }
 }
 
 /// How a face's side is decided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Predicate {
     /// By the sign in exact arithmetic, for every finite position and light: the same bits on every device. A filter in
     /// `f32` decides almost all pairs of face and light, integers the rest. See NUMERICS.md, "Filter".
@@ -35,5 +42,12 @@ pub enum Predicate {
     Fast,
     /// As `Fast`, by the plane's equation `n · l − w·(n · a)`, as published in 2003. Less accurate far from the origin,
     /// where it cancels; for comparison.
+    #[cfg(feature = "reference")]
     Plane,
+}
+
+impl Predicate {
+    pub(crate) const fn is_plane(self) -> bool {
+        !matches!(self, Self::Exact | Self::Fast)
+    }
 }

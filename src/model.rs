@@ -1,6 +1,6 @@
 //! Deformable models: geometries, their instances, and a pose, whatever file they came from.
 
-use crate::mesh::weld::{self, bits, groups, hash, same_bits};
+use crate::mesh::weld::{self, Keys, bits, groups, same_bits};
 use crate::mesh::{MAX_FACES, Mesh, MeshError, Weld, WeldCounts};
 
 /// The joints that move each vertex, any number a vertex; weights of a vertex sum to 1.
@@ -88,14 +88,15 @@ impl Geometry {
         if weld == Weld::Keep {
             return (self.clone(), WeldCounts::kept(count));
         }
-        let by_position = groups(count, |v| hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
+        let keys = Keys::new(self.most_words());
+        let by_position = groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         let groups = match weld {
             Weld::Position => by_position.clone(),
             // The hash covers all that is compared: vertices that share a position alone would else be searched one by
             // one, in quadratic time.
             _ => groups(
                 count,
-                |v| hash(self.words(v)),
+                |v| keys.hash(self.words(v)),
                 |a, b| self.same_position(a, b) && self.same_morph(a, b) && self.same_influences(a, b),
             ),
         };
@@ -122,13 +123,22 @@ impl Geometry {
         highest.map_or(1, |joint| joint.map_or(0, |&joint| joint as usize + 1))
     }
 
-    /// A vertex's position, morph and skin data as words.
+    /// At least as many words as any vertex has.
+    fn most_words(&self) -> usize {
+        let ranges = self.influences.iter().flat_map(|influences| influences.offsets.windows(2));
+        let most = ranges.map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0);
+        3 * (1 + self.morph_targets.len()) + 1 + 2 * most
+    }
+
+    /// A vertex's position, morph and skin data as words. The number of joints comes before them, so vertices whose data
+    /// differ have a word that differs.
     fn words(&self, v: usize) -> impl Iterator<Item = u32> + '_ {
         let morph = self.morph_targets.iter().flat_map(move |target| target[v].map(bits));
         let skin = self.influences.iter().flat_map(move |influences| {
             let range = influences.range(v);
+            let entries = range.len() as u32;
             let weights = influences.weights[range.clone()].iter().map(|w| w.to_bits());
-            influences.joints[range].iter().copied().chain(weights)
+            std::iter::once(entries).chain(influences.joints[range].iter().copied()).chain(weights)
         });
         self.positions[v].map(bits).into_iter().chain(morph).chain(skin)
     }

@@ -47,6 +47,7 @@ pub mod cpu {
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};
     pub use crate::cpu::extract::exact_facing::exact_facing;
+    pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into, is_finite};
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::query::depth_arguments::depth_arguments;

@@ -24,6 +24,7 @@ pub const COUNT_ZP_PAPER: u32 = 4;
 
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Counting {
     /// For each caster and light, on the GPU: z-pass where no face lies between the light and the near rectangle, else
     /// ZP+. Right from every camera.
@@ -38,6 +39,7 @@ pub enum Counting {
     /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
     /// near plane cuts both ends of a side (its case D) or where it has faces that are not finite. Not right from every camera; for perspective ones only. Never
     /// chosen by [`Self::Auto`]. Needs what z-fail needs.
+    #[cfg(feature = "reference")]
     ZpPlusPaper,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a far
@@ -46,12 +48,23 @@ pub enum Counting {
 }
 
 impl Counting {
+    /// ZP+ as published, of the feature `reference`.
+    pub(crate) const fn is_paper(self) -> bool {
+        !matches!(self, Self::Auto | Self::ZPass | Self::ZpPlus | Self::ZFail)
+    }
+
+    /// Whether z-fail is ever counted.
+    pub(crate) const fn may_fail(self) -> bool {
+        matches!(self, Self::ZFail) || self.is_paper()
+    }
+
     pub(crate) const fn code(self) -> u32 {
         match self {
             Self::ZPass => COUNT_Z_PASS,
             Self::ZpPlus => COUNT_ZP_PLUS,
             Self::ZFail => COUNT_Z_FAIL,
             Self::Auto => COUNT_AUTO,
+            #[cfg(feature = "reference")]
             Self::ZpPlusPaper => COUNT_ZP_PAPER,
         }
     }

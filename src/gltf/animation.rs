@@ -60,6 +60,8 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
         log::warn!("{place} animates morph weights of nodes[{node}], which has no morph targets: ignored");
         return Ok(None);
     }
+    // The channel, in a list that doubles, and a key's values while it is read and when it is sampled.
+    reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| place.clone())?;
     let curve = curve(reader, animation, target, width)?;
     Ok(Some(Channel { node, property, curve }))
 }

@@ -99,13 +99,37 @@ pub enum GltfError {
         /// What is wrong.
         problem: AccessorProblem,
     },
-    /// The file makes more data than its size justifies; a guard against small files that fill the memory.
-    #[error("{place}: the file's content unpacks to more than {limit} bytes; split the file")]
-    TooMuch {
-        /// JSON path of what went over the limit.
-        place: String,
-        /// The limit, see [`Asset`](super::Asset).
+    /// Loading would take more memory than the caller allows; a guard against small files that fill the memory.
+    #[error(
+        "{what}: loading needs at least {needed} bytes of memory, more than the limit of {limit}; raise the limit if \
+         the file is meant to be that large, else split it"
+    )]
+    TooLarge {
+        /// What would have been made next: a file, or a JSON path.
+        what: String,
+        /// Bytes that loading would have taken with it.
+        needed: u64,
+        /// [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit).
         limit: u64,
+    },
+    /// More vertices, or joints of vertices, than 32-bit indices can name.
+    #[error("{place}: its mesh has more vertices or joints than 32-bit indices can name; split it")]
+    TooManyVertices {
+        /// JSON path of the primitive that goes over.
+        place: String,
+    },
+    /// A file name that leads outside the glTF's folder.
+    #[error(
+        "{place}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \
+         allow files outside if the glTF is trusted", path.display()
+    )]
+    Outside {
+        /// JSON path of the URI.
+        place: String,
+        /// Its first characters.
+        uri: String,
+        /// Where it leads.
+        path: PathBuf,
     },
     /// An attribute, morph target or instance attribute has another number of elements than its fellows.
     #[error("{place} has {count} elements, expected {expected}")]

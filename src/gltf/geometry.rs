@@ -111,8 +111,10 @@ impl Merged {
         // Indices and offsets are u32.
         let over = (first + vertices.positions.len()).max(entries + vertices.bindings.joints.len()) as u64;
         if over > u64::from(u32::MAX) {
-            reader.charge(u64::MAX, 1, &|| place.to_owned())?;
+            return Err(GltfError::TooManyVertices { place: place.to_owned() });
         }
+        let (count, joints) = (vertices.positions.len(), vertices.bindings.joints.len());
+        reader.budget.charge_merging(count, joints, geometry, &|| place.to_owned())?;
         geometry.positions.extend_from_slice(&vertices.positions);
         for (target, offsets) in geometry.morph_targets.iter_mut().zip(&vertices.targets) {
             target.extend_from_slice(offsets);

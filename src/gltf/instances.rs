@@ -2,7 +2,6 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::GltfError;
 use super::document::{Document, Instancing, Node, Trs};
 use super::formats;
 use super::geometry::{self, Merged};
@@ -10,6 +9,7 @@ use super::graph::Graph;
 use super::parse_scene::unit;
 use super::reader::Reader;
 use super::skin::LoadedSkin;
+use super::{GltfError, SceneLight};
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, Instance, Model};
 
@@ -53,7 +53,7 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     for (mesh, users) in users.iter().enumerate() {
         let merged = geometry::merge(reader, mesh, users.skinned.first().copied())?;
         check_joints(document, &users.skinned, &merged, skins)?;
-        built.push(mesh, &merged.geometry, weld);
+        built.push(reader, mesh, &merged.geometry, weld)?;
         if !users.skinned.is_empty() && users.rigid {
             extra.push(mesh);
         }
@@ -61,7 +61,7 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     for mesh in extra {
         rigid_variants[mesh] = Some(built.model.geometries.len());
         let merged = geometry::merge(reader, mesh, None)?;
-        built.push(mesh, &merged.geometry, weld);
+        built.push(reader, mesh, &merged.geometry, weld)?;
     }
     let geometry_of = |mesh: usize, node: &Node| match node.skin {
         Some(_) => mesh,
@@ -189,7 +189,7 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
         Some(accessor) => Some(reader.vectors::<4>(accessor, formats::ROTATIONS, &format!("{place}.ROTATION"))?),
         None => None,
     };
-    reader.charge(count as u64, size_of::<Frame>() as u64, &|| place.clone())?;
+    reader.charge(count as u64, 3 * size_of::<Frame>() as u64, &|| place.clone())?;
     let vector = |vectors: &Option<Vec<[f32; 3]>>, i: usize| {
         vectors.as_ref().map(|vectors| DVec3::from_array(vectors[i].map(f64::from)))
     };
@@ -210,11 +210,29 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
 }
 
 impl Built {
-    fn push(&mut self, mesh: usize, geometry: &Geometry, weld: Weld) {
+    fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<(), GltfError> {
+        reader.budget.charge_welding(geometry, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
         self.model.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
+        Ok(())
+    }
+
+    /// Counts what the lights of the chosen scene take when they are asked for, names and all.
+    pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
+        let document = reader.document;
+        for &n in &graph.scene {
+            let node = &document.nodes[n];
+            let Some(light) = node.light else {
+                continue;
+            };
+            let name = document.lights[light].name.as_ref().or(node.name.as_ref()).map_or(0, String::len);
+            // A list that doubles.
+            let bytes = 3 * size_of::<SceneLight>() + name;
+            reader.charge(1, bytes as u64, &|| format!("nodes[{n}] (its light)"))?;
+        }
+        Ok(())
     }
 
     /// Adds an instance, if there is anything to draw.
@@ -226,15 +244,16 @@ impl Built {
         placement: Placement,
         skins: &[LoadedSkin],
     ) -> Result<(), GltfError> {
-        if self.model.geometries[geometry].faces.is_empty() {
+        let shape = &self.model.geometries[geometry];
+        if shape.faces.is_empty() {
             return Ok(());
         }
         let matrices = match placement.frame {
             Frame::Node(_) => 1,
             Frame::Skin(skin) => skins[skin].joints.len(),
         };
-        let bytes = 256 + 48 * matrices + 8 * reader.document.meshes[placement.mesh].targets;
-        reader.charge(1, bytes as u64, &|| format!("meshes[{}] (its instances)", placement.mesh))?;
+        let what = || format!("meshes[{}] (its instances)", placement.mesh);
+        reader.budget.charge_instance(shape, matrices, name, &what)?;
         self.model.instances.push(Instance { geometry, name: name.cloned() });
         self.placements.push(placement);
         Ok(())

@@ -16,20 +16,27 @@
 //! * A quantised attribute is accepted where the file says that it uses `KHR_mesh_quantization`. Draco and meshopt data
 //!   are never read: a file is refused where the plain data beside them is missing. Alignment of accessors is not
 //!   asked for.
-//! * Buffers are read from data URIs and from regular files in the glTF's folder or below it, nothing else.
+//! * Buffers are read from data URIs and from regular files in the glTF's folder or below it, nothing else. A file that
+//!   a symbolic link or `..` leads to outside of it is refused, unless [`LoadOptions::allow_outside`] lets it in. Images
+//!   are never read, wherever they are.
+//! * Memory is charged against [`LoadOptions::memory_limit`] before it is taken.
 
 mod animation;
+mod budget;
 mod buffers;
 mod container;
 mod curve;
 mod document;
 mod error;
 mod extensions;
+mod files;
 mod formats;
 mod geometry;
 mod graph;
 mod instances;
 mod json;
+mod named_files;
+mod options;
 mod parse;
 mod parse_mesh;
 mod parse_scene;
@@ -39,18 +46,21 @@ mod skin;
 mod triangles;
 mod vertices;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gltf::json::Value;
 use gltf::json::mesh::Mode;
 
 pub use error::{AccessorProblem, GltfError, PoseError};
+pub use options::LoadOptions;
 
 use crate::light::Light;
-use crate::mesh::{Weld, WeldCounts};
+use crate::mesh::WeldCounts;
 use crate::model::Model;
 use animation::LoadedAnimation;
+use budget::Budget;
 use document::Document;
+use files::Folder;
 use graph::Graph;
 use instances::Built;
 use reader::Reader;
@@ -58,8 +68,7 @@ use skin::LoadedSkin;
 
 /// A glTF file, loaded: its model, and what poses it.
 ///
-/// Nothing is allocated for numbers that the file merely states; and what accessors, faces and instances unpack to may
-/// not exceed 64 MiB plus 64 bytes for each byte of the file and its buffers, see [`GltfError::TooMuch`].
+/// What the loading, the model's mesh and its poses take of memory is bounded: see [`LoadOptions::memory_limit`].
 ///
 /// ```no_run
 /// use rimline::gltf::Asset;
@@ -85,6 +94,7 @@ pub struct Asset {
     built: Built,
     /// Of each geometry, ascending.
     used_joints: Vec<Vec<u32>>,
+    named_files: Vec<PathBuf>,
 }
 
 /// An animation of the file.
@@ -175,31 +185,49 @@ pub struct SpotCone {
 }
 
 impl Asset {
-    /// Loads a .gltf or .glb file, told apart by content. Buffers named in it are looked for in its folder.
+    /// Loads a .gltf or .glb file, told apart by content. Buffers named in it are looked for in its folder. A
+    /// [`Weld`](crate::mesh::Weld) serves as options: the others are then the default ones.
     ///
     /// # Errors
-    /// [`GltfError`] for a file that cannot be read, or whose content is damaged or not supported.
-    pub fn open(path: impl AsRef<Path>, weld: Weld) -> Result<Self, GltfError> {
-        let path = path.as_ref();
-        Self::from_slice(&buffers::read_file(path)?, path.parent(), weld)
+    /// [`GltfError`] for a file that cannot be read, whose content is damaged or not supported, or that takes more
+    /// memory than the options allow.
+    pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
+        let (path, options) = (path.as_ref(), options.into());
+        let budget = Budget::new(options.memory_limit);
+        let bytes = files::read(path, u64::MAX, &budget)?;
+        Self::load(&bytes, path.parent(), options, &budget)
     }
 
     /// Loads a .gltf or .glb file's content. Buffers named in it are looked for in `base_dir`.
     ///
     /// # Errors
-    /// [`GltfError`] for content that is damaged or not supported, or that names files where there is no `base_dir`.
-    pub fn from_slice(bytes: &[u8], base_dir: Option<&Path>, weld: Weld) -> Result<Self, GltfError> {
+    /// [`GltfError`] for content that is damaged or not supported, that names files where there is no `base_dir`, or
+    /// that takes more memory than the options allow.
+    pub fn from_slice(
+        bytes: &[u8],
+        base_dir: Option<&Path>,
+        options: impl Into<LoadOptions>,
+    ) -> Result<Self, GltfError> {
+        let options = options.into();
+        Self::load(bytes, base_dir, options, &Budget::new(options.memory_limit))
+    }
+
+    fn load(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
         let (json, binary) = container::split(bytes)?;
         // A byte order mark is not allowed, but harmless.
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        budget.charge_json(json)?;
         let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
-        let mut document = parse::document(&value)?;
+        let mut document = parse::document(&value, budget)?;
+        let named_files = named_files::find(&value, base);
         drop(value);
         let graph = Graph::new(&document)?;
-        let buffers = buffers::load(&document, binary, base_dir)?;
-        let reader = Reader::new(&document, &buffers, bytes.len());
+        let folder = Folder { path: base, allow_outside: options.allow_outside };
+        let buffers = buffers::load(&document, binary, folder, budget)?;
+        let reader = Reader::new(&document, &buffers, budget);
         let skins = skin::load(&reader)?;
-        let built = instances::build(&reader, &graph, &skins, weld)?;
+        let built = instances::build(&reader, &graph, &skins, options.weld)?;
+        Built::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = Skipped::count(&document);
         skipped.warn();
@@ -217,7 +245,14 @@ impl Asset {
             animation_infos,
             skipped,
             built,
+            named_files,
         })
+    }
+
+    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, what extensions
+    /// name. They need not exist. Empty without a folder to look in.
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
     }
 
     /// Geometry of every mesh, instances of the chosen scene. Only geometries with faces have instances.

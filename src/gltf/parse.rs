@@ -6,6 +6,7 @@ use gltf::json::Value;
 use gltf::json::accessor::{ComponentType, Type};
 
 use super::GltfError;
+use super::budget::Budget;
 use super::document::{Accessor, Buffer, Document, Sparse, View};
 use super::json::{Json, whole, wrong};
 use super::{extensions, parse_mesh, parse_scene};
@@ -26,7 +27,7 @@ pub(super) struct Lengths {
 }
 
 /// Reads a document and checks its version, required extensions, and every index that matters here.
-pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
+pub(super) fn document(value: &Value, budget: &Budget) -> Result<Document, GltfError> {
     let root = Json::new(value, String::new())?;
     version(&root)?;
     let used = extensions::check(&root)?;
@@ -42,6 +43,7 @@ pub(super) fn document(value: &Value) -> Result<Document, GltfError> {
         scenes: root.count("scenes")?,
         lights: punctual.as_ref().map_or(Ok(0), |lights| lights.count("lights"))?,
     };
+    budget.charge_nodes(lengths.nodes)?;
     let all = |key: &str| root.objects(key);
     Ok(Document {
         buffers: all("buffers")?.iter().map(buffer).collect::<Result<_, _>>()?,

@@ -1,18 +1,13 @@
 //! Accessors: checked against the bytes that are there, sparse elements put in, components converted.
 
 use std::borrow::Cow;
-use std::cell::Cell;
 
 use gltf::json::accessor::{ComponentType, Type};
 
+use super::budget::Budget;
 use super::document::{Accessor, Document, Sparse};
 use super::error::{AccessorProblem, GltfError};
 use super::extensions;
-
-/// What a file may unpack to whatever its size, in bytes.
-const UNPACKED_BASE: u64 = 64 << 20;
-/// What it may unpack to for each byte of it and its buffers.
-const UNPACKED_PER_BYTE: u64 = 64;
 
 /// Which accessors fit a use.
 #[derive(Clone, Copy)]
@@ -29,24 +24,17 @@ pub(super) type Component = (ComponentType, Option<bool>);
 pub(super) struct Reader<'a> {
     pub(super) document: &'a Document,
     buffers: &'a [Option<Cow<'a, [u8]>>],
-    limit: u64,
-    left: Cell<u64>,
+    pub(super) budget: &'a Budget,
 }
 
 impl<'a> Reader<'a> {
-    /// `file_bytes`: of the glTF file itself.
-    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], file_bytes: usize) -> Self {
-        let bytes = file_bytes + buffers.iter().flatten().map(|buffer| buffer.len()).sum::<usize>();
-        let limit = UNPACKED_BASE + UNPACKED_PER_BYTE * bytes as u64;
-        Self { document, buffers, limit, left: Cell::new(limit) }
+    pub(super) fn new(document: &'a Document, buffers: &'a [Option<Cow<'a, [u8]>>], budget: &'a Budget) -> Self {
+        Self { document, buffers, budget }
     }
 
     /// Counts `count` elements of `size` bytes that are about to be made.
-    pub(super) fn charge(&self, count: u64, size: u64, place: &dyn Fn() -> String) -> Result<(), GltfError> {
-        let left = count.checked_mul(size).and_then(|bytes| self.left.get().checked_sub(bytes));
-        let left = left.ok_or_else(|| GltfError::TooMuch { place: place(), limit: self.limit })?;
-        self.left.set(left);
-        Ok(())
+    pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        self.budget.charge(count, size, what)
     }
 
     /// The element count of an accessor. Nothing is checked.
@@ -105,18 +93,19 @@ impl<'a> Reader<'a> {
         }
         let (components, size) = (accessor.kind.multiplicity(), accessor.component.size());
         let element = components * size;
-        // What is checked against the bytes there comes first; what is only a number in the JSON is charged.
+        // What is checked against the bytes there comes first, so that a wrong number is told as such.
         let source = match accessor.view {
             Some(view) => Some(self.strided(view, accessor.offset, accessor.count, element as u64)?),
             None => None,
         };
-        self.charge(accessor.count, components as u64 * 4, place)?;
+        // The bytes as they are stored, and twice as numbers: in one list, and in one of vectors.
+        self.charge(accessor.count, (element + 8 * components) as u64, place)?;
         let mut bytes = match source {
             Some((data, stride)) => pack(data, stride, element, accessor.count as usize),
             None => vec![0; accessor.count as usize * element],
         };
         if let Some(sparse) = &accessor.sparse {
-            self.replace(&mut bytes, sparse, element, accessor.count)?;
+            self.replace(&mut bytes, sparse, element, accessor.count, place)?;
         }
         Ok(bytes)
     }
@@ -147,13 +136,21 @@ impl<'a> Reader<'a> {
         Ok((data, stride as usize))
     }
 
-    fn replace(&self, bytes: &mut [u8], sparse: &Sparse, element: usize, elements: u64) -> Result<(), Failure> {
+    fn replace(
+        &self,
+        bytes: &mut [u8],
+        sparse: &Sparse,
+        element: usize,
+        elements: u64,
+        place: &dyn Fn() -> String,
+    ) -> Result<(), Failure> {
         let count = sparse.count;
         if count > elements {
             return Err(AccessorProblem::SparseCount { count, elements }.into());
         }
         let (view, offset, component) = sparse.indices;
         let (indices, stride) = self.strided(view, offset, count, component.size() as u64)?;
+        self.charge(count, (component.size() + 4 + element) as u64, place)?;
         let indices = unsigned(&pack(indices, stride, component.size(), count as usize), component);
         let (view, offset) = sparse.values;
         let (values, stride) = self.strided(view, offset, count, element as u64)?;

@@ -34,6 +34,8 @@ fn place(skin: usize) -> String {
 }
 
 fn load_one(reader: &Reader<'_>, index: usize, skin: &Skin) -> Result<LoadedSkin, GltfError> {
+    // A list that doubles.
+    reader.charge(skin.joints.len() as u64, 3 * size_of::<DAffine3>() as u64, &|| format!("skins[{index}].joints"))?;
     let inverse_binds = match skin.inverse_binds {
         None => vec![DAffine3::IDENTITY; skin.joints.len()],
         Some(accessor) => {

@@ -38,7 +38,8 @@ pub(super) fn read(
         Mode::Triangles => count / 3,
         _ => count.saturating_sub(2),
     };
-    reader.charge(faces as u64, 12, &|| place.clone())?;
+    // Once by itself, and in the mesh's list, which may double.
+    reader.charge(faces as u64, 48, &|| place.clone())?;
     let Some(accessor) = primitive.indices else {
         return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
     };

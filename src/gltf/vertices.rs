@@ -100,7 +100,8 @@ fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: 
     if sets.is_empty() {
         return Ok(bindings);
     }
-    reader.charge(vertices as u64, 32 * sets.len() as u64, &|| format!("{place}.attributes"))?;
+    // Four joints and weights of 4 bytes for each set, and a count, in lists that double.
+    reader.charge(vertices as u64, 3 * (32 * sets.len() as u64 + 4), &|| format!("{place}.attributes"))?;
     for vertex in 0..vertices {
         bindings.push(&sets, vertex);
     }

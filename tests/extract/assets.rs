@@ -8,7 +8,6 @@ use libtest_mimic::{Failed, Trial};
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
 use rimline::mesh::Weld;
-use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Model, Pose, Predicate};
 
@@ -74,7 +73,7 @@ impl Extraction {
         };
         gpu.submit(|encoder| extractor.encode(encoder, deformer.positions(), &lights, None).map_err(text))?;
         let on_gpu = read(gpu, extractor, mesh, count)?;
-        let twin = cpu::extract(found, mesh, &lights, Method::FaceMask, Predicate::Exact, Threads::all());
+        let twin = cpu::extract(found, mesh, &lights, Predicate::Exact, Threads::all());
         let twin = twin.map_err(text)?;
         same("facing", &on_gpu.facing, &twin.facing)?;
         same("masks", &on_gpu.masks, &twin.masks)?;

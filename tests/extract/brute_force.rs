@@ -13,7 +13,7 @@ use rimline_measure::{band, is_long, lights, must_fail, oracle, same};
 type Outcome = Result<(), String>;
 
 fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::CpuExtraction {
-    cpu::extract(positions, mesh, lights, Method::FaceMask, Predicate::Exact, Threads::ONE).expect("good lights")
+    cpu::extract(positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights")
 }
 
 #[test]
@@ -230,7 +230,8 @@ fn threads_change_nothing() -> Outcome {
         (Method::PerEdge, Predicate::Plane),
     ];
     for (method, predicate) in ways {
-        let of = |threads| cpu::extract(&positions, &mesh, &lights, method, predicate, threads).expect("good lights");
+        let of =
+            |threads| cpu::extract_by(&positions, &mesh, &lights, method, predicate, threads).expect("good lights");
         let one = of(Threads::ONE);
         for threads in [Threads::all(), Threads::new(0), Threads::new(3), Threads::new(1000)] {
             let other = of(threads);

@@ -118,7 +118,7 @@ fn non_finite() -> Result<(), String> {
     check_facing("poisoned", &found.facing, &positions, mesh.faces(), &lights)?;
     let counted = [found.statistics.non_finite_faces as usize];
     same("non-finite faces", &counted, &[poisoned])?;
-    let twin = cpu::extract(&positions, &mesh, &lights, Method::FaceMask, Predicate::Exact, Threads::ONE);
+    let twin = cpu::extract(&positions, &mesh, &lights, Predicate::Exact, Threads::ONE);
     let twin = twin.map_err(|e| e.to_string())?;
     same("the twin's count", &[twin.counts.non_finite_faces as usize], &[poisoned])?;
     for (index, face) in mesh.faces().iter().enumerate() {

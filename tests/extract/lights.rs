@@ -146,13 +146,14 @@ fn refused() -> Result<(), String> {
     let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(2, false, false)).map_err(text)?;
     let good = Light::point([1.0, 2.0, 3.0]);
     let cases = [
-        (vec![], LightError::NoRoom),
         (vec![good; 3], LightError::TooMany { count: 3, limit: 2 }),
         (vec![good, Light::homogeneous([0.0, -0.0, 0.0, 0.0])], LightError::Zero { index: 1 }),
         (
             vec![Light::point([f32::INFINITY, 0.0, 0.0])],
             LightError::NotFinite { index: 0, xyzw: [f32::INFINITY, 0.0, 0.0, 1.0] },
         ),
+        (vec![good, good.with_range(0.0)], LightError::Range { index: 1, range: 0.0 }),
+        (vec![good.with_range(-1.0)], LightError::Range { index: 0, range: -1.0 }),
     ];
     let buffer = gpu.storage(&positions);
     let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };

@@ -9,6 +9,7 @@ mod check;
 mod good;
 mod maker;
 mod mutate;
+mod outside;
 mod place;
 mod refuse;
 mod refuse_moving;
@@ -33,6 +34,7 @@ fn main() {
         place::tests,
         animate::tests,
         refuse::tests,
+        outside::tests,
         mutate::tests,
     ] {
         trials.extend(tests());

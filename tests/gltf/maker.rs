@@ -1,6 +1,6 @@
 //! glTF files made by code.
 
-use rimline::gltf::{Asset, GltfError};
+use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
@@ -122,7 +122,8 @@ impl Maker {
     }
 
     pub(crate) fn load(&self) -> Result<Asset, GltfError> {
-        Asset::from_slice(&self.glb(), None, Weld::Keep)
+        let options = LoadOptions { memory_limit: 256 << 20, ..Weld::Keep.into() };
+        Asset::from_slice(&self.glb(), None, options)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Hand-made bad files: each is refused, with its place.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{Asset, GltfError};
+use rimline::gltf::{Asset, GltfError, LoadOptions};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
@@ -85,8 +85,13 @@ fn devices() -> Outcome {
         std::os::unix::fs::symlink("/dev/zero", folder.path().join("endless"))?;
         let mut maker = Maker::square();
         uri(&mut maker, "endless");
-        let result = Asset::from_slice(&maker.glb(), Some(folder.path()), Weld::Keep);
-        ensure(matches!(result, Err(GltfError::Read { .. })), || format!("{result:?}"))?;
+        let load = |allow_outside| {
+            let options = LoadOptions { allow_outside, ..Weld::Keep.into() };
+            Asset::from_slice(&maker.glb(), Some(folder.path()), options)
+        };
+        let (result, allowed) = (load(false), load(true));
+        ensure(matches!(result, Err(GltfError::Outside { .. })), || format!("{result:?}"))?;
+        ensure(matches!(allowed, Err(GltfError::Read { .. })), || format!("allowed: {allowed:?}"))?;
     }
     Ok(())
 }
@@ -98,18 +103,18 @@ fn amplified() -> Outcome {
     let mesh = json!({ "primitives": [{ "attributes": { "POSITION": zeros } }] });
     maker.json["meshes"] = json!(vec![mesh; 5000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("meshes: {many:?}"))?;
+    ensure(matches!(many, Err(GltfError::TooLarge { .. })), || format!("meshes: {many:?}"))?;
     let mut maker = Maker::square();
     let indices = maker.indices(U8, &vec![0; 30_000]);
     let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": indices });
     maker.json["meshes"][0]["primitives"] = json!(vec![primitive; 5000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("primitives: {many:?}"))?;
+    ensure(matches!(many, Err(GltfError::TooLarge { .. })), || format!("primitives: {many:?}"))?;
     let mut maker = Maker::skinned([0; 4], [1.0; 4]);
     maker.json["skins"][0]["joints"] = json!(vec![1; 20_000]);
     maker.json["nodes"].as_array_mut().expect("a list").extend(vec![json!({ "mesh": 0, "skin": 0 }); 2000]);
     let many = maker.load().map(|_| ());
-    ensure(matches!(many, Err(GltfError::TooMuch { .. })), || format!("palettes: {many:?}"))
+    ensure(matches!(many, Err(GltfError::TooLarge { .. })), || format!("palettes: {many:?}"))
 }
 
 fn deep() -> Outcome {

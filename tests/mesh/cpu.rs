@@ -1,3 +1,4 @@
 //! Meshes: welding and edge records.
 
 mod topology;
+mod weld;

@@ -1,7 +1,8 @@
 //! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
 
 use rimline::gpu::{
-    MemoryError, PositionBuffer, PositionError, QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
+    Extractor, ExtractorOptions, MemoryError, PositionBuffer, PositionError, QueryError, ShadowQuery, ShadowQueryError,
+    ShadowQueryOptions, StaleExtraction,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::FaceCluster;
@@ -23,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow_depth_does_not_depend_on_skipping_or_splitting", splits),
     ("shadow_depth_on_small_limits_and_any_stride", small_limits),
     ("shadow_depth_refuses_with_typed_errors", refusals),
+    ("shadow_depth_of_an_extraction", extractions),
 ];
 
 /// Where points and positions lie: offset and stride.
@@ -220,8 +222,7 @@ fn refusals() -> Result<(), String> {
     });
     let at = |buffer, offset, stride| PositionBuffer { buffer, offset, stride };
     let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
-    let cases: [Refused<'_>; 8] = [
-        ("no lights", good, 1, vec![], |error| matches!(error, QueryError::Light(LightError::NoRoom))),
+    let cases: [Refused<'_>; 7] = [
         ("many lights", good, 1, vec![light; 3], |error| {
             matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
         }),
@@ -247,6 +248,46 @@ fn refusals() -> Result<(), String> {
     for (what, [positions, points], count, lights, fits) in cases {
         gpu.submit(|encoder| expect(what, query.encode_at(encoder, positions, points, count, &lights, None), fits))?;
     }
-    // Without a fault nothing is refused.
-    gpu.submit(|encoder| query.encode_at(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text))
+    // Without a fault nothing is refused, and no lights are none.
+    gpu.submit(|encoder| {
+        query.encode_at(encoder, good[0], good[1], 10, &[light; 2], None).map_err(text)?;
+        query.encode_at(encoder, good[0], good[1], 10, &[], None).map_err(text)
+    })
+}
+
+/// A query of an extraction finds what a query of its positions and lights does; one of another mesh, or one whose
+/// extractor went on, is refused.
+fn extractions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::torus(30, 20, 1.0, 0.4);
+    let (mesh, other) = (mesh_of(&shape)?, mesh_of(&shape)?);
+    let options = ShadowQueryOptions { max_points: 50, max_lights: 2, ..ShadowQueryOptions::default() };
+    let new = |mesh| ShadowQuery::new(&gpu.pipelines, mesh, options).map_err(text);
+    let (mut query, mut of_other) = (new(&mesh)?, new(&other)?);
+    let mut of_clone = new(&mesh.clone())?;
+    let lights = [Light::point([2.5, 1.5, 3.0]), Light::directional([0.3, 1.0, 0.2])];
+    let buffer = gpu.storage(&interleaved(&shape.positions, 256, 20));
+    let bound = PositionBuffer { buffer: &buffer, offset: 256, stride: 20 };
+    let points: Vec<[f32; 3]> = shape.positions.iter().take(50).map(|p| p.map(|c| 0.9 * c - 0.05)).collect();
+    let stored = gpu.storage(&points);
+    let at = PositionBuffer { buffer: &stored, offset: 0, stride: 12 };
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })
+        .map_err(text)?;
+    let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+    let read = |query: &ShadowQuery| gpu.read::<i32>(query.depths(), 100);
+    gpu.submit(|encoder| query.encode_at(encoder, bound, at, 50, &lights, None).map_err(text))?;
+    let expected = read(&query)?;
+    must_fail("depths of nothing", &same("depths", &expected, &[0; 100]))?;
+    for query in [&mut query, &mut of_clone] {
+        gpu.submit(|encoder| {
+            encoder.clear_buffer(query.depths(), 0, None);
+            query.encode(encoder, &extraction, at, 50, None).map_err(text)
+        })?;
+        same("depths of an extraction", &read(query)?, &expected)?;
+    }
+    let refused = gpu.submit(|encoder| Ok(of_other.encode(encoder, &extraction, at, 50, None)))?;
+    same("another mesh", &[refused], &[Err(QueryError::OtherMesh)])?;
+    gpu.submit(|encoder| extractor.encode(encoder, bound, &lights[..1], None).map_err(text))?;
+    let refused = gpu.submit(|encoder| Ok(query.encode(encoder, &extraction, at, 50, None)))?;
+    same("an extraction of before", &[refused], &[Err(StaleExtraction.into())])
 }

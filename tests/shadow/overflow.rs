@@ -103,7 +103,7 @@ fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
             let text = |error: &dyn std::fmt::Display| error.to_string();
             let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);
-            let found = cpu::extract(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
+            let found = cpu::extract_by(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| text(&error))?;
             let edges = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
             let edges = edges.map(|(edge, _)| {

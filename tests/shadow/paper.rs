@@ -64,7 +64,7 @@ fn twin(frame: &Frame, chosen: &[Vec<ShadowLight>]) -> Result<Vec<u32>, String> 
             let mesh =
                 Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| error.to_string())?;
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);
-            let found = cpu::extract(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
+            let found = cpu::extract_by(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| error.to_string())?;
             let silhouettes =
                 mesh.edges().vertices().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);

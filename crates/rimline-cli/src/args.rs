@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use rimline::gltf::LoadOptions;
 use rimline::mesh::Weld;
 
 use crate::bench::args::BenchArgs;
+use crate::load_args::LoadArgs;
 use crate::query::args::QueryArgs;
 use crate::shadow::args::{FilmArgs, ShadowArgs};
 use crate::spec::{self, LightSpec};
@@ -20,11 +22,15 @@ pub(crate) struct Cli {
 
 const LONG_ABOUT: &str = "\
 Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
-software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).";
+software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).
+
+Every file that is read is a regular file, or `-` for standard input (once; a glTF that comes so can name no other \
+files). A result never replaces a file that is read. It is written beside its place and takes its name when it is \
+complete; a pipe or device, /dev/stdout too, gets it whole, and what would be printed there goes to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
-5 `verify` found other bits, 130 stopped by Ctrl-C.";
+5 `verify` found other bits, 128 and its number if a signal stopped it: 130 for Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
@@ -51,16 +57,19 @@ pub(crate) enum Command {
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb or .npz file; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
+    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
     weld: WeldArgs,
+
+    #[command(flatten)]
+    load: LoadArgs,
 }
 
 impl ModelArgs {
-    pub(crate) fn weld(&self) -> Weld {
-        self.weld.weld()
+    pub(crate) fn options(&self) -> LoadOptions {
+        self.load.options(self.weld.weld())
     }
 }
 
@@ -100,7 +109,7 @@ pub(crate) struct MomentArgs {
     pub(crate) pose: PoseArgs,
 
     /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin; needs a GPU
+    /// after morph and skin; needs a GPU; - for standard input
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -218,7 +227,7 @@ pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) moment: MomentArgs,
 
-    /// Where to write the picture
+    /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png")]
     pub(crate) out: PathBuf,
 }
@@ -286,7 +295,7 @@ Keys of --json: adapters, a list of name, backend, type, driver, driver_info, us
 as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
 
 #[derive(Args, Debug)]
-#[command(after_help = VERIFY_EXAMPLES)]
+#[command(after_help = VERIFY_EXAMPLES, mut_args(when_making))]
 pub(crate) struct VerifyArgs {
     /// The folder of .npz files that `rimline extract` or `rimline verify --make` wrote
     #[arg(value_name = "DIR")]
@@ -301,6 +310,9 @@ pub(crate) struct VerifyArgs {
     #[arg(value_name = "MODEL", requires = "make")]
     pub(crate) models: Vec<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+
     /// With --make: about how many faces a stress scene has
     #[arg(long, value_name = "N", requires = "make", default_value = "2000")]
     pub(crate) faces: usize,
@@ -313,6 +325,11 @@ pub(crate) struct VerifyArgs {
     /// Print JSON instead of text
     #[arg(long, conflicts_with = "make")]
     pub(crate) json: bool,
+}
+
+/// What `verify` reads models with goes with --make, too.
+fn when_making(arg: clap::Arg) -> clap::Arg {
+    if arg.get_id() == "memory_limit" || arg.get_id() == "allow_outside" { arg.requires("make") } else { arg }
 }
 
 const VERIFY_EXAMPLES: &str = "\

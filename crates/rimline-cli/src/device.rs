@@ -138,6 +138,26 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     }
 }
 
+/// Does the work on the device. Where `auto` chose a GPU that the work does not fit, the CPU does it, and a remark says
+/// so. Returns the device that did it.
+pub(crate) fn work<T>(
+    wanted: &Wanted,
+    device: Device,
+    mut run: impl FnMut(&Device) -> Result<T, Failure>,
+) -> Result<(Device, T), Failure> {
+    match run(&device) {
+        Err(Failure::NoDevice(NoDevice::TooSmall { adapter, reason, cpu_would_do: true }))
+            if *wanted == Wanted::Auto =>
+        {
+            // Its memory is given back first.
+            drop(device);
+            note(&format!("working on the CPU, since the model does not fit the adapter {adapter}: {reason}"));
+            run(&Device::Cpu).map(|done| (Device::Cpu, done))
+        }
+        done => Ok((device, done?)),
+    }
+}
+
 fn lower_first(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_lowercase().chain(chars).collect())
@@ -198,6 +218,12 @@ pub(crate) fn backend_name(backend: Backend) -> &'static str {
     }
 }
 
+/// `RIMLINE_BUFFER_LIMIT`, the most bytes that a GPU's buffer and binding may have: makes a small device of a large one, to
+/// try what happens there.
+fn buffer_limit() -> Option<u64> {
+    std::env::var("RIMLINE_BUFFER_LIMIT").ok()?.parse().ok()
+}
+
 fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
     let name = || describe(&adapter.get_info());
     if let Some(lacking) = lacks(adapter) {
@@ -211,6 +237,14 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
         max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
         max_texture_dimension_2d: offered.max_texture_dimension_2d,
         ..Limits::default().or_worse_values_from(&offered)
+    };
+    let limits = match buffer_limit() {
+        None => limits,
+        Some(most) => Limits {
+            max_buffer_size: limits.max_buffer_size.min(most),
+            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size.min(most),
+            ..limits
+        },
     };
     let features = OPTIONAL_FEATURES.iter().fold(Features::empty(), |all, &(feature, _)| all | feature);
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -231,7 +265,9 @@ fn request(adapter: &wgpu::Adapter) -> Result<Gpu, NoDevice> {
     let record_error = record.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         record_error(match error {
-            wgpu::Error::OutOfMemory { .. } => "it is out of memory; try a smaller mesh or fewer lights".into(),
+            wgpu::Error::OutOfMemory { .. } => {
+                "it is out of memory; try a smaller model, a smaller picture or fewer lights".into()
+            }
             error => error.to_string(),
         });
     }));
@@ -262,5 +298,36 @@ impl Gpu {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
         polled.map(|_| ()).map_err(|error| self.failed(&error.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::failure::UsageError;
+
+    /// What becomes of work that fails once, and how often it ran.
+    fn tried(wanted: &Wanted, failure: impl Fn() -> Failure) -> (Result<Device, Failure>, u32) {
+        let mut runs = 0;
+        let first = || -> Result<(), Failure> { Err(failure()) };
+        let done = work(wanted, Device::Cpu, |_| {
+            runs += 1;
+            if runs == 1 { first() } else { Ok(()) }
+        });
+        (done.map(|(device, ())| device), runs)
+    }
+
+    #[test]
+    fn only_auto_falls_back_and_only_from_a_model_that_does_not_fit() {
+        let too_small = |cpu_would_do| {
+            move || NoDevice::TooSmall { adapter: "A".into(), reason: "too many vertices".into(), cpu_would_do }.into()
+        };
+        assert!(matches!(tried(&Wanted::Auto, too_small(true)), (Ok(Device::Cpu), 2)));
+        for wanted in [Wanted::Gpu, Wanted::Named("A".into())] {
+            assert!(matches!(tried(&wanted, too_small(true)), (Err(Failure::NoDevice(_)), 1)));
+        }
+        assert!(matches!(tried(&Wanted::Auto, too_small(false)), (Err(Failure::NoDevice(_)), 1)));
+        let usage = || UsageError::NoFileLights.into();
+        assert!(matches!(tried(&Wanted::Auto, usage), (Err(Failure::Usage(_)), 1)));
     }
 }

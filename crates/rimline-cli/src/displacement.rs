@@ -7,11 +7,12 @@ use rimline::Displacement;
 use crate::args::PoseArgs;
 use crate::failure::{Failure, InputError};
 use crate::output::note;
+use crate::source;
 
 /// Reads and checks it.
 pub(crate) fn read(file: &Path) -> Result<Displacement, Failure> {
     let read = || -> Result<Displacement, InputError> {
-        let displacement = Displacement::new(&std::fs::read_to_string(file)?)?;
+        let displacement = Displacement::new(&source::read_text(file)?)?;
         if displacement.uses_resources() {
             return Err(InputError::DisplacementResources);
         }

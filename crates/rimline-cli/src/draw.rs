@@ -13,31 +13,38 @@ use rimline::{Light, wgpu};
 
 use crate::args::DrawArgs;
 use crate::device::{self, Gpu, Wanted};
+use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, NoDevice, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::input::Shape;
 use crate::moment::Moment;
 use crate::output::Output;
+use crate::overwrite::Inputs;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::Camera;
-use crate::render::{centre, check_size, extent, normals};
+use crate::render::{centre, check_size, extent, normals, too_large};
 use frame::Frame;
 use picture::Subject;
 
 /// Degrees that the eye is above the model by default.
 const ELEVATION: f64 = 17.0;
 
+/// Bytes of a pixel in the largest arrays: four samples of colour or depth.
+const PIXEL_BYTES: u64 = 4 * 4;
+
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let wanted = Wanted::parse(&args.moment.device.device);
     if wanted == Wanted::Cpu {
         return Err(UsageError::DrawOnCpu.into());
     }
+    ending::check(&args.out, Written::Png)?;
     let progress = Progress::start();
     progress.step("reading the model");
     let moment = Moment::read(&args.moment, &args.model)?;
     let scene = moment.scene()?;
+    Inputs::new(moment.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
@@ -79,7 +86,12 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         extraction: &extraction,
     };
     let frame = Frame::new(&camera, args.view.size, &bounds);
-    let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject).map_err(fail)?;
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
+    if pollster::block_on(scope.pop()).is_some() {
+        return Err(too_large(&gpu, args.view.size, PIXEL_BYTES).into());
+    }
+    let texture = texture.map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     let picture = Picture::read(&gpu, &texture).map_err(fail)?;
     gpu.check()?;

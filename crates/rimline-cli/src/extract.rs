@@ -12,10 +12,12 @@ use rimline::{Light, Predicate};
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
 use crate::device::Device;
+use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
 use crate::moment::Moment;
 use crate::output::{Output, print};
+use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::times::Times;
 use report::Report;
@@ -42,6 +44,7 @@ pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[
 
 pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let (method, predicate) = way(args)?;
+    ending::check(&args.out, Written::Npz)?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
@@ -49,29 +52,33 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let lights = moment.lights(&args.lights)?;
     progress.step("building edge records");
     let scene = times.measure("topology", || moment.scene())?;
+    Inputs::new(moment.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
-    let device = moment.device()?;
-    progress.step("extracting");
-    let (found, adapter) = match &device {
-        Device::Cpu => (on_cpu::extract(&scene, &lights, method, predicate, &mut times), device.name()),
-        Device::Gpu(gpu) => {
-            let job = on_gpu::Job {
-                scene: &scene,
-                lights: &lights,
-                method,
-                predicate,
-                displacement: moment.displacement.as_ref(),
-                time_s: moment.time_s(),
-            };
-            (job.run(gpu, &mut times)?, device.name())
-        }
-    };
+    let (device, (found, mut times)) = moment.work(|device| {
+        progress.step("extracting");
+        let mut times = times.clone();
+        let found = match device {
+            Device::Cpu => on_cpu::extract(&scene, &lights, method, predicate, &mut times),
+            Device::Gpu(gpu) => {
+                let job = on_gpu::Job {
+                    scene: &scene,
+                    lights: &lights,
+                    method,
+                    predicate,
+                    displacement: moment.displacement.as_ref(),
+                    time_s: moment.time_s(),
+                };
+                job.run(gpu, &mut times)?
+            }
+        };
+        Ok((found, times))
+    })?;
     progress.step("writing");
     let mesh = &scene.mesh;
     times.measure("write", || output.finish(|file| arrays::write(file, mesh, &lights, &found)))?;
-    let report = Report::new(mesh, &lights, &found, (method, predicate), adapter, times);
+    let report = Report::new(mesh, &lights, &found, (method, predicate), device.name(), times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }

@@ -5,14 +5,16 @@ use std::process::ExitCode;
 
 use rimline::{CameraError, LightError, MeshError};
 
+use crate::load_args::size;
 use crate::npz::NpzError;
+use crate::shown::Line;
 use crate::spec::SpecError;
 
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// The model file, or what is in it.
-    #[error("{}: {source}", .file.display())]
+    #[error("{}: {source}", Line(.file.display()))]
     Input {
         file: PathBuf,
         #[source]
@@ -28,7 +30,7 @@ pub(crate) enum Failure {
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
     /// `verify` found what should not be.
-    #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
+    #[error("{}: {different} of {checked} checks found other bits than the files hold", Line(.folder.display()))]
     Differs { folder: PathBuf, different: usize, checked: usize },
     /// `verify` could not do all of its checks.
     #[error("{count} of the checks could not be done; the first: {first}")]
@@ -37,7 +39,7 @@ pub(crate) enum Failure {
     #[error("stopped; what was finished is kept")]
     Interrupted,
     /// The result could not be written.
-    #[error("{}: cannot be written: {source}", .file.display())]
+    #[error("{}: cannot be written: {source}", Line(.file.display()))]
     Output {
         file: PathBuf,
         #[source]
@@ -52,17 +54,27 @@ pub(crate) enum InputError {
     Read(#[from] std::io::Error),
     #[error("it is none of .gltf, .glb and .npz, the formats that can be read")]
     Format,
-    #[error(transparent)]
+    #[error("{}", Line(.0))]
     Gltf(#[from] rimline::gltf::GltfError),
-    #[error(transparent)]
+    #[error(
+        "{what}: reading it takes at least {} of memory, more than the limit of {}; if it is meant to be that large, give \
+         a larger --memory-limit", size(*.needed), size(*.limit)
+    )]
+    TooLarge { what: String, needed: u64, limit: u64 },
+    #[error(
+        "{place}: {uri:?} leads to {}, outside the file's folder, and is not read; if you trust the file, give \
+         --allow-outside", .path.display()
+    )]
+    Outside { place: String, uri: String, path: PathBuf },
+    #[error("{}", Line(.0))]
     Pose(#[from] rimline::gltf::PoseError),
-    #[error(transparent)]
+    #[error("{}", Line(.0))]
     Npz(#[from] NpzError),
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
-    #[error(transparent)]
+    #[error("{}", Line(.0))]
     Displacement(#[from] rimline::DisplaceError),
     #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
     DisplacementResources,
@@ -72,7 +84,7 @@ pub(crate) enum InputError {
     NoFinitePosition,
     #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
     NoArchives,
-    #[error("it has the same name as {}, and both would be written to the same file; rename one", .other.display())]
+    #[error("it has the same name as {}, and both would be written to the same file; rename one", Line(.other.display()))]
     SameName { other: PathBuf },
 }
 
@@ -85,11 +97,11 @@ pub(crate) enum UsageError {
     ExactPerEdge,
     #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
     DrawOnCpu,
-    #[error("there is no animation `{wanted}`; {there}")]
+    #[error("there is no animation `{}`; {}", Line(.wanted), Line(.there))]
     Animation { wanted: String, there: String },
     #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
     NoFileLights,
-    #[error("the file has no light `{wanted}`; it has {}", listed(.there))]
+    #[error("the file has no light `{}`; it has {}", Line(.wanted), Line(listed(.there)))]
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
@@ -100,18 +112,33 @@ pub(crate) enum UsageError {
     #[error("--area averages lights, which --mode {0} cannot; leave one of them out")]
     AreaMode(String),
     #[error(
-        "--size {width}x{height} takes {needed} MiB to draw, more than the {limit} MiB that {adapter} has for one array"
+        "--size {width}x{height} takes {needed} MiB to draw, more than {adapter} has for one array; try --size {}x{}",
+        .fits[0], .fits[1]
     )]
-    PictureMemory { width: u32, height: u32, needed: u64, limit: u64, adapter: String },
+    PictureMemory { width: u32, height: u32, needed: u64, adapter: String, fits: [u32; 2] },
     #[error("nothing moves, since no file has an animation; give --displace, or how many --frames")]
     NoAnimation,
     #[error(
         "--displace has no end of its own; say how many --frames or --seconds the film has, or name an --animation"
     )]
     EndlessDisplacement,
-    #[error("--out and --mask would both write {}; change one of them", .file.display())]
+    #[error("--out and --mask would both write {}; change one of them", Line(.file.display()))]
     SameOutput { file: PathBuf },
-    #[error("the file's light `{name}`: {problem}")]
+    #[error("{} is an input, {}, which the result would be written over; choose another name", Line(.out.display()), Line(.input.display()))]
+    OutputIsInput { out: PathBuf, input: PathBuf },
+    #[error("{} is written as {what}; give a name that ends in .{own}", Line(.out.display()))]
+    Ending { out: PathBuf, what: &'static str, own: &'static str },
+    #[error(
+        "{} looks like a file, but --out is a folder for numbered PNG files; give its name (a program such as ffmpeg makes a \
+         video of them)", Line(.out.display())
+    )]
+    FolderEnding { out: PathBuf },
+    #[error(
+        "{} has {count} of another film, which is longer or numbered otherwise: {} and so on; remove them or choose another \
+         folder", Line(.folder.display()), Line(.first.display())
+    )]
+    OtherFilm { folder: PathBuf, first: PathBuf, count: String },
+    #[error("the file's light `{}`: {problem}", Line(.name))]
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
@@ -121,7 +148,7 @@ pub(crate) enum UsageError {
     Scene { wanted: String, there: String },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
-    #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw")]
+    #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw; take fewer")]
     Size { width: u32, height: u32, limit: u32, adapter: String },
 }
 
@@ -162,7 +189,7 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 130 stopped.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 + the signal that stopped it.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Input { .. } => 1,
@@ -172,7 +199,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => return first.exit_code(),
             // 128 and the number of the signal, as shells have it.
-            Self::Interrupted => 130,
+            Self::Interrupted => crate::output::interrupted_code(),
         })
     }
 }

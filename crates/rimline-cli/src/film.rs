@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use rimline::wgpu;
 
+use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source};
 use crate::output::{Folder, Output, print};
+use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
@@ -17,12 +19,14 @@ use crate::shadow::counts::CountBound;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::set::{Props, Set, open_gpu};
 use crate::shadow::studio::Studio;
+use crate::shown::Line;
 
 /// Moments that the camera is chosen by: it must see all of the motion.
 const LOOKS: u32 = 12;
 
 pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let scene = &args.scene;
+    ending::check_folder(&args.out)?;
     let progress = Progress::start();
     progress.step("reading the models");
     let mut props = Props::read(scene)?;
@@ -32,6 +36,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let frames = frames(args, &props)?;
     let time = |frame: u32| scene.moment.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
+    let inputs = Inputs::new(props.files(scene));
+    (0..frames).try_for_each(|frame| inputs.spare(&file(frame)))?;
+    check_earlier(&args.out, frames)?;
     let _folder = Folder::create(&args.out)?;
     let mut output = Some(Output::create(&file(0))?);
 
@@ -76,11 +83,15 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         bound = bound.max(CountBound::read(&gpu, &casters, set.samples()).map_err(|error| fail(error.into()))?);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
+        if frame == 0 {
+            remove_earlier((1..frames).map(file))?;
+        }
         progress.picture_done();
     }
     drop(progress);
     bound.warn();
-    print(&format!("{frames} pictures, {} to {}\n", file(0).display(), file(frames - 1).display()))
+    let [first, last] = [file(0), file(frames - 1)];
+    print(&format!("{frames} pictures, {} to {}\n", Line(first.display()), Line(last.display())))
 }
 
 /// How many pictures are asked for, or make up the longest animation.
@@ -108,6 +119,36 @@ fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
     Ok(frames as u32)
 }
 
+/// Refuses a folder with pictures of a film that this one does not replace: they would stand among its own.
+fn check_earlier(folder: &Path, frames: u32) -> Result<(), Failure> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    let is_other = |path: &PathBuf| match frame_number(path) {
+        Some(frame) => frame >= u64::from(frames) || frame_file(folder, frame as u32, frames) != *path,
+        None => false,
+    };
+    let mut others: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_other).collect();
+    others.sort();
+    let Some(first) = others.first() else { return Ok(()) };
+    let count = if others.len() == 1 { "a picture".to_owned() } else { format!("{} pictures", others.len()) };
+    Err(UsageError::OtherFilm { folder: folder.to_owned(), first: first.clone(), count }.into())
+}
+
+/// The number of a file that is named as pictures are: four digits or more, and nothing else.
+fn frame_number(path: &Path) -> Option<u64> {
+    let digits = path.file_name()?.to_str()?.strip_suffix(".png")?;
+    let is_number = digits.len() >= 4 && digits.bytes().all(|digit| digit.is_ascii_digit());
+    is_number.then(|| digits.parse().unwrap_or(u64::MAX))
+}
+
+/// Removes the pictures of an earlier film that this one is going to replace, so that one that is stopped leaves only its
+/// own.
+fn remove_earlier(files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    for file in files.filter(|file| file.symlink_metadata().is_ok_and(|there| there.is_file())) {
+        std::fs::remove_file(&file).map_err(|source| Failure::Output { file, source })?;
+    }
+    Ok(())
+}
+
 /// Four digits or as many as it takes.
 fn frame_file(folder: &Path, frame: u32, frames: u32) -> PathBuf {
     let digits = (frames - 1).to_string().len().max(4);
@@ -117,6 +158,15 @@ fn frame_file(folder: &Path, frame: u32, frames: u32) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_of_other_films() {
+        assert_eq!(frame_number(Path::new("a/0007.png")), Some(7));
+        for other in ["a/007.png", "a/0007.PNG", "a/0007.jpg", "a/x0007.png", "a/+007.png", "0007"] {
+            assert_eq!(frame_number(Path::new(other)), None, "{other}");
+        }
+        assert_eq!(frame_number(Path::new("99999999999999999999999.png")), Some(u64::MAX));
+    }
 
     #[test]
     fn frames_are_numbered_in_their_folder() {

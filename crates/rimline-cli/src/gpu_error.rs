@@ -53,7 +53,6 @@ impl GpuError {
             _ => {}
         }
         match (self.memory(), self.lights()) {
-            (Some(MemoryError::OutOfMemory { .. }), _) => gpu.failed(&self.to_string()),
             (Some(memory), _) => {
                 let (adapter, reason) = (describe(&gpu.info), memory.to_string());
                 NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()

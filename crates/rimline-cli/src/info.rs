@@ -12,6 +12,7 @@ use crate::args::InfoArgs;
 use crate::failure::Failure;
 use crate::input::{Input, Shape, Source};
 use crate::output::print;
+use crate::shown::Line;
 use report::MeshReport;
 use text::Text;
 
@@ -63,14 +64,14 @@ impl Report {
     }
 
     fn text(&self, input: &Input) -> Result<String, Failure> {
-        let mut text = Text::titled(&input.file.display());
+        let mut text = Text::titled(&Line(input.file.display()));
         text.line("meshes", self.meshes.len());
         text.line("instances", input.model().instances.len());
         if let Source::Gltf(asset) = &input.source {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }
         for (index, mesh) in self.meshes.iter().enumerate() {
-            let name = mesh.name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\""));
+            let name = mesh.name.as_ref().map_or_else(String::new, |name| format!(" \"{}\"", Line(name)));
             text.heading(format!("mesh {index}{name}, in its own space"));
             text.mesh(mesh);
         }

@@ -1,12 +1,11 @@
 //! The model file, whatever its format, and the mesh it makes at one moment.
 
-use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
-use rimline::gltf::{AnimationInfo, Asset, GltfError, SceneLight};
-use rimline::mesh::{Weld, WeldCounts};
+use rimline::gltf::{AnimationInfo, Asset, GltfError, LoadOptions, SceneLight};
+use rimline::mesh::WeldCounts;
 use rimline::model::{Geometry, Instance, InstancePose};
 use rimline::reference::light::check_lights;
 use rimline::{Light, LightError, Mesh, Model, Pose};
@@ -14,6 +13,7 @@ use rimline::{Light, LightError, Mesh, Model, Pose};
 use crate::args::{ModelArgs, PoseArgs};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::npz;
+use crate::source;
 use crate::spec::LightSpec;
 
 /// A model file in memory.
@@ -55,12 +55,21 @@ pub(crate) enum Shape<'a> {
 
 impl Input {
     pub(crate) fn open(args: &ModelArgs) -> Result<Self, Failure> {
-        Self::read(&args.file, args.weld())
+        Self::read(&args.file, args.options())
     }
 
-    pub(crate) fn read(file: &Path, weld: Weld) -> Result<Self, Failure> {
-        let source = open(file, weld).map_err(Failure::input(file))?;
+    pub(crate) fn read(file: &Path, options: LoadOptions) -> Result<Self, Failure> {
+        let source = open(file, options).map_err(Failure::input(file))?;
         Ok(Self { file: file.to_owned(), source })
+    }
+
+    /// The file, and those that it names, textures included.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let named = match &self.source {
+            Source::Gltf(asset) => asset.named_files(),
+            Source::Npz { .. } => &[],
+        };
+        std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
     }
 
     pub(crate) fn model(&self) -> &Model {
@@ -180,35 +189,54 @@ pub(crate) fn animation_name(index: usize, info: &AnimationInfo) -> String {
 }
 
 /// Opens a file by its ending, or, where that says nothing, by how it begins.
-fn open(file: &Path, weld: Weld) -> Result<Source, InputError> {
+fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
+    if source::is_stdin(file) {
+        return open_stdin(options);
+    }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     if let Some("gltf" | "glb") = ending.as_deref() {
-        return open_gltf(file, weld);
+        return open_gltf(file, options);
     }
-    let mut reader = BufReader::with_capacity(1 << 18, File::open(file)?);
+    let mut reader = source::open(file)?;
     if ending.as_deref() == Some("npz") {
-        return open_npz(reader, weld);
+        return open_npz(reader, options);
     }
     let mut start = Vec::new();
     reader.by_ref().take(4).read_to_end(&mut start)?;
     reader.rewind()?;
     match start.as_slice() {
-        b"glTF" => open_gltf(file, weld),
-        b"PK\x03\x04" => open_npz(reader, weld),
+        b"glTF" => open_gltf(file, options),
+        b"PK\x03\x04" => open_npz(reader, options),
         _ => Err(InputError::Format),
     }
 }
 
-fn open_gltf(file: &Path, weld: Weld) -> Result<Source, InputError> {
-    match Asset::open(file, weld) {
+/// Standard input, by how it begins.
+fn open_stdin(options: LoadOptions) -> Result<Source, InputError> {
+    let bytes = source::read(Path::new("-"))?;
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes).trim_ascii_start();
+    match &*bytes {
+        [b'P', b'K', 3, 4, ..] => open_npz(Cursor::new(bytes), options),
+        _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
+            Ok(Source::Gltf(Box::new(Asset::from_slice(&bytes, None, options)?)))
+        }
+        _ => Err(InputError::Format),
+    }
+}
+
+fn open_gltf(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
+    match Asset::open(file, options) {
         Ok(asset) => Ok(Source::Gltf(Box::new(asset))),
         // The file is named already; only other files that it names need to be.
         Err(GltfError::Read { path, source }) if path == file => Err(InputError::Read(source)),
+        // The advice is to give the options of the command.
+        Err(GltfError::TooLarge { what, needed, limit }) => Err(InputError::TooLarge { what, needed, limit }),
+        Err(GltfError::Outside { place, uri, path }) => Err(InputError::Outside { place, uri, path }),
         Err(error) => Err(error.into()),
     }
 }
 
-fn open_npz(reader: impl Read + Seek, weld: Weld) -> Result<Source, InputError> {
+fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
     let arrays = npz::read(reader)?;
     let geometry = Geometry {
         source_vertices: (0..arrays.positions.len() as u32).collect(),
@@ -216,7 +244,7 @@ fn open_npz(reader: impl Read + Seek, weld: Weld) -> Result<Source, InputError> 
         faces: arrays.faces,
         ..Geometry::default()
     };
-    let (geometry, weld) = geometry.welded(weld);
+    let (geometry, weld) = geometry.welded(options.weld);
     let model = Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] };
     Ok(Source::Npz { model, weld })
 }

@@ -8,6 +8,7 @@ mod device;
 mod devices;
 mod displacement;
 mod draw;
+mod ending;
 mod extract;
 mod failure;
 mod film;
@@ -15,32 +16,40 @@ mod gpu_error;
 mod image;
 mod info;
 mod input;
+mod interrupt;
+mod load_args;
 mod moment;
 mod npz;
 mod output;
+mod overwrite;
 mod page;
 mod positions;
 mod progress;
 mod query;
 mod render;
 mod shadow;
+mod shown;
+mod source;
 mod spec;
+mod target;
 mod times;
 mod verify;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
+use crate::shown::{Line, Text};
 
 fn main() -> ExitCode {
     // Drivers and wgpu talk a lot; whoever wants to hear them sets RUST_LOG.
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("off,rimline=warn"))
-        .format_timestamp(None)
+        .format(|to, record| writeln!(to, "[{:<5} {}] {}", record.level(), record.target(), Text(record.args())))
         .init();
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| refuse(&error));
     match run(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -48,6 +57,19 @@ fn main() -> ExitCode {
             failure.exit_code()
         }
     }
+}
+
+/// Prints what the parser says, help too, and ends. It cites arguments as they are, and a shell puts names of files there.
+fn refuse(error: &clap::Error) -> ! {
+    let is_tame = |argument: std::ffi::OsString| {
+        let argument = argument.to_string_lossy();
+        Line(&argument).to_string() == argument
+    };
+    if std::env::args_os().all(is_tame) {
+        error.exit();
+    }
+    let _ = writeln!(std::io::stderr(), "{}", Line(error.render()));
+    std::process::exit(error.exit_code());
 }
 
 fn run(command: &Command) -> Result<(), Failure> {

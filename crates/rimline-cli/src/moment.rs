@@ -1,5 +1,7 @@
 //! A model at a moment: what `extract`, `query` and `draw` read before they open a device.
 
+use std::path::Path;
+
 use rimline::{Displacement, Light};
 
 use crate::args::{ModelArgs, MomentArgs};
@@ -29,6 +31,11 @@ impl<'a> Moment<'a> {
         Ok(Self { args, input, animation, displacement })
     }
 
+    /// The files that were read, and those that the model names.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.input.files().chain(self.args.displace.as_deref())
+    }
+
     pub(crate) fn time_s(&self) -> f32 {
         self.args.pose.time
     }
@@ -42,8 +49,13 @@ impl<'a> Moment<'a> {
         self.input.scene(self.animation, self.time_s(), self.displacement.is_some())
     }
 
+    /// Does the work on the device that was asked for, or on the CPU where that may be and must be. Returns the device.
+    pub(crate) fn work<T>(&self, run: impl FnMut(&Device) -> Result<T, Failure>) -> Result<(Device, T), Failure> {
+        device::work(&Wanted::parse(&self.args.device.device), self.device()?, run)
+    }
+
     /// Opens the device, which must be a GPU to displace vertices.
-    pub(crate) fn device(&self) -> Result<Device, Failure> {
+    fn device(&self) -> Result<Device, Failure> {
         let mut device = device::open(&Wanted::parse(&self.args.device.device))?;
         if self.displacement.is_some() {
             match &mut device {

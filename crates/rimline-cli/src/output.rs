@@ -1,23 +1,38 @@
 //! Output files that are whole or not there, and text for pipes.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::fs::{File, Metadata};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
+use tempfile::TempPath;
+
 use crate::failure::Failure;
+use crate::interrupt;
+use crate::shown::{Line, Text};
+use crate::target::{self, Target, check_parent};
+
+/// Whether a result goes to standard output, so that text cannot.
+static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
 
 /// The files being written, for the handler of Ctrl-C to remove.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A file that takes its name only once it is complete: it is written beside its target and then renamed. Dropped
-/// before, or stopped by Ctrl-C, it is removed.
+/// A result's file. It takes its name only once it is complete: it is written beside its target and then renamed. What is
+/// no regular file, a pipe or a device, gets the complete result instead. Dropped before, or stopped by a signal, the
+/// partial file is removed.
 #[derive(Debug)]
 pub(crate) struct Output {
-    target: PathBuf,
-    temporary: PathBuf,
+    name: PathBuf,
+    place: Place,
     file: Option<BufWriter<File>>,
+}
+
+#[derive(Debug)]
+enum Place {
+    Beside { temporary: TempPath, target: PathBuf },
+    Through { to: File, is_cut: bool },
 }
 
 impl Output {
@@ -26,25 +41,19 @@ impl Output {
         Self::start(target).map_err(|source| Failure::Output { file: target.to_owned(), source })
     }
 
-    fn start(target: &Path) -> io::Result<Self> {
-        // Through links, so that the link stays and what it names is replaced.
-        let target = match target.canonicalize() {
-            Ok(existing) if existing.is_file() => existing,
-            Ok(_) => return Err(io::Error::other("it exists and is not a file; choose another name")),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => target.to_owned(),
-            Err(error) => return Err(error),
+    fn start(name: &Path) -> io::Result<Self> {
+        let (place, file) = match target::find(name)? {
+            Target::Replace { path, existing } => {
+                let (temporary, file) = beside(&path, existing.as_ref())?;
+                (Place::Beside { temporary, target: path }, file)
+            }
+            Target::Through { file, is_cut, is_stdout } => {
+                HOLDS_RESULT.fetch_or(is_stdout, Ordering::SeqCst);
+                // Archives are written back and forth, which pipes cannot.
+                (Place::Through { to: file, is_cut }, tempfile::tempfile()?)
+            }
         };
-        check_parent(&target)?;
-        let name = target.file_name().ok_or_else(|| io::Error::other("it is not the name of a file"))?;
-        let mut hidden = std::ffi::OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(".{}.part", std::process::id()));
-        let temporary = target.with_file_name(hidden);
-        remove_at_interrupt();
-        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-        let file = OpenOptions::new().write(true).create_new(true).open(&temporary)?;
-        unfinished.push(temporary.clone());
-        Ok(Self { target, temporary, file: Some(BufWriter::with_capacity(1 << 18, file)) })
+        Ok(Self { name: name.to_owned(), place, file: Some(BufWriter::with_capacity(1 << 18, file)) })
     }
 
     /// Lets `write` fill the file and puts it in its place.
@@ -53,30 +62,77 @@ impl Output {
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     ) -> Result<(), Failure> {
         let complete = |output: &mut Self| -> io::Result<()> {
-            if let Some(mut file) = output.file.take() {
-                write(&mut file).map_err(Into::into)?;
-                // Closed before it is renamed: some systems refuse to rename an open file.
-                file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+            let Some(mut file) = output.file.take() else { return Ok(()) };
+            write(&mut file).map_err(Into::into)?;
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            match &mut output.place {
+                Place::Beside { temporary, target } => {
+                    file.sync_all()?;
+                    // Closed before it is renamed: some systems refuse to rename an open file.
+                    drop(file);
+                    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+                    std::fs::rename(&*temporary, target)?;
+                    unfinished.retain(|path| **path != **temporary);
+                    temporary.disable_cleanup(true);
+                }
+                Place::Through { to, is_cut } => {
+                    if *is_cut {
+                        to.set_len(0)?;
+                    }
+                    file.rewind()?;
+                    io::copy(&mut file, to)?;
+                }
             }
-            let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-            std::fs::rename(&output.temporary, &output.target)?;
-            unfinished.retain(|path| *path != output.temporary);
             Ok(())
         };
-        complete(&mut self).map_err(|source| Failure::Output { file: self.target.clone(), source })
+        complete(&mut self).map_err(|source| Failure::Output { file: self.name.clone(), source })
     }
+}
+
+/// A file in the making beside its target, by a name that nobody has, with the rights of what it is to replace.
+fn beside(target: &Path, existing: Option<&Metadata>) -> io::Result<(TempPath, File)> {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // Short, so that every name that the system takes can be a result's.
+    builder.prefix(".rimline-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let plain = || std::fs::Permissions::from_mode(0o666);
+        builder.permissions(existing.map_or_else(plain, Metadata::permissions));
+    }
+    remove_at_interrupt();
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
+    unfinished.push(temporary.to_path_buf());
+    drop(unfinished);
+    if let Some(existing) = existing {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            // Only who may give files away can; whoever cannot still has the result.
+            let _ = std::os::unix::fs::fchown(&file, Some(existing.uid()), Some(existing.gid()));
+        }
+        file.set_permissions(existing.permissions())?;
+    }
+    Ok((temporary, file))
 }
 
 impl Drop for Output {
     fn drop(&mut self) {
         self.file = None;
-        remove_unfinished(|path| *path == self.temporary);
+        if let Place::Beside { temporary, .. } = &self.place {
+            remove_unfinished(|path| **path == **temporary);
+        }
     }
 }
 
 /// A folder for results: made where it is not there, and removed again if it was and nothing was finished in it.
 #[derive(Debug)]
-pub(crate) struct Folder(PathBuf);
+pub(crate) struct Folder {
+    /// Those made, the innermost first.
+    made: Vec<PathBuf>,
+}
 
 /// The folders made, for the handler of Ctrl-C to remove where they are empty.
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -98,13 +154,26 @@ impl Folder {
             Err(error) => Err(error),
         };
         start().map_err(|source| Failure::Output { file: path.to_owned(), source })?;
-        Ok(Self(path.to_owned()))
+        Ok(Self { made: vec![path.to_owned()] })
+    }
+
+    /// With the folders that it is in.
+    pub(crate) fn create_all(path: &Path) -> Result<Self, Failure> {
+        let mut folder = Self { made: Vec::new() };
+        let missing = path.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists());
+        for path in missing.collect::<Vec<_>>().into_iter().rev() {
+            folder.made.splice(0..0, std::mem::take(&mut Self::create(path)?.made));
+        }
+        folder.made.append(&mut Self::create(path)?.made);
+        Ok(folder)
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        remove_empty(|path| *path == self.0);
+        for folder in &self.made {
+            remove_empty(|path| path == folder);
+        }
     }
 }
 
@@ -116,26 +185,6 @@ fn remove_empty(is_meant: impl Fn(&PathBuf) -> bool) {
     }
 }
 
-/// Whether both name one file, be it there or not.
-pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let named = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(named)
-    };
-    a == b || place(a).is_some_and(|a| Some(a) == place(b))
-}
-
-/// Where a result goes to must be there.
-fn check_parent(target: &Path) -> io::Result<()> {
-    match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            Err(io::Error::other("its folder does not exist; make it first"))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Removes those of the files being written. That it fails can have no remedy here.
 fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -144,9 +193,9 @@ fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
     }
 }
 
-/// Whether Ctrl-C is to be noticed instead of obeyed at once, and whether it came.
+/// Whether a signal is to be noticed instead of obeyed at once, and its number once it came.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
-static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static SIGNAL: AtomicU8 = AtomicU8::new(0);
 
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
@@ -157,29 +206,40 @@ pub(crate) fn finish_at_interrupt() {
 
 /// Whether Ctrl-C came.
 pub(crate) fn is_interrupted() -> bool {
-    IS_INTERRUPTED.load(Ordering::SeqCst)
+    SIGNAL.load(Ordering::SeqCst) != 0
+}
+
+/// The exit code for the signal that came: 128 and its number, as shells have it.
+pub(crate) fn interrupted_code() -> u8 {
+    128 + SIGNAL.load(Ordering::SeqCst)
 }
 
 fn remove_at_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        let handler = || {
-            if IS_FINISHING.load(Ordering::SeqCst) && !IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
+        let handler = |signal: i32| {
+            let is_first = SIGNAL.swap(signal as u8, Ordering::SeqCst) == 0;
+            if IS_FINISHING.load(Ordering::SeqCst) && is_first {
                 return;
             }
             remove_unfinished(|_| true);
             remove_empty(|_| true);
-            // 128 and the number of the signal, as shells have it.
-            std::process::exit(130);
+            std::process::exit(interrupted_code().into());
         };
-        if let Err(error) = ctrlc::set_handler(handler) {
+        if let Err(error) = interrupt::listen(handler) {
             log::warn!("Ctrl-C would leave a partial file: {error}");
         }
     });
 }
 
-/// Prints to standard output. A reader that has gone away (`| head`) is no failure.
+/// Prints to standard output, or to standard error where a result goes to standard output. A reader that has gone away
+/// (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let text = Text(text).to_string();
+    if HOLDS_RESULT.load(Ordering::SeqCst) {
+        let _ = io::stderr().write_all(text.as_bytes());
+        return Ok(());
+    }
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
@@ -191,5 +251,5 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a remark for the user to standard error, which carries no results.
 pub(crate) fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "rimline: {text}");
+    let _ = writeln!(io::stderr(), "rimline: {}", Line(text));
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output::note;
+use crate::shown::Line;
 
 /// A line on standard error that says what is being done; hidden where that is not a terminal.
 pub(crate) struct Progress(ProgressBar);
@@ -42,7 +43,7 @@ impl Progress {
 
     /// Says what is done from now on.
     pub(crate) fn step(&self, what: impl Into<Cow<'static, str>>) {
-        self.0.set_message(what);
+        self.0.set_message(Line(what.into()).to_string());
     }
 
     /// Counts a row as done; where there is no terminal for a bar, a line says so.

@@ -4,8 +4,7 @@ pub(crate) mod args;
 mod on_gpu;
 mod report;
 
-use std::fs::File;
-use std::io::{self, BufReader, Seek, Write};
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use rimline::MAX_LIGHTS;
@@ -13,18 +12,22 @@ use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_shadow_lights;
 use rimline::{Light, Mesh};
 
-use crate::device::{self, Device};
+use crate::device::Device;
+use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Scene, Shape};
 use crate::moment::Moment;
 use crate::npz::{self, ElementType, NpzWriter};
 use crate::output::{Output, print};
+use crate::overwrite::Inputs;
 use crate::progress::Progress;
+use crate::source;
 use crate::times::Times;
 use args::QueryArgs;
 use report::Report;
 
 pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
+    ending::check(&args.out, Written::Npz)?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
@@ -34,6 +37,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     progress.step("reading the points");
     let points = times.measure("points", || read_points(&args.points))?;
     let scene = times.measure("topology", || moment.scene())?;
+    Inputs::new(moment.files().chain([&*args.points])).spare(&args.out)?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
@@ -42,35 +46,34 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     progress.step("opening the device");
-    let device = moment.device()?;
-    progress.step("counting");
-    let adapter = match &device {
-        Device::Cpu => {
-            on_cpu(&scene, &points, &lights, &mut depths, &mut times)?;
-            "cpu".to_owned()
+    let (device, mut times) = moment.work(|device| {
+        progress.step("counting");
+        let mut times = times.clone();
+        depths.clear();
+        match device {
+            Device::Cpu => on_cpu(&scene, &points, &lights, &mut depths, &mut times)?,
+            Device::Gpu(gpu) => {
+                let job = on_gpu::Job {
+                    scene: &scene,
+                    points: &points,
+                    lights: &lights,
+                    displacement: moment.displacement.as_ref(),
+                    time_s: moment.time_s(),
+                };
+                job.run(gpu, &mut depths, &mut times)?;
+            }
         }
-        Device::Gpu(gpu) => {
-            let job = on_gpu::Job {
-                scene: &scene,
-                points: &points,
-                lights: &lights,
-                displacement: moment.displacement.as_ref(),
-                time_s: moment.time_s(),
-            };
-            job.run(gpu, &mut depths, &mut times)?;
-            device::describe(&gpu.info)
-        }
-    };
+        Ok(times)
+    })?;
     progress.step("writing");
     times.measure("write", || output.finish(|file| write(file, &points, &lights, &depths)))?;
-    let report = Report::new(&scene.mesh, lights.len(), &depths, adapter, times);
+    let report = Report::new(&scene.mesh, lights.len(), &depths, device.name(), times);
     drop(progress);
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
 fn read_points(file: &Path) -> Result<Vec<[f32; 3]>, Failure> {
-    let read =
-        || -> Result<_, InputError> { Ok(npz::read_points(BufReader::with_capacity(1 << 18, File::open(file)?))?) };
+    let read = || -> Result<_, InputError> { Ok(npz::read_points(source::open(file)?)?) };
     read().map_err(Failure::input(file))
 }
 

@@ -22,6 +22,20 @@ pub(crate) fn centre(bounds: &Bounds) -> [f32; 3] {
     std::array::from_fn(|axis| bounds.min[axis] + 0.5 * (bounds.max[axis] - bounds.min[axis]))
 }
 
+/// Why a picture that takes so many bytes a pixel in one array cannot be drawn, and one that can.
+pub(crate) fn too_large(gpu: &Gpu, [width, height]: [u32; 2], bytes: u64) -> UsageError {
+    let needed = (bytes * u64::from(width) * u64::from(height)) >> 20;
+    let fits = fitting([width, height], gpu.device.limits().max_buffer_size / bytes);
+    UsageError::PictureMemory { width, height, needed, adapter: device::describe(&gpu.info), fits }
+}
+
+/// A smaller picture of about the same shape and at most so many pixels: half of each side, if that is enough.
+fn fitting([width, height]: [u32; 2], pixels: u64) -> [u32; 2] {
+    let asked = f64::from(width) * f64::from(height);
+    let part = (pixels as f64 / asked).sqrt().min(0.5);
+    [width, height].map(|side| ((f64::from(side) * part) as u32).max(1))
+}
+
 /// Refuses pictures that the device cannot draw.
 pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), UsageError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
@@ -30,4 +44,19 @@ pub(crate) fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Usa
         return Err(UsageError::Size { width, height, limit, adapter });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_that_is_advised_fits() {
+        for (size, pixels, advised) in
+            [([16384, 16384], 1 << 27, [8192, 8192]), ([16384, 8192], 1 << 23, [4096, 2048]), ([9, 9], 1, [1, 1])]
+        {
+            assert_eq!(fitting(size, pixels), advised);
+            assert!(u64::from(advised[0]) * u64::from(advised[1]) <= pixels);
+        }
+    }
 }

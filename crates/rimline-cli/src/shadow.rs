@@ -19,11 +19,14 @@ use rimline::wgpu;
 
 use crate::device::Gpu;
 use crate::displacement;
+use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::output::{Output, is_same_file, print};
+use crate::output::{Output, print};
+use crate::overwrite::Inputs;
 use crate::progress::Progress;
+use crate::target::is_same_file;
 use crate::times::Times;
 use args::ShadowArgs;
 use caster::Caster;
@@ -35,12 +38,21 @@ use studio::Studio;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
+    args.out.as_deref().map_or(Ok(()), |out| ending::check(out, Written::Png))?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the models");
     let props = times.measure("load", || Props::read(scene))?;
     for &animation in &props.animations {
         displacement::note_idle_time(&scene.moment.pose, animation, props.displacement.as_ref());
+    }
+    let inputs = Inputs::new(props.files(scene));
+    args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
+    if let Some(prefix) = &args.mask {
+        // There is a first light in any case; how many there are is known later.
+        let first = mask_file(prefix, 0);
+        inputs.spare(&first)?;
+        drop(Output::create(&first)?);
     }
     let output = args.out.as_deref().map(Output::create).transpose()?;
 
@@ -58,6 +70,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     if let Some(out) = args.out.as_deref().filter(|out| mask_files.iter().any(|file| is_same_file(out, file))) {
         return Err(UsageError::SameOutput { file: out.to_owned() }.into());
     }
+    mask_files.iter().try_for_each(|file| inputs.spare(file))?;
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
 
     progress.step("drawing");

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde_json::{Map, Value};
 
 /// Milliseconds of each stage, in the order they ran.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Times(Vec<(&'static str, f64)>);
 
 impl Times {

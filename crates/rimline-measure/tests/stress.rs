@@ -3,7 +3,6 @@
 use std::collections::HashSet;
 
 use rimline::MAX_LIGHTS;
-use rimline::reference::Method;
 use rimline::reference::cpu::{self, CpuExtraction, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{Light, Mesh, Predicate};
@@ -18,8 +17,7 @@ fn scene(name: &str) -> Scene {
 
 fn exactly(scene: &Scene, lights: &[Light]) -> CpuExtraction {
     let mesh = scene.mesh().expect("a mesh");
-    cpu::extract(&scene.positions, &mesh, lights, Method::FaceMask, Predicate::Exact, Threads::all())
-        .expect("good lights")
+    cpu::extract(&scene.positions, &mesh, lights, Predicate::Exact, Threads::all()).expect("good lights")
 }
 
 /// Undecided pairs of `lights` lights, and exact zeros among them, as shares of all pairs.

@@ -3,11 +3,14 @@
 use super::edges::edges_into;
 use super::facing::FacingCounts;
 use super::facing::facing_into;
+#[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
 use crate::layout::Masks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
-use crate::method::{Method, Predicate};
+#[cfg(feature = "reference")]
+use crate::method::Method;
+use crate::method::Predicate;
 use crate::{Light, Mesh};
 
 /// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
@@ -31,23 +34,37 @@ impl CpuExtraction {
         positions: &[[f32; 3]],
         mesh: &Mesh,
         lights: &[Light],
-        method: Method,
         predicate: Predicate,
         threads: Threads,
     ) -> Result<(), LightError> {
         check_lights(lights, MAX_LIGHTS)?;
-        match method {
-            Method::FaceMask => {
-                let faces = mesh.faces().len();
-                self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
-                edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
-            }
-            Method::PerEdge => {
-                self.facing.clear();
-                self.counts = FacingCounts::default();
-                self.masks = per_edge(positions, mesh, lights, predicate, threads);
-            }
+        let faces = mesh.faces().len();
+        self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
+        edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
+        Ok(())
+    }
+
+    /// [`Self::update`] by any method.
+    ///
+    /// # Errors
+    /// The same.
+    #[cfg(feature = "reference")]
+    pub fn update_by(
+        &mut self,
+        positions: &[[f32; 3]],
+        mesh: &Mesh,
+        lights: &[Light],
+        method: Method,
+        predicate: Predicate,
+        threads: Threads,
+    ) -> Result<(), LightError> {
+        if method == Method::FaceMask {
+            return self.update(positions, mesh, lights, predicate, threads);
         }
+        check_lights(lights, MAX_LIGHTS)?;
+        self.facing.clear();
+        self.counts = FacingCounts::default();
+        self.masks = per_edge(positions, mesh, lights, predicate, threads);
         Ok(())
     }
 }
@@ -60,11 +77,28 @@ pub fn extract(
     positions: &[[f32; 3]],
     mesh: &Mesh,
     lights: &[Light],
+    predicate: Predicate,
+    threads: Threads,
+) -> Result<CpuExtraction, LightError> {
+    let mut extraction = CpuExtraction::default();
+    extraction.update(positions, mesh, lights, predicate, threads)?;
+    Ok(extraction)
+}
+
+/// [`extract`] by any method.
+///
+/// # Errors
+/// The same.
+#[cfg(feature = "reference")]
+pub fn extract_by(
+    positions: &[[f32; 3]],
+    mesh: &Mesh,
+    lights: &[Light],
     method: Method,
     predicate: Predicate,
     threads: Threads,
 ) -> Result<CpuExtraction, LightError> {
     let mut extraction = CpuExtraction::default();
-    extraction.update(positions, mesh, lights, method, predicate, threads)?;
+    extraction.update_by(positions, mesh, lights, method, predicate, threads)?;
     Ok(extraction)
 }

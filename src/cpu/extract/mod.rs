@@ -1,7 +1,9 @@
 //! Twins of the extraction: facing, exact facing, edges, lists, draw arguments.
 
+#[cfg(feature = "reference")]
 pub(crate) mod arguments;
 pub(crate) mod batch;
+#[cfg(feature = "reference")]
 pub(crate) mod compact;
 pub(crate) mod edges;
 pub(crate) mod exact_facing;

@@ -1,15 +1,20 @@
 //! Per edge: the method as published in 2003. Both faces are tested at each edge anew, so bits of the same face may
 //! differ from edge to edge.
 
-use crate::cpu::common::determinant::{local_mask, plane_mask};
-use crate::cpu::common::parallel::Threads;
-use crate::layout::{LightWord, Masks};
 use crate::mesh::{INCONSISTENT, Mesh, NO_FACE};
-use crate::method::{Method, Predicate};
-use crate::{Light, light};
+#[cfg(feature = "reference")]
+use crate::{
+    Light,
+    cpu::common::determinant::{local_mask, plane_mask},
+    cpu::common::parallel::Threads,
+    layout::{LightWord, Masks},
+    light,
+    method::{Method, Predicate},
+};
 
 /// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record. `predicate` is taken as
 /// [`Method::predicate`] says. Vertices that `positions` lacks count as NaN.
+#[cfg(feature = "reference")]
 pub fn per_edge(
     positions: &[[f32; 3]],
     mesh: &Mesh,
@@ -49,6 +54,7 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
         .collect()
 }
 
+#[cfg(feature = "reference")]
 fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightWord, by_plane: bool) -> Masks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
     let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };

@@ -1,5 +1,6 @@
 //! Twins of the shadow depth query.
 
+#[cfg(feature = "reference")]
 pub(crate) mod depth_arguments;
 pub(crate) mod exact_shadow_depth;
 pub(crate) mod shadow_boxes;

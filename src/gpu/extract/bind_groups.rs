@@ -10,7 +10,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot:
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, DrawShape, LightWord, Masks};
-use crate::method::{Method, Predicate};
+use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over an extraction's buffers.
@@ -33,20 +33,14 @@ impl Binder<'_> {
     /// The pipeline that reads positions: facing, or the per-edge method.
     pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
-        let predicate = options.method.predicate(options.predicate);
-        let plane = ("PLANE", f64::from(u8::from(predicate == Predicate::Plane)));
-        match options.method {
-            Method::FaceMask => {
-                let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
-                let constants = [windows, plane, exact];
-                self.pipelines.compute(&FACING, "facing", &FACING_SLOTS, &constants)
-            }
-            Method::PerEdge => {
-                let [masks, append] = emit_constants(options);
-                let constants = [windows, plane, masks, append];
-                self.pipelines.compute(&PER_EDGE, "per_edge", &EDGE_SLOTS, &constants)
-            }
+        let predicate = options.method().predicate(options.predicate);
+        let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
+        if options.method().is_per_edge() {
+            let [masks, append] = emit_constants(options);
+            return self.pipelines.compute(&PER_EDGE, "per_edge", &EDGE_SLOTS, &[windows, plane, masks, append]);
         }
+        let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
+        self.pipelines.compute(&FACING, "facing", &FACING_SLOTS, &[windows, plane, exact])
     }
 
     /// Exact facing, which reads positions too.
@@ -61,17 +55,11 @@ impl Binder<'_> {
     }
 
     /// Binds the dispatches of a pipeline to positions.
-    pub(crate) fn bind_positions(
-        &self,
-        options: &ExtractorOptions,
-        pass: &mut Pass,
-        positions: &wgpu::Buffer,
-        bound: &BoundPositions,
-    ) {
+    pub(crate) fn bind_positions(&self, pass: &mut Pass, positions: &wgpu::Buffer, bound: &BoundPositions) {
         for dispatch in &mut pass.dispatches {
             let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
             resources.extend(bound.bindings(positions));
-            if let (Method::PerEdge, Some(corners)) = (options.method, &self.buffers.edge_corners) {
+            if let Some(corners) = &self.buffers.edge_corners {
                 resources.push(binding(corners, dispatch.bytes(16)));
                 resources.extend(self.emit_targets(dispatch));
             } else {

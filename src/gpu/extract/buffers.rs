@@ -8,7 +8,7 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
-use crate::method::{Method, Predicate};
+use crate::method::Predicate;
 use crate::{Mesh, light};
 
 /// The numbers that sizes follow from.
@@ -80,7 +80,7 @@ pub(crate) const UNDECIDED_HEAD: u64 = 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
-    if options.method.predicate(options.predicate) != Predicate::Exact {
+    if options.method().predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
     let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;
@@ -121,7 +121,7 @@ impl Buffers {
         chunks: usize,
     ) -> Result<Self, MemoryError> {
         let words = shape.words();
-        let per_edge = options.method == Method::PerEdge;
+        let per_edge = options.method().is_per_edge();
         let ordered = options.lists.is_some_and(|lists| lists.ordered);
         let mask_planes = if options.masks { words } else { usize::from(ordered) };
         let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;

@@ -25,9 +25,10 @@ use crate::{Light, Mesh};
 pub struct ExtractorOptions {
     /// The most lights of one encode, 1 to [`MAX_LIGHTS`].
     pub max_lights: usize,
-    /// How silhouettes are found.
+    /// How silhouettes are found; with the feature `reference` alone.
+    #[cfg(feature = "reference")]
     pub method: Method,
-    /// How a face's side is decided; see [`Method::predicate`] for the per-edge method, which is never exact.
+    /// How a face's side is decided. The per-edge method of the feature `reference` is never exact.
     pub predicate: Predicate,
     /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A
     /// list that overflows loses nothing: every face then goes through the exact stage, which is slow.
@@ -46,6 +47,7 @@ impl Default for ExtractorOptions {
     fn default() -> Self {
         Self {
             max_lights: 1,
+            #[cfg(feature = "reference")]
             method: Method::FaceMask,
             predicate: Predicate::Exact,
             undecided_capacity: None,
@@ -53,6 +55,16 @@ impl Default for ExtractorOptions {
             lists: Some(ListOptions::default()),
             memory_limit: None,
         }
+    }
+}
+
+impl ExtractorOptions {
+    /// Face masks, unless the feature `reference` asks for something else.
+    pub(crate) const fn method(&self) -> Method {
+        #[cfg(feature = "reference")]
+        return self.method;
+        #[cfg(not(feature = "reference"))]
+        Method::FaceMask
     }
 }
 
@@ -148,7 +160,7 @@ impl Extractor {
         light::check_room(options.max_lights)?;
         let split = DispatchLimits::new(&device.limits());
         let shape = Shape::new(mesh, &options, &split)?;
-        let per_edge = options.method == Method::PerEdge;
+        let per_edge = options.method().is_per_edge();
         let face_chunks = split.chunks("faces", shape.faces, 12)?;
         let edge_chunks = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
         let facing_windows = split.windows("facing masks", 4 * shape.faces as u64)?;
@@ -174,7 +186,7 @@ impl Extractor {
             pipeline: binder.positions_pipeline(&options, 0),
             dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
         };
-        let is_exact = options.method.predicate(options.predicate) == Predicate::Exact;
+        let is_exact = options.method().predicate(options.predicate) == Predicate::Exact;
         let exact = is_exact.then(|| {
             let turns = exact_turns(device);
             let fewer = |dispatch: Dispatch| Dispatch {
@@ -284,12 +296,12 @@ impl Extractor {
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
-        binder.bind_positions(&self.options, &mut self.from_positions, &place.buffer, bound);
+        binder.bind_positions(&mut self.from_positions, &place.buffer, bound);
         if let Some(exact) = &mut self.exact {
             if exact.pipeline.window_words != bound.windows.words {
                 exact.pipeline = binder.exact_pipeline(bound.windows.words);
             }
-            binder.bind_positions(&self.options, exact, &place.buffer, bound);
+            binder.bind_positions(exact, &place.buffer, bound);
         }
         self.bound_to = Some(place.clone());
     }

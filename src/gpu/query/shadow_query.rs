@@ -246,6 +246,9 @@ impl ShadowQuery {
         }
         let bound = positions.bind(self.vertices, &self.split)?;
         points.end(point_count).map_err(QueryError::Points)?;
+        if lights.is_empty() {
+            return Ok(());
+        }
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
             .map_err(|error| QueryError::Points(error.into()))?;

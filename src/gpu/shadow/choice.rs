@@ -90,7 +90,7 @@ impl Choice {
         );
         Self {
             bounds: pipeline(&BOUNDS, &BOUNDS_SLOTS),
-            paper_cases: (counting == Counting::ZpPlusPaper).then(|| pipeline(&PAPER_CASES, &PAPER_CASES_SLOTS)),
+            paper_cases: counting.is_paper().then(|| pipeline(&PAPER_CASES, &PAPER_CASES_SLOTS)),
             stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
             caps: pipeline(&CAPS, &CAPS_SLOTS),
             choose,

@@ -83,13 +83,8 @@ pub(super) struct Convention {
 impl Convention {
     /// Dark caps are drawn at infinity, where a far plane would clip them.
     pub(super) fn needs_far_end(self) -> bool {
-        is_fail(self.counting) && !self.is_unclipped
+        self.counting.may_fail() && !self.is_unclipped
     }
-}
-
-/// Whether z-fail is ever counted.
-fn is_fail(counting: Counting) -> bool {
-    matches!(counting, Counting::ZFail | Counting::ZpPlusPaper)
 }
 
 /// The pipelines that one counting method draws with; casters share them, and those that choose for them.
@@ -129,8 +124,8 @@ impl ShadowPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
-        let is_paper = counting == Counting::ZpPlusPaper;
-        let is_fail = is_fail(counting);
+        let is_paper = counting.is_paper();
+        let is_fail = counting.may_fail();
         check(shared.device(), format, is_fail)?;
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,

@@ -8,6 +8,7 @@ use super::draws::DrawGroups;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
 use super::frame::{ShadowFrame, Shared};
 use super::pipelines::{Convention, ShadowPipelines};
+use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
@@ -17,7 +18,6 @@ use crate::gpu::extract::extraction::{Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
 use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
 use crate::light::{self, check_shadow_lights};
-use crate::{Counting, ShadowCamera};
 
 /// How a caster casts.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +149,7 @@ impl ShadowVolumes {
         source.check_include()?;
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let face_count = extraction.faces;
-        let lists_all = options.end_at_range || matches!(pipelines.counting(), Counting::ZFail | Counting::ZpPlusPaper);
+        let lists_all = options.end_at_range || pipelines.counting().may_fail();
         let cap_capacity = options.cap_capacity.map_or_else(
             || {
                 let wanted = if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() };

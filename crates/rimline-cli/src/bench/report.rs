@@ -10,34 +10,35 @@ use super::results::Results;
 use super::text::grouped;
 use crate::chart::{Target, write_png};
 use crate::failure::Failure;
-use crate::output::{Output, note};
+use crate::output::{Folder, Output, note};
 use crate::page::{Fact, Page, Section};
 
 /// The files that the command line asks for.
 pub(super) struct Destination {
-    folder: Option<PathBuf>,
-    json: Option<PathBuf>,
+    folder: Option<(PathBuf, Folder)>,
+    json: Option<Output>,
 }
 
 impl Destination {
     /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
     pub(super) fn new(args: &BenchArgs) -> Result<Self, Failure> {
-        if let Some(folder) = &args.report {
-            std::fs::create_dir_all(folder).map_err(|source| Failure::Output { file: folder.clone(), source })?;
-            drop(Output::create(&folder.join("index.html"))?);
-        }
-        if let Some(file) = &args.json {
-            drop(Output::create(file)?);
-        }
-        Ok(Self { folder: args.report.clone(), json: args.json.clone() })
+        let folder = |path: &PathBuf| -> Result<_, Failure> {
+            let folder = Folder::create_all(path)?;
+            drop(Output::create(&path.join("index.html"))?);
+            Ok((path.clone(), folder))
+        };
+        Ok(Self {
+            folder: args.report.as_ref().map(folder).transpose()?,
+            json: args.json.as_deref().map(Output::create).transpose()?,
+        })
     }
 
-    pub(super) fn write(&self, results: &Results) -> Result<(), Failure> {
+    pub(super) fn write(self, results: &Results) -> Result<(), Failure> {
         let data = format!("{:#}\n", results.json());
-        if let Some(file) = &self.json {
-            write(file, data.as_bytes())?;
+        if let Some(file) = self.json {
+            file.finish(|output| output.write_all(data.as_bytes()))?;
         }
-        let Some(folder) = &self.folder else { return Ok(()) };
+        let Some((folder, _kept)) = &self.folder else { return Ok(()) };
         write(&folder.join("data.json"), data.as_bytes())?;
         let page = page(results);
         let origin = origin(results);

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Key, Target};
+use crate::shown::Text;
 
 /// Colours of keys, told apart by people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
 /// for a light and for a dark ground; the dark ones are lifted where the original would sink.
@@ -244,7 +245,7 @@ fn title(tip: &str) -> String {
 
 /// Text as it stands in XML and HTML.
 pub(crate) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    Text(text).to_string().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// About how wide a text is, a little more rather than less; fonts differ.

@@ -11,6 +11,7 @@ use rimline_measure::error_metrics::light_counts;
 use serde_json::json;
 
 use super::Found;
+use crate::shown::Line;
 use crate::times::Times;
 
 /// What came out, in numbers.
@@ -68,6 +69,7 @@ impl Report {
             Predicate::Exact => "exact",
             Predicate::Fast => "fast",
             Predicate::Plane => "plane",
+            _ => "other",
         }
     }
 
@@ -114,7 +116,7 @@ impl Report {
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
         line("milliseconds", &self.times.text());
-        line("written", &out.display().to_string());
+        line("written", &Line(out.display()).to_string());
         text
     }
 }

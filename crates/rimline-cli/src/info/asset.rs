@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use super::text::{Text, point};
 use crate::failure::Failure;
 use crate::input::Input;
+use crate::shown::Line;
 
 /// The file's lights at rest.
 pub(super) fn lights(asset: &Asset, input: &Input) -> Result<Vec<SceneLight>, Failure> {
@@ -30,7 +31,7 @@ pub(super) fn json(asset: &Asset, lights: &[SceneLight], value: &mut Map<String,
 }
 
 pub(super) fn text(asset: &Asset, lights: &[SceneLight], text: &mut Text) {
-    let shown = |name: &Option<String>| name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\""));
+    let shown = |name: &Option<String>| name.as_ref().map_or_else(String::new, |name| format!(" \"{}\"", Line(name)));
     let list = |text: &mut Text, name: &str, lines: Vec<String>| {
         text.line(name, lines.len());
         lines.into_iter().enumerate().for_each(|(index, line)| text.more(format!("  {index}{line}")));

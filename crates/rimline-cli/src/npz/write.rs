@@ -1,6 +1,6 @@
 //! Writing archives that are the same bytes for the same arrays.
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
@@ -9,12 +9,12 @@ use super::header::{ElementType, Header};
 
 /// An archive in the making: entries are stored, not compressed, in the order given, all dated 1980-01-01.
 pub(crate) struct NpzWriter<W: Write + Seek> {
-    zip: ZipWriter<W>,
+    zip: ZipWriter<Abandoned<W>>,
 }
 
 impl<W: Write + Seek> NpzWriter<W> {
     pub(crate) fn new(writer: W) -> Self {
-        Self { zip: ZipWriter::new(writer) }
+        Self { zip: ZipWriter::new(Abandoned { inner: writer, is_failed: false, at: 0, end: 0 }) }
     }
 
     /// Adds an array in C order; `write` streams exactly as many bytes as the shape has.
@@ -45,7 +45,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     }
 
     pub(crate) fn finish(self) -> io::Result<()> {
-        self.zip.finish()?.flush()
+        self.zip.finish()?.inner.flush()
     }
 }
 
@@ -63,5 +63,51 @@ impl<W: Write> Write for Counted<'_, W> {
 
     fn flush(&mut self) -> io::Result<()> {
         self.inner.flush()
+    }
+}
+
+/// A writer that is left alone once it has failed: `ZipWriter` goes on writing when it is dropped, and prints what comes of
+/// it. From then on only positions are kept, as if all were well.
+struct Abandoned<W> {
+    inner: W,
+    is_failed: bool,
+    at: u64,
+    end: u64,
+}
+
+impl<W> Abandoned<W> {
+    fn unless_failed<T>(&mut self, run: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<Option<T>> {
+        if self.is_failed {
+            return Ok(None);
+        }
+        let done = run(&mut self.inner);
+        self.is_failed = done.is_err();
+        done.map(Some)
+    }
+}
+
+impl<W: Write> Write for Abandoned<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.unless_failed(|inner| inner.write(bytes))?.unwrap_or(bytes.len());
+        self.at += written as u64;
+        self.end = self.end.max(self.at);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.unless_failed(W::flush).map(Option::unwrap_or_default)
+    }
+}
+
+impl<W: Seek> Seek for Abandoned<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let kept = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+            SeekFrom::End(by) => self.end.checked_add_signed(by),
+        };
+        let at = self.unless_failed(|inner| inner.seek(to))?.or(kept);
+        self.at = at.ok_or(io::ErrorKind::InvalidInput)?;
+        Ok(self.at)
     }
 }

@@ -13,7 +13,7 @@ pub(crate) struct QueryArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// An .npz archive with the points: `points` (P,3) float32, in world space
+    /// An .npz archive with the points, or - for standard input: `points` (P,3) float32, in world space
     #[arg(long, value_name = "FILE.npz")]
     pub(crate) points: PathBuf,
 

@@ -7,6 +7,7 @@ use rimline::Mesh;
 use serde_json::json;
 
 use crate::extract::report::per_light;
+use crate::shown::Line;
 use crate::times::Times;
 
 /// What came out, in numbers.
@@ -71,7 +72,7 @@ impl Report {
         let more = if self.deepest.len() > 8 { ", …" } else { "" };
         line("deepest", &format!("{}{more}", deepest.join(", ")));
         line("milliseconds", &self.times.text());
-        line("written", &out.display().to_string());
+        line("written", &Line(out.display()).to_string());
         text
     }
 }

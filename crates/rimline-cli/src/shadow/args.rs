@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use rimline::Counting;
 
 use crate::args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::load_args::LoadArgs;
 use crate::spec::{self, AreaSpec, LampSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -56,13 +57,16 @@ pub(crate) enum ModeArg {
 /// What the pictures with shadows have alike.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
-    /// .gltf, .glb or .npz files, each of which casts shadows as one body; an .npz holds `positions` (V,3) float32 and
+    /// .gltf, .glb or .npz files (- for standard input), each of which casts shadows as one body; an .npz holds `positions` (V,3) float32 and
     /// `faces` (F,3) of any integer type
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
     #[command(flatten)]
     pub(crate) weld: WeldArgs,
+
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
 
     /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
     /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the
@@ -190,7 +194,8 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::positive)]
     pub(crate) seconds: Option<f32>,
 
-    /// The folder to write 0000.png, 0001.png and so on into; made if it is not there
+    /// The folder to write 0000.png, 0001.png and so on into; made if it is not there; see below for one with an
+    /// earlier film
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 }
@@ -208,7 +213,9 @@ const FILM_EXAMPLES: &str = concat!(
 Example:
   rimline film fox.glb --animation Run --fps 30 --out frames
 
-Each file is complete as soon as it is there; Ctrl-C keeps those that are done. Camera and lights stand still."
+Each file is complete as soon as it is there; Ctrl-C keeps those that are done. Camera and lights stand still.
+Pictures of an earlier film by the same names are replaced, all from the first picture on. A folder with other \
+pictures of that kind, of a longer film, is refused before anything is written: remove them first."
 );
 
 /// Five digits of frames.

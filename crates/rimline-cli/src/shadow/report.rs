@@ -13,6 +13,7 @@ use super::counts::{self, CountBound};
 use super::set::Set;
 use crate::device::{Gpu, describe};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
+use crate::shown::Line;
 use crate::times::Times;
 
 /// What one caster's stages found and chose.
@@ -141,7 +142,7 @@ impl Report {
         };
         line("adapter", &self.adapter);
         for Found { file, faces, lights, silhouettes, shadow, .. } in &self.found {
-            line("caster", &format!("{file}, {faces} faces"));
+            line("caster", &format!("{}, {faces} faces", Line(file)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             line("silhouette edges", &format!("{edges}{sum}"));
@@ -153,7 +154,7 @@ impl Report {
         }
         line("milliseconds", &times.text());
         for file in written {
-            line("written", &file.display().to_string());
+            line("written", &Line(file.display()).to_string());
         }
         text
     }

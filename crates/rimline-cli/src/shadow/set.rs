@@ -19,7 +19,7 @@ use crate::input::{Input, Source, animation_name, listed_animations};
 use crate::output::note;
 use crate::render::camera::Camera;
 use crate::render::support::outermost;
-use crate::render::{centre, check_size, extent};
+use crate::render::{centre, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
@@ -41,10 +41,16 @@ impl Props {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
         let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
-        let open = |file: &std::path::PathBuf| Input::read(file, args.weld.weld());
+        let options = args.load.options(args.weld.weld());
+        let open = |file: &std::path::PathBuf| Input::read(file, options);
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let animations = animations(&inputs, &args.moment.pose)?;
         Ok(Self { inputs, animations, displacement })
+    }
+
+    /// The files that were read, and those that models name.
+    pub(crate) fn files<'a>(&'a self, args: &'a ShadowSceneArgs) -> impl Iterator<Item = &'a Path> {
+        self.inputs.iter().flat_map(Input::files).chain(args.moment.displace.as_deref())
     }
 
     /// Plays each file's first animation, and says which that is.
@@ -74,8 +80,7 @@ pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
     let needed = 4 * 8 * u64::from(width) * u64::from(height);
     let limit = gpu.device.limits().max_buffer_size;
     if needed > limit {
-        let ([needed, limit], adapter) = ([needed >> 20, limit >> 20], device::describe(&gpu.info));
-        return Err(UsageError::PictureMemory { width, height, needed, limit, adapter }.into());
+        return Err(too_large(&gpu, args.view.size, 4 * 8).into());
     }
     Ok(gpu)
 }

@@ -12,6 +12,7 @@ use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
 use crate::input::{Scene, Shape};
 use crate::npz::{self, Arrays, Difference};
+use crate::source;
 
 /// What a file holds, and what each device finds of it.
 pub(super) struct Checked {
@@ -25,7 +26,7 @@ pub(super) struct Checked {
 /// Finds everything again from positions, faces and lights, on each device, and compares the archives.
 pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> {
     let failed = Failure::input(file);
-    let given = std::fs::read(file).map_err(|error| failed(error.into()))?;
+    let given = source::read(file).map_err(|error| failed(error.into()))?;
     let (arrays, lights) = read(&given).map_err(&failed)?;
     let Arrays { positions, faces } = arrays;
     let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| failed(error.into()))?;

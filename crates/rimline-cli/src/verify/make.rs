@@ -14,8 +14,9 @@ use crate::device::{self, Device, Wanted};
 use crate::extract::{arrays, extract_exactly};
 use crate::failure::{Failure, InputError};
 use crate::input::{Input, Scene, Shape, Source};
-use crate::output::{Output, print};
+use crate::output::{Folder, Output, print};
 use crate::progress::Progress;
+use crate::shown::Line;
 
 /// Where in its first animation a model is posed, as a part of the whole.
 const MOMENT: f32 = 0.37;
@@ -28,9 +29,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     for name in names.chain(stress::names().map(of_scene)) {
         refuse_existing(&target(folder, &name))?;
     }
-    if !folder.is_dir() {
-        std::fs::create_dir(folder).map_err(|source| Failure::Output { file: folder.clone(), source })?;
-    }
+    let _folder = Folder::create(folder)?;
     progress.step("opening the device");
     let maker = Maker {
         folder,
@@ -39,7 +38,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     };
     for model in &args.models {
         progress.step(format!("reading {}", model.display()));
-        let input = Input::read(model, Weld::Data)?;
+        let input = Input::read(model, args.load.options(Weld::Data))?;
         maker.pose(&input, None, 0.0, &stem(model))?;
         if let Source::Gltf(asset) = &input.source
             && let [animation, ..] = asset.animations()
@@ -126,6 +125,6 @@ impl Maker<'_> {
         let found = extract_exactly(&self.device, &scene, lights)?;
         output.finish(|to| arrays::write(to, &scene.mesh, lights, &found))?;
         let faces = scene.mesh.faces().len();
-        self.progress.aside(|| print(&format!("{}  {faces} faces, {} lights\n", file.display(), lights.len())))
+        self.progress.aside(|| print(&format!("{}  {faces} faces, {} lights\n", Line(file.display()), lights.len())))
     }
 }

@@ -9,6 +9,7 @@ use super::check::Checked;
 use crate::device::Device;
 use crate::failure::{Failure, NoDevice};
 use crate::npz::Difference;
+use crate::shown::Line;
 
 /// Everything found so far.
 pub(super) struct Report {
@@ -31,13 +32,18 @@ fn name(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// The name as it stands in the table.
+fn name_cell(name: &str) -> String {
+    Line(name).to_string()
+}
+
 impl Report {
     pub(super) fn new(folder: &Path, files: &[PathBuf], devices: &[Device], unusable: &[NoDevice]) -> Self {
         Self {
             folder: folder.to_owned(),
             devices: devices.iter().map(Device::name).collect(),
             unusable: unusable.iter().map(ToString::to_string).collect(),
-            name_width: files.iter().map(|file| name(file).chars().count()).max().unwrap_or(0).max(4),
+            name_width: files.iter().map(|file| name_cell(&name(file)).chars().count()).max().unwrap_or(0).max(4),
             files: Vec::new(),
             faces: 0,
             facing_bits: 0,
@@ -72,17 +78,17 @@ impl Report {
         let Checked { faces, edges, lights, results } = match checked {
             Ok(checked) => checked,
             Err(failure) => {
-                let error = failure.to_string();
+                let (error, row) = (failure.to_string(), name_cell(&file));
                 self.fail(failure, devices);
                 self.files.push(json!({
                     "file": file, "faces": null, "edges": null, "lights": null, "error": error, "results": []
                 }));
-                return format!("{file:<width$}  cannot be checked: {error}\n");
+                return format!("{row:<width$}  cannot be checked: {}\n", Line(error));
             }
         };
         self.faces += faces;
         self.facing_bits += (faces * lights) as u64;
-        let mut line = format!("{file:<width$}  {faces:>9}  {lights:>6}");
+        let mut line = format!("{:<width$}  {faces:>9}  {lights:>6}", name_cell(&file));
         let (mut remarks, mut list) = (String::new(), Vec::new());
         for (number, result) in results.into_iter().enumerate() {
             let device = self.devices.get(number).cloned().unwrap_or_default();
@@ -91,12 +97,12 @@ impl Report {
                 Ok(differences) => {
                     self.different += 1;
                     for difference in differences {
-                        let _ = writeln!(remarks, "  {}: {difference}", number + 1);
+                        let _ = writeln!(remarks, "  {}: {}", number + 1, Line(difference));
                     }
                     (cell(differences), None)
                 }
                 Err(failure) => {
-                    let _ = writeln!(remarks, "  {}: {failure}", number + 1);
+                    let _ = writeln!(remarks, "  {}: {}", number + 1, Line(failure));
                     ("failed".to_owned(), Some(failure.to_string()))
                 }
             };

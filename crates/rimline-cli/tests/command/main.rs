@@ -8,13 +8,22 @@ mod bad_input;
 mod bench;
 mod contract;
 mod draw;
+mod fallback;
 mod info;
+mod inputs;
+mod load;
 mod models;
 mod npz_input;
+mod outputs;
+#[cfg(unix)]
+mod outputs_unix;
+mod own_gltf;
 mod query;
 mod run;
 mod schema;
 mod shadow;
+#[cfg(unix)]
+mod signals;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -48,6 +57,14 @@ fn main() {
         verify_wrong::TESTS,
         schema::TESTS,
         bench::TESTS,
+        outputs::TESTS,
+        inputs::TESTS,
+        fallback::TESTS,
+        #[cfg(unix)]
+        outputs_unix::TESTS,
+        #[cfg(unix)]
+        signals::TESTS,
+        load::TESTS,
     ];
     let mut trials: Vec<Trial> = always
         .concat()

@@ -318,7 +318,7 @@ fn bad_input() -> Outcome {
         ("@missing.npz", "missing.npz"),
     ] {
         for command in ["shadow", "film --frames 1"] {
-            run(folder.path(), &format!("{command} {files} --size 16x16 --out @results/p.png"))
+            run(folder.path(), &format!("{command} {files} --size 16x16 --out @results/p"))
                 .expect(1, &[part])
                 .map_err(|error| format!("{command} {files}: {error}"))?;
             is_empty(&results).map_err(|error| format!("{command} {files}: {error}"))?;
@@ -361,9 +361,11 @@ fn film() -> Outcome {
     let frame = |name: &str| Image::read(&folder.path().join("frames").join(name)).map(|image| image.bytes);
     let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
     ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
-    // The second frame by itself, with the film's camera given.
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(0, &[])?;
-    ensure!(frame("0000.png")?.len() == frames[0].len() && frame("0002.png")? == frames[2], "a folder that is there");
+    // Into the folder that is there: not a shorter film, whose pictures would stand among these.
+    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
+    ensure!(frame("0000.png")? == frames[0] && frame("0002.png")? == frames[2], "a film that was refused wrote");
+    run(folder.path(), &format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
+    ensure!(frame("0001.png")? == frames[1] && frame("0002.png")? == frames[2], "a folder that is there");
     run(folder.path(), &format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
 }
 

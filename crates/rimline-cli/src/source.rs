@@ -1,0 +1,76 @@
+//! Input files. They are regular files, or standard input as `-`: a pipe or device given by name may never end.
+
+use std::fs::{File, Metadata};
+use std::io::{self, BufReader, Cursor, Read, Seek};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The most that is read from standard input.
+const MAX_STDIN_BYTES: u64 = 1 << 32;
+
+/// What archives are read from.
+pub(crate) trait ReadSeek: Read + Seek {}
+
+impl<T: Read + Seek> ReadSeek for T {}
+
+/// Whether this stands for standard input.
+pub(crate) fn is_stdin(file: &Path) -> bool {
+    file.as_os_str() == "-"
+}
+
+/// Opens an input.
+pub(crate) fn open(file: &Path) -> io::Result<Box<dyn ReadSeek>> {
+    if is_stdin(file) {
+        return Ok(Box::new(Cursor::new(stdin()?)));
+    }
+    Ok(Box::new(BufReader::with_capacity(1 << 18, regular(file)?)))
+}
+
+/// Reads a whole input.
+pub(crate) fn read(file: &Path) -> io::Result<Vec<u8>> {
+    if is_stdin(file) {
+        return stdin();
+    }
+    let mut bytes = Vec::new();
+    regular(file)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Reads a whole input that is text.
+pub(crate) fn read_text(file: &Path) -> io::Result<String> {
+    String::from_utf8(read(file)?).map_err(|_| io::Error::other("it is not UTF-8 text"))
+}
+
+/// The input's metadata, of whatever standard input is where it stands for that.
+pub(crate) fn metadata(file: &Path) -> io::Result<Metadata> {
+    #[cfg(unix)]
+    if is_stdin(file) {
+        use std::os::fd::AsFd;
+        return File::from(io::stdin().as_fd().try_clone_to_owned()?).metadata();
+    }
+    std::fs::metadata(file)
+}
+
+fn regular(file: &Path) -> io::Result<File> {
+    let there = std::fs::metadata(file)?;
+    if there.is_dir() {
+        return Err(io::Error::other("it is a folder; give a file"));
+    }
+    if !there.is_file() {
+        return Err(io::Error::other("it is not a regular file; give one, or `-` for standard input"));
+    }
+    File::open(file)
+}
+
+fn stdin() -> io::Result<Vec<u8>> {
+    static IS_TAKEN: AtomicBool = AtomicBool::new(false);
+    if IS_TAKEN.swap(true, Ordering::SeqCst) {
+        return Err(io::Error::other("standard input is already another input; `-` can be given once"));
+    }
+    let mut bytes = Vec::new();
+    io::stdin().lock().take(MAX_STDIN_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_STDIN_BYTES {
+        return Err(io::Error::other("standard input holds more than 4 GiB; write it to a file"));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,127 @@
+//! Where a result goes: a regular file, which is replaced, or something else, which is written through.
+
+use std::fs::{File, Metadata, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A place for a result.
+pub(crate) enum Target {
+    /// A name for a regular file, with what is there already.
+    Replace { path: PathBuf, existing: Option<Metadata> },
+    /// A pipe, device or open stream; a regular file only where it has no name left, and then it is cut to nothing.
+    Through { file: File, is_cut: bool, is_stdout: bool },
+}
+
+/// Links that are followed before they are taken for a loop, as Linux does.
+const MAX_LINKS: usize = 40;
+
+/// Finds it, through links: the link stays, and what it names is written.
+pub(crate) fn find(name: &Path) -> io::Result<Target> {
+    if name.to_string_lossy().ends_with(std::path::is_separator) {
+        return Err(io::Error::other("it is the name of a folder; give the name of a file"));
+    }
+    match std::fs::metadata(name) {
+        Ok(there) if there.is_dir() => Err(io::Error::other("it is a folder; give the name of a file")),
+        Ok(there) => existing(name, there),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            let path = end_of_links(name)?;
+            check_parent(&path)?;
+            Ok(Target::Replace { path, existing: None })
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
+    for (is_stdout, stream) in [(true, standard(&io::stdout())), (false, standard(&io::stderr()))] {
+        if let Some(file) = stream
+            && !is_character_device(&there)
+            && file.metadata().is_ok_and(|open| identity(name, &open) == identity(name, &there))
+        {
+            return Ok(Target::Through { file, is_cut: false, is_stdout });
+        }
+    }
+    // Never made here, and not cut before the result is complete. It tells whether the file may be changed at all.
+    let file = OpenOptions::new().write(true).open(name)?;
+    if there.is_file()
+        && let Ok(path) = name.canonicalize()
+        && std::fs::metadata(&path).is_ok_and(|found| identity(&path, &found) == identity(name, &there))
+    {
+        return Ok(Target::Replace { path, existing: Some(there) });
+    }
+    Ok(Target::Through { file, is_cut: there.is_file(), is_stdout: false })
+}
+
+/// What a link that leads nowhere would name.
+fn end_of_links(name: &Path) -> io::Result<PathBuf> {
+    let mut path = name.to_owned();
+    for _ in 0..MAX_LINKS {
+        match path.read_link() {
+            Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::other("its links lead to each other"))
+}
+
+/// Where a result goes to must be there.
+pub(crate) fn check_parent(target: &Path) -> io::Result<()> {
+    match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(io::Error::other("its folder does not exist; make it first"))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(unix)]
+fn standard(stream: &impl std::os::fd::AsFd) -> Option<File> {
+    stream.as_fd().try_clone_to_owned().ok().map(File::from)
+}
+
+#[cfg(not(unix))]
+fn standard<T>(_: &T) -> Option<File> {
+    None
+}
+
+#[cfg(unix)]
+fn is_character_device(there: &Metadata) -> bool {
+    std::os::unix::fs::FileTypeExt::is_char_device(&there.file_type())
+}
+
+#[cfg(not(unix))]
+fn is_character_device(_: &Metadata) -> bool {
+    false
+}
+
+/// What tells files apart, whatever names they have.
+#[cfg(unix)]
+pub(crate) type Identity = (u64, u64);
+#[cfg(not(unix))]
+pub(crate) type Identity = PathBuf;
+
+/// That of a file that is there.
+#[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "elsewhere it may not be known")]
+pub(crate) fn identity(_: &Path, there: &Metadata) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    Some((there.dev(), there.ino()))
+}
+
+#[cfg(not(unix))]
+pub(crate) fn identity(file: &Path, _: &Metadata) -> Option<Identity> {
+    file.canonicalize().ok()
+}
+
+/// Whether both name one file, be it there or not.
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
+    if let (Ok(there), Ok(other)) = (std::fs::metadata(a), std::fs::metadata(b)) {
+        return identity(a, &there) == identity(b, &other);
+    }
+    let place = |path: &Path| {
+        let path = end_of_links(path).ok()?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}

@@ -1,0 +1,249 @@
+//! Inputs that are no regular files, standard input, and names that would steer a terminal.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::archive::{array, read_zip, write_zip};
+use super::npz_input::tetrahedron;
+use super::own_gltf::{self, Names};
+use super::run::{Run, folder, rimline, rimline_with};
+use super::usage::HIDDEN;
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("inputs::standard_input_is_an_input", standard_input),
+    ("inputs::names_in_files_do_not_steer_the_terminal", names),
+    ("inputs::names_of_files_do_not_steer_the_terminal", file_names),
+    ("inputs::names_in_archives_do_not_steer_the_terminal", archive_names),
+    #[cfg(unix)]
+    ("inputs::pipes_and_devices_are_refused", pipes),
+];
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+fn points() -> Vec<u8> {
+    write_zip(&[array("points", "<f4", "False", "(1, 3)", &[0; 12])])
+}
+
+/// Runs the command with these bytes as standard input.
+fn fed(bytes: &[u8], arguments: &[&str]) -> Result<Run, String> {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rimline"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(text)?;
+    // It may end before it reads everything.
+    let _ = child.stdin.take().ok_or("no standard input")?.write_all(bytes);
+    let output = child.wait_with_output().map_err(text)?;
+    Ok(Run {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+    })
+}
+
+fn standard_input() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let faces = |run: Run| run.json().map(|json| json["total"]["faces"].clone());
+    ensure!(faces(fed(&tetrahedron(), &["info", "-", "--json"])?)? == 4, "an archive is read otherwise");
+    let data: Vec<String> = own_gltf::buffer().iter().map(|byte| format!("%{byte:02x}")).collect();
+    let data = data.concat();
+    let buffer = format!("data:application/octet-stream,{data}");
+    let gltf = own_gltf::text(&Names { buffer: &buffer, ..Names::default() });
+    ensure!(faces(fed(gltf.as_bytes(), &["info", "-", "--json"])?)? == 4, "a glTF is read otherwise");
+    // Whatever it is, and where the glTF would lie.
+    fed(b"neither", &["info", "-"])?.expect(1, &["none of .gltf"])?;
+    fed(own_gltf::text(&Names::default()).as_bytes(), &["info", "-"])?.expect(1, &["body.bin", "folder"])?;
+
+    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
+    fs::write(at("points.npz"), points()).map_err(text)?;
+    let query = |bytes: &[u8], model: &str, points: &str| {
+        let line = ["query", model, "--points", points, "--light", "dir:0,1,0", "--device", "cpu", "--out", &at("out")];
+        fed(bytes, &line)
+    };
+    query(b"", &at("model.npz"), &at("points.npz"))?.expect(0, &[])?;
+    let expected = fs::read(at("out")).map_err(text)?;
+    for (bytes, model, given) in [(points(), &*at("model.npz"), "-"), (tetrahedron(), "-", &*at("points.npz"))] {
+        fs::remove_file(at("out")).map_err(text)?;
+        query(&bytes, model, given)?.expect(0, &[])?;
+        ensure!(fs::read(at("out")).map_err(text)? == expected, "other depths from standard input");
+    }
+    let mut both = read_zip(&tetrahedron())?;
+    both.extend(read_zip(&points())?);
+    query(&write_zip(&both), "-", "-")?.expect(1, &["once"])
+}
+
+/// Sets colours, clears, rings, by one byte, by two, by one of Latin-1; turns text around; begins a line of its own.
+const HOSTILE: &str = "a\x1b[2Jb\x07c\u{9b}31md\u{202e}e\r\nrimline: all is well\x7f";
+
+/// Nothing that steers, and no line that a name began.
+fn is_tame(run: &Run, what: &str) -> Outcome {
+    for text in [&run.stdout, &run.stderr] {
+        let wild = text.chars().find(|&c| c != '\n' && (c.is_control() || c == '\u{202e}'));
+        ensure!(wild.is_none(), "{what}: {wild:?} in {text:?}");
+        let begun = text.lines().find(|line| line.starts_with("rimline: all is well"));
+        ensure!(begun.is_none(), "{what}: a name began a line of {text:?}");
+    }
+    ensure!(!run.stderr.contains("panicked"), "{what}: it panicked: {}", run.stderr);
+    Ok(())
+}
+
+fn names() -> Outcome {
+    let folder = folder();
+    let names = Names { mesh: HOSTILE, animation: HOSTILE, light: HOSTILE, ..Names::default() };
+    let model = own_gltf::write(folder.path(), &names)?;
+    let out = folder.path().join("out");
+    let lines: [(&[&str], i32); 7] = [
+        (&["info"], 0),
+        (&["info", "--json"], 0),
+        (&["extract", "--device", "cpu", "--light", "file:none", "--out"], 2),
+        (&["extract", "--device", "cpu", "--light", "file:all", "--animation", "none", "--out"], 2),
+        (&["extract", "--device", "cpu", "--light", "file:all", "--out"], 0),
+        (&["shadow", "--light", "file:all,exponent=2", "--out"], 3),
+        (&["film", "--out"], 3),
+    ];
+    for (number, (line, code)) in lines.into_iter().enumerate() {
+        let mut line: Vec<OsString> = line.iter().map(OsString::from).collect();
+        if line.last().is_some_and(|word| word == "--out") {
+            line.push(folder.path().join(format!("out{number}")).into());
+        }
+        line.push(model.clone().into());
+        let run = rimline_with(&line, HIDDEN);
+        run.expect(code, &[])?;
+        is_tame(&run, &format!("{line:?}"))?;
+    }
+    let json = rimline([Path::new("info"), &model, Path::new("--json")]).json()?;
+    ensure!(json["meshes"][0]["name"] == HOSTILE, "JSON has another name: {}", json["meshes"][0]["name"]);
+    let shown = rimline([Path::new("info"), &model]).stdout;
+    ensure!(shown.contains("\\u001b[2J"), "the name is not shown: {shown}");
+
+    // What errors cite.
+    let cited = serde_json::json!({ "asset": { "version": HOSTILE }, "extensionsRequired": [HOSTILE] });
+    let version = serde_json::json!({ "asset": { "version": "2.0" }, "extensionsRequired": [HOSTILE] });
+    let uri = serde_json::json!({ "asset": { "version": "2.0" }, "buffers": [{ "uri": HOSTILE, "byteLength": 4 }] });
+    let wgsl = format!("fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> {{ return {HOSTILE}; }}");
+    for (number, file) in [cited, version, uri].iter().enumerate() {
+        fs::write(&model, file.to_string()).map_err(text)?;
+        let run = rimline([Path::new("info"), &model]);
+        run.expect(1, &[])?;
+        is_tame(&run, &format!("file {number}"))?;
+    }
+    let (archive, wave) = (folder.path().join("model.npz"), folder.path().join("wave.wgsl"));
+    fs::write(&archive, tetrahedron()).map_err(text)?;
+    fs::write(&wave, wgsl).map_err(text)?;
+    let run = rimline(["draw".into(), archive, "--displace".into(), wave, "--out".into(), out]);
+    run.expect(1, &["wave.wgsl"])?;
+    is_tame(&run, "displacement")
+}
+
+fn archive_names() -> Outcome {
+    let folder = folder();
+    let mut named = array("points", "<f4", "False", "(1, 3)", &[0; 12]);
+    HOSTILE.clone_into(&mut named.name);
+    let file = folder.path().join("model.npz");
+    let other_type = array("positions", "<f\x1b[2J4", "False", "(1, 3)", &[0; 12]);
+    for entries in [vec![named], vec![other_type]] {
+        fs::write(&file, write_zip(&entries)).map_err(text)?;
+        let run = rimline([Path::new("info"), &file]);
+        run.expect(1, &["positions"])?;
+        is_tame(&run, "archive")?;
+    }
+    Ok(())
+}
+
+#[cfg_attr(not(unix), expect(clippy::unnecessary_wraps, reason = "such names are not allowed here"))]
+fn file_names() -> Outcome {
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    let folder = folder();
+    let name = HOSTILE.replace("\r\n", "\n");
+    let bits = folder.path().join(&name);
+    let file = bits.join(format!("{name}.npz"));
+    fs::create_dir(&bits).map_err(text)?;
+    fs::write(&file, tetrahedron()).map_err(text)?;
+    let out = folder.path().join(format!("{name}.out"));
+    let lines: [(&[&OsString], i32); 7] = [
+        // The parser of options says this.
+        (&[&"info".into(), &file.clone().into(), &file.clone().into()], 2),
+        (&[&"info".into(), &file.clone().into()], 0),
+        (&[&"info".into(), &folder.path().join(format!("{name}x")).into()], 1),
+        (&[&"verify".into(), &"--device".into(), &"cpu".into(), &bits.clone().into()], 1),
+        (&[&"verify".into(), &"--device".into(), &"cpu".into(), &"--json".into(), &bits.clone().into()], 1),
+        (
+            &[
+                &"extract".into(),
+                &file.clone().into(),
+                &"--device".into(),
+                &"cpu".into(),
+                &"--light".into(),
+                &"dir:0,1,0".into(),
+                &"--out".into(),
+                &out.clone().into(),
+            ],
+            0,
+        ),
+        (&[&"draw".into(), &file.clone().into(), &"--out".into(), &file.clone().into()], 2),
+    ];
+    for (line, code) in lines {
+        let run = rimline(line);
+        run.expect(code, &[])?;
+        is_tame(&run, &format!("{line:?}"))?;
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn pipes() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
+    fs::write(at("points.npz"), points()).map_err(text)?;
+    fs::create_dir(at("bits")).map_err(text)?;
+    for pipe in ["pipe", "pipe.npz", "pipe.glb", "bits/pipe.npz"] {
+        ensure!(Command::new("mkfifo").arg(at(pipe)).status().is_ok_and(|status| status.success()), "no {pipe}");
+    }
+    std::os::unix::fs::symlink("/dev/null", at("null.npz")).map_err(text)?;
+    let (model, points, out) = (at("model.npz"), at("points.npz"), at("out"));
+    let query = ["--light", "dir:0,1,0", "--device", "cpu", "--out", &out];
+    let mut cases: Vec<(Vec<&str>, String)> = Vec::new();
+    for file in ["pipe", "pipe.npz", "pipe.glb", "null.npz"] {
+        cases.push((vec!["info"], at(file)));
+        cases.push(([&["query", &model][..], &query, &["--points"]].concat(), at(file)));
+        cases.push(([&["query", "--points", &points][..], &query].concat(), at(file)));
+        cases.push((vec!["draw", &model, "--out", &out, "--displace"], at(file)));
+    }
+    for (line, file) in cases {
+        // Whoever opens the pipe finds it empty, and does not wait.
+        let run = with_writer(&file, || rimline(line.iter().copied().chain([&*file])))?;
+        run.expect(1, &[&file, "regular file"]).map_err(|error| format!("{line:?} {file}: {error}"))?;
+    }
+    let run = with_writer(&at("bits/pipe.npz"), || rimline(["verify", "--device", "cpu", &at("bits")]))?;
+    run.expect(1, &["pipe.npz", "regular file"])
+}
+
+/// Runs what may read a pipe, while somebody waits to open it and to write nothing.
+#[cfg(unix)]
+fn with_writer(file: &str, run: impl FnOnce() -> Run) -> Result<Run, String> {
+    use std::os::unix::fs::FileTypeExt;
+    if !fs::metadata(file).is_ok_and(|there| there.file_type().is_fifo()) {
+        return Ok(run());
+    }
+    let writer = std::thread::spawn({
+        let file = file.to_owned();
+        move || drop(fs::File::options().write(true).open(file))
+    });
+    let ended = run();
+    // Lets the writer end if nobody read.
+    drop(fs::File::options().read(true).write(true).open(file).map_err(text)?);
+    writer.join().map_err(|_| "the writer panicked")?;
+    Ok(ended)
+}

@@ -1,0 +1,119 @@
+//! The options that say what a model file may do: `--memory-limit`, `--allow-outside`.
+
+use std::fs;
+use std::path::Path;
+
+use super::run::{Run, folder, is_empty, rimline};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("load::small_files_that_unpack_to_much_end_with_1", bomb),
+    ("load::the_memory_limit_is_the_user_s", limit),
+    ("load::buffers_outside_need_an_option", outside),
+    ("load::every_command_that_reads_models_has_the_options", everywhere),
+    ("load::wrong_sizes_end_with_2", wrong_sizes),
+];
+
+/// 371 bytes: 800,000 faces of zeros, 880 times.
+const BOMB: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["EXT_mesh_gpu_instancing"],
+    "accessors":[{"componentType":5126,"type":"VEC3","count":2400000},{"componentType":5126,"type":"VEC3","count":880}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "nodes":[{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}]}"#;
+
+/// A triangle whose positions lie in a file of this name.
+fn triangle(uri: &str) -> String {
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":36,"uri":"{uri}"}}],
+            "bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"nodes":[{{"mesh":0}}]}}"#
+    )
+}
+
+fn write(path: &Path, content: impl AsRef<[u8]>) -> Outcome {
+    fs::write(path, content).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn info(model: &Path, options: &[&str]) -> Run {
+    let words = options.iter().map(std::ffi::OsStr::new);
+    rimline([std::ffi::OsStr::new("info"), model.as_os_str()].into_iter().chain(words))
+}
+
+fn bomb() -> Outcome {
+    let folder = folder();
+    let model = folder.path().join("bomb.gltf");
+    write(&model, BOMB)?;
+    info(&model, &["--memory-limit", "100MiB"])
+        .expect(1, &["bomb.gltf: accessors[0], used as meshes[0]", "more than the limit of 100 MiB", "--memory-limit"])
+}
+
+fn limit() -> Outcome {
+    let folder = folder();
+    let model = folder.path().join("triangle.gltf");
+    write(&folder.path().join("a.bin"), [0; 36])?;
+    write(&model, triangle("a.bin"))?;
+    info(&model, &["--memory-limit", "100"]).expect(1, &["triangle.gltf", "more than the limit of 100 bytes"])?;
+    info(&model, &["--memory-limit", "1MiB"]).expect(0, &[])?;
+    info(&model, &[]).expect(0, &[])
+}
+
+fn outside() -> Outcome {
+    let folder = folder();
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).map_err(|error| error.to_string())?;
+    write(&folder.path().join("a.bin"), [0; 36])?;
+    let model = inner.join("parent.gltf");
+    write(&model, triangle("../a.bin"))?;
+    let mut models = vec![model];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("../a.bin", inner.join("link.bin")).map_err(|error| error.to_string())?;
+        let model = inner.join("link.gltf");
+        write(&model, triangle("link.bin"))?;
+        models.push(model);
+    }
+    for model in models {
+        info(&model, &[]).expect(1, &["buffers[0].uri", "a.bin", "outside", "--allow-outside"])?;
+        info(&model, &["--allow-outside"]).expect(0, &[])?;
+    }
+    Ok(())
+}
+
+fn everywhere() -> Outcome {
+    let folder = folder();
+    let model = folder.path().join("a.gltf");
+    write(&model, triangle("../a.bin"))?;
+    let results = folder.path().join("results");
+    fs::create_dir(&results).map_err(|error| error.to_string())?;
+    let (model, out) = (model.to_string_lossy().into_owned(), results.join("out").to_string_lossy().into_owned());
+    let commands = [
+        vec!["info", &model],
+        vec!["draw", &model, "--out", &out],
+        vec!["extract", &model, "--light", "dir:0,1,0", "--device", "cpu", "--out", &out],
+        vec!["shadow", &model, "--out", &out],
+        vec!["film", &model, "--frames", "1", "--out", &out],
+        vec!["query", &model, "--points", "none.npz", "--light", "dir:0,1,0", "--device", "cpu", "--out", &out],
+    ];
+    for command in commands {
+        let with = |options: &[&str]| rimline(command.iter().chain(options));
+        with(&["--memory-limit", "10"]).expect(1, &["more than the limit of 10 bytes", "--memory-limit"])?;
+        with(&[]).expect(1, &["outside", "--allow-outside"])?;
+        // Allowed, the file is looked for, and it is not there.
+        let run = with(&["--allow-outside"]);
+        run.expect(1, &["a.bin"])?;
+        ensure!(!run.stderr.contains("--allow-outside"), "{command:?}: {}", run.stderr);
+    }
+    is_empty(&results)?;
+    let made = results.join("bits").to_string_lossy().into_owned();
+    rimline(["verify", &made, "--memory-limit", "10"]).expect(2, &["--make"])?;
+    rimline(["verify", &made, "--allow-outside"]).expect(2, &["--make"])?;
+    rimline(["verify", "--make", &made, &model, "--memory-limit", "10"]).expect(1, &["more than the limit of 10 bytes"])
+}
+
+fn wrong_sizes() -> Outcome {
+    for size in ["", "much", "1.5GiB", "-1", "4GB"] {
+        let option = format!("--memory-limit={size}");
+        rimline(["info", "none.gltf", &option]).expect(2, &["--memory-limit"])?;
+    }
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! Memory of a loading: charged before it is taken.
+
+use std::cell::Cell;
+
+use super::GltfError;
+use super::document::Node;
+use super::instances::Placement;
+use crate::model::{Geometry, Influences, Instance, InstancePose};
+
+/// What loading one input may take, in bytes. A charge is never given back, so charges bound the peak, and the time, too.
+#[derive(Debug)]
+pub(super) struct Budget {
+    limit: u64,
+    used: Cell<u64>,
+}
+
+/// What a list that grows one by one takes at most for each byte of its elements: the old and the new array while it
+/// doubles.
+const GROWTH: u64 = 3;
+/// Bytes for a JSON object: a tree of its members, the struct that it becomes, the list and the path that name it.
+const JSON_OBJECT: u64 = 1536;
+/// Bytes for a member, an array or an element of one.
+const JSON_VALUE: u64 = 160;
+/// Bytes for each byte of the text: names are copied to what is known of meshes, skins and animations.
+const JSON_TEXT: u64 = 4;
+/// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records while they are built.
+const PLACED_FACE: u64 = 132;
+const PLACED_VERTEX: u64 = 12;
+/// Bytes for an instance, for a matrix of its pose, and for a morph weight.
+const INSTANCE: u64 =
+    GROWTH * (size_of::<Instance>() + size_of::<Placement>() + size_of::<InstancePose>()) as u64 + 128;
+const MATRIX: u64 = 160;
+const MORPH_WEIGHT: u64 = 32;
+/// Bytes for a node beyond its JSON: the struct, its place in the forest, its matrices when it is posed.
+const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
+
+impl Budget {
+    pub(super) fn new(limit: u64) -> Self {
+        Self { limit, used: Cell::new(0) }
+    }
+
+    /// Counts `count` elements of `size` bytes that are about to be made.
+    pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        let needed = count.saturating_mul(size).saturating_add(self.used.get());
+        if needed > self.limit {
+            return Err(GltfError::TooLarge { what: what(), needed, limit: self.limit });
+        }
+        self.used.set(needed);
+        Ok(())
+    }
+
+    /// Counts what JSON text becomes, by its punctuation: it bounds the values that the text can hold.
+    pub(super) fn charge_json(&self, text: &[u8]) -> Result<(), GltfError> {
+        let (mut objects, mut values) = (0, 0);
+        for byte in text {
+            objects += u64::from(*byte == b'{');
+            values += u64::from(matches!(byte, b':' | b'[' | b','));
+        }
+        let what = || "the JSON".to_owned();
+        self.charge(objects, JSON_OBJECT, &what)?;
+        self.charge(values, JSON_VALUE, &what)?;
+        self.charge(text.len() as u64, JSON_TEXT, &what)
+    }
+
+    pub(super) fn charge_nodes(&self, nodes: usize) -> Result<(), GltfError> {
+        self.charge(nodes as u64, NODE, &|| "nodes".to_owned())
+    }
+
+    /// Counts the merging of a primitive's `vertices`, with `entries` joints and weights, into a mesh.
+    pub(super) fn charge_merging(
+        &self,
+        vertices: usize,
+        entries: usize,
+        geometry: &Geometry,
+        what: &dyn Fn() -> String,
+    ) -> Result<(), GltfError> {
+        let lists = 12 * (1 + geometry.morph_targets.len() as u64) + 4;
+        let offset = if geometry.influences.is_some() { 4 } else { 0 };
+        self.charge(vertices as u64, GROWTH * (lists + offset), what)?;
+        self.charge(entries as u64, GROWTH * 8, what)
+    }
+
+    /// Counts the welding of a mesh, and the joints in use, which are looked up then.
+    pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
+        let vertices = geometry.positions.len() as u64;
+        let entries = geometry.influences.as_ref().map_or(0, |i: &Influences| i.joints.len()) as u64;
+        // Two tables with chains and their groups; the vertices that are kept, renumbered, with their data.
+        let tables = 2 * (16 + 4 + 4);
+        let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets.len() as u64) + GROWTH * 4 + 4;
+        self.charge(vertices, tables + kept, what)?;
+        self.charge(entries, GROWTH * 8 + 24, what)?;
+        self.charge(geometry.faces.len() as u64, 12, what)
+    }
+
+    /// Counts an instance, its pose, and its part of the mesh that all instances make.
+    pub(super) fn charge_instance(
+        &self,
+        geometry: &Geometry,
+        matrices: usize,
+        name: Option<&String>,
+        what: &dyn Fn() -> String,
+    ) -> Result<(), GltfError> {
+        self.charge(1, INSTANCE + name.map_or(0, |name| name.len() as u64), what)?;
+        self.charge(matrices as u64, MATRIX, what)?;
+        self.charge(geometry.morph_targets.len() as u64, MORPH_WEIGHT, what)?;
+        self.charge(geometry.faces.len() as u64, PLACED_FACE, what)?;
+        self.charge(geometry.positions.len() as u64, PLACED_VERTEX, what)
+    }
+}

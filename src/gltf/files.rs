@@ -1,0 +1,89 @@
+//! Files beside a glTF: which may be read, and reading them within the budget.
+
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Component, Path, PathBuf};
+
+use percent_encoding::percent_decode_str;
+
+use super::GltfError;
+use super::budget::Budget;
+use super::json::shorten;
+
+/// Where files named in a glTF are looked for.
+#[derive(Clone, Copy)]
+pub(super) struct Folder<'a> {
+    /// `None`: no file is read.
+    pub(super) path: Option<&'a Path>,
+    /// Files outside the folder are read, too.
+    pub(super) allow_outside: bool,
+}
+
+impl Folder<'_> {
+    /// The file that a relative URI names. What lies in the folder by name may still lead out of it by a symbolic link:
+    /// the path given is the one that the system resolved.
+    pub(super) fn find(&self, uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
+        let refuse = |problem| GltfError::Uri { place: place(), uri: shorten(uri), problem };
+        let outside = |path| Err(GltfError::Outside { place: place(), uri: shorten(uri), path });
+        let relative = relative(uri).map_err(refuse)?;
+        let leaves = leaves(&relative);
+        if leaves && !self.allow_outside {
+            return outside(relative);
+        }
+        let folder =
+            self.path.ok_or_else(|| refuse("names a file, but the glTF was given without a folder to look in"))?;
+        // The folder of `model.gltf` is the empty path.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let named = folder.join(relative);
+        if self.allow_outside {
+            return Ok(named);
+        }
+        let resolve =
+            |path: &Path| path.canonicalize().map_err(|source| GltfError::Read { path: path.to_owned(), source });
+        let resolved = resolve(&named)?;
+        if resolved.starts_with(resolve(folder)?) { Ok(resolved) } else { outside(resolved) }
+    }
+}
+
+/// The path that a URI names, relative to the glTF's folder.
+fn relative(uri: &str) -> Result<PathBuf, &'static str> {
+    let scheme = uri.split(['/', '?', '#', '%']).next().unwrap_or_default();
+    if scheme.contains(':') || uri.starts_with("//") {
+        return Err("is an absolute URI, and only files are read; put the file beside the glTF");
+    }
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "is no UTF-8 once decoded")?;
+    let path = PathBuf::from(&*decoded);
+    let named = path.components().any(|component| matches!(component, Component::Normal(_)));
+    if named { Ok(path) } else { Err("names no file") }
+}
+
+/// Whether a path leaves the folder that it starts in, by its names alone.
+fn leaves(path: &Path) -> bool {
+    let mut depth = 0_usize;
+    for component in path.components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => return true,
+        }
+    }
+    false
+}
+
+/// Reads at most `most` bytes of a regular file: never a device or a pipe, which may have no end.
+pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
+    let failed = |source| GltfError::Read { path: path.to_owned(), source };
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(failed(Error::other("it is not a regular file")));
+    }
+    // A file that grows meanwhile is cut to the length that was charged.
+    let length = metadata.len().min(most);
+    budget.charge(length, 1, &|| path.display().to_string())?;
+    let mut content = Vec::new();
+    content.try_reserve_exact(length as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
+    let file = File::open(path).map_err(failed)?;
+    file.take(length).read_to_end(&mut content).map_err(failed)?;
+    Ok(content)
+}

@@ -1,0 +1,63 @@
+//! Equality is asked about as often as there are vertices, even where they were chosen to collide.
+
+use std::cell::Cell;
+
+use super::*;
+
+/// Rimline's hash until it was keyed: multiply and rotate.
+fn unkeyed(words: [u32; 3]) -> u64 {
+    let mixed = words
+        .into_iter()
+        .fold(0_u64, |hash, word| (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95));
+    mixed ^ (mixed >> 32)
+}
+
+/// How often [`groups`] compares two of these elements.
+fn comparisons(elements: &[[u32; 3]], hash: impl Fn([u32; 3]) -> u64) -> usize {
+    let count = Cell::new(0);
+    let equal = |a: usize, b: usize| {
+        count.set(count.get() + 1);
+        elements[a] == elements[b]
+    };
+    groups(elements.len(), |element| hash(elements[element]), equal);
+    count.get()
+}
+
+/// Elements that differ and whose unkeyed hashes have equal low bits.
+fn colliding(count: u32, low_bits: u32) -> Vec<[u32; 3]> {
+    let mask = (1 << low_bits) - 1;
+    (0..)
+        .map(|n: u32| [n, n ^ 0x5bd1, n.rotate_left(7)])
+        .filter(|&w| unkeyed(w) & mask == 0)
+        .take(count as usize)
+        .collect()
+}
+
+#[test]
+fn chosen_collisions_cost_no_more_than_others() {
+    let elements = colliding(1000, 12);
+    // The control: a table that takes the bits that collide compares each with each.
+    let quadratic = comparisons(&elements, |words| unkeyed(words) << (64 - 12));
+    assert_eq!(quadratic, 1000 * 999 / 2);
+    let keys = Keys::new(3);
+    let keyed = comparisons(&elements, |words| keys.hash(words));
+    // The table has twice as many lists as elements: a quarter of a comparison an element is expected.
+    assert!(keyed < 1000, "{keyed} comparisons");
+}
+
+#[test]
+fn every_word_counts() {
+    let keys = Keys::new(3);
+    for word in 0..3 {
+        let elements: Vec<[u32; 3]> =
+            (0..1000).map(|n| std::array::from_fn(|w| if w == word { n } else { 7 })).collect();
+        let keyed = comparisons(&elements, |words| keys.hash(words));
+        assert!(keyed < 1000, "word {word}: {keyed} comparisons");
+    }
+}
+
+#[test]
+fn keys_differ_from_run_to_run() {
+    let hashes: Vec<u64> = (0..8).map(|_| Keys::new(3).hash([1, 2, 3])).collect();
+    assert!(hashes.windows(2).any(|pair| pair[0] != pair[1]), "{hashes:?}");
+}

@@ -1,0 +1,438 @@
+//! What loading a glTF takes of memory, by an allocator that counts: never more than the limit, whatever the file, and for
+//! ordinary files not much less than was charged.
+//!
+//! A binary of its own, without threads, since the allocator counts what the whole process takes.
+
+#[path = "maker.rs"]
+#[allow(dead_code)]
+mod maker;
+
+use std::path::{Path, PathBuf};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use maker::{F32, Maker, U8, everything};
+use peak_alloc::PeakAlloc;
+use rimline::gltf::{Asset, GltfError, LoadOptions};
+use rimline::mesh::Weld;
+use serde_json::{Value, json};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+type Outcome = Result<(), Failed>;
+
+/// Paths, messages and lists of a few entries, which are not charged.
+const SLACK: u64 = 64 << 10;
+
+fn main() {
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads = Some(1);
+    let bomb = |&(name, make, what): &Bomb| Trial::test(format!("bomb::{name}"), move || too_large(make, what));
+    let mut trials: Vec<Trial> = BOMBS.iter().map(bomb).collect();
+    let list = |&(name, make): &(&str, fn() -> Maker)| {
+        Trial::test(format!("list::{name}"), move || within_limits(&make().glb(), None, 64))
+    };
+    trials.extend(LISTS.iter().map(list));
+    trials.extend([
+        Trial::test("control", control),
+        Trial::test("the_limit_is_exact", exact),
+        Trial::test("buffers_that_name_one_file", one_file_many_times),
+        Trial::test("a_sparse_file_of_a_terabyte", hole),
+        Trial::test("everything_within_each_limit", || within_limits(&everything().glb(), None, 16)),
+        Trial::test("mutated_files_within_a_limit", mutated),
+        Trial::test("assets_within_each_limit", assets).with_ignored_flag(!folder().is_dir()),
+        Trial::test("by_default_too", by_default).with_ignored_flag(std::env::var_os("RIMLINE_LONG").is_none()),
+    ]);
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+fn folder() -> PathBuf {
+    std::env::var_os("RIMLINE_ASSETS")
+        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/assets")), PathBuf::from)
+}
+
+/// Loads a file, poses it and makes its mesh; the most memory that was taken meanwhile, and what came of it.
+fn measured(bytes: &[u8], base: Option<&Path>, limit: u64) -> (u64, Result<(), GltfError>) {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let options = LoadOptions { memory_limit: limit, ..Weld::Data.into() };
+    let result = Asset::from_slice(bytes, base, options).map(|asset| {
+        let animation = (!asset.animations().is_empty()).then_some(0);
+        drop(asset.lights(animation, 0.3));
+        if let Ok(pose) = asset.pose(animation, 0.3) {
+            drop(asset.model().mesh(&pose));
+        }
+    });
+    ((ALLOCATOR.peak_usage() - before) as u64, result)
+}
+
+fn within(bytes: &[u8], base: Option<&Path>, limit: u64) -> Result<Result<(), GltfError>, Failed> {
+    let (peak, result) = measured(bytes, base, limit);
+    if peak > limit + SLACK {
+        return Err(format!("{peak} bytes taken of {limit}; then {:?}", result.err()).into());
+    }
+    Ok(result)
+}
+
+/// A small file that makes much, in one way: its name, its making, and what is too large.
+type Bomb = (&'static str, fn() -> Maker, &'static str);
+
+const BOMBS: &[Bomb] = &[
+    ("faces_of_instances", || faces_of_instances(2400), "meshes[0] (its instances)"),
+    ("faces_of_nodes", faces_of_nodes, "meshes[0] (its instances)"),
+    ("names_of_instances", names_of_instances, "meshes[0] (its instances)"),
+    ("morph_weights_of_instances", morph_weights, "meshes[0] (its instances)"),
+    ("palettes", palettes, "meshes[0] (its instances)"),
+    ("instances_without_faces", instances_without_faces, "EXT_mesh_gpu_instancing"),
+    ("zero_positions", || zeros(1 << 30), "accessors[0], used as meshes[0].primitives[0].attributes.POSITION"),
+    ("zero_targets", zero_targets, "meshes[0].primitives[0].targets["),
+    ("meshes_of_one_accessor", meshes_of_one_accessor, "meshes["),
+    ("primitives_of_one_accessor", primitives_of_one_accessor, "meshes[0].primitives["),
+    ("points_of_one_accessor", points_of_one_accessor, "meshes[0].primitives["),
+    ("influences", influences, "meshes[0].primitives[0]"),
+    ("sparse_over_zeros", sparse, "meshes["),
+    ("channels_of_one_accessor", channels, "animations[0].samplers[0]"),
+    ("names_of_lights", names_of_lights, "(its light)"),
+];
+
+/// Lists of many small things, of which the JSON itself takes most.
+const LISTS: &[(&str, fn() -> Maker)] = &[
+    ("empty_objects", || repeated("extras", &json!({}))),
+    ("small_objects", || repeated("extras", &json!({ "": 0 }))),
+    ("objects_of_twelve", || repeated("extras", &(0..12).map(|n| (n.to_string(), json!(0))).collect())),
+    ("small_lists", || repeated("extras", &json!([0]))),
+    ("numbers", || repeated("extras", &json!(0))),
+    ("strings", || repeated("extras", &json!(""))),
+    ("nodes", || repeated("nodes", &json!({}))),
+    ("children", children),
+    ("samplers", samplers),
+    ("accessors", || repeated("accessors", &json!({ "componentType": F32, "type": "VEC3", "count": 0 }))),
+    ("meshes", || repeated("meshes", &json!({ "primitives": [{ "attributes": {} }] }))),
+    ("targets", || repeated("meshes", &json!({ "primitives": [{ "attributes": {}, "targets": [{}, {}, {}] }] }))),
+    ("images", || repeated("images", &json!({}))),
+];
+
+fn instanced(maker: &mut Maker, count: u64) {
+    let places = bare(maker, count);
+    let attributes = json!({ "TRANSLATION": places });
+    maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+}
+
+/// An accessor of zeros, for which the file has no bytes.
+fn bare(maker: &mut Maker, count: u64) -> usize {
+    maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": count }))
+}
+
+fn zeros(count: u64) -> Maker {
+    let mut maker = Maker::new();
+    let positions = bare(&mut maker, count);
+    maker.mesh(&json!({ "attributes": { "POSITION": positions } }));
+    maker.push("nodes", json!({ "mesh": 0 }));
+    maker
+}
+
+/// A reproduction: a file of 371 bytes, with 2,400,000 vertices, took more than 8 GB and ended the process, since an instance was charged a few
+/// hundred bytes, whatever its faces.
+fn faces_of_instances(vertices: u64) -> Maker {
+    let mut maker = zeros(vertices);
+    instanced(&mut maker, 880);
+    maker
+}
+
+fn faces_of_nodes() -> Maker {
+    let mut maker = zeros(6000);
+    maker.json["nodes"] = json!(vec![json!({ "mesh": 0 }); 500]);
+    maker
+}
+
+fn names_of_instances() -> Maker {
+    let mut maker = zeros(3);
+    instanced(&mut maker, 10_000);
+    maker.json["nodes"][0]["name"] = json!("n".repeat(10_000));
+    maker
+}
+
+fn zero_targets() -> Maker {
+    let mut maker = zeros(100_000);
+    maker.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); 1000]);
+    maker
+}
+
+fn meshes_of_one_accessor() -> Maker {
+    let mut maker = zeros(6000);
+    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 500]);
+    maker
+}
+
+fn primitives_of_one_accessor() -> Maker {
+    let mut maker = Maker::square();
+    let indices = maker.indices(U8, &vec![0; 30_000]);
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": indices });
+    maker.json["meshes"][0]["primitives"] = json!(vec![primitive; 1000]);
+    maker
+}
+
+/// What is read only to be checked takes its time.
+fn points_of_one_accessor() -> Maker {
+    let mut maker = zeros(60_000);
+    let points = json!({ "attributes": { "POSITION": 0 }, "mode": 0 });
+    maker.json["meshes"][0]["primitives"] = json!(vec![points; 1000]);
+    maker
+}
+
+/// Eight sets of influences of one accessor of zeros with normalised bytes.
+fn influences() -> Maker {
+    let mut maker = zeros(20_000);
+    let accessor = |normalized: bool| {
+        json!({ "componentType": U8, "type": "VEC4", "count": 20_000, "normalized": normalized })
+    };
+    let joints = maker.push("accessors", accessor(false));
+    let weights = maker.push("accessors", accessor(true));
+    for set in 0..8 {
+        let attributes = &mut maker.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes[format!("JOINTS_{set}")] = json!(joints);
+        attributes[format!("WEIGHTS_{set}")] = json!(weights);
+    }
+    maker.json["nodes"][0]["skin"] = json!(0);
+    maker.push("skins", json!({ "joints": [0] }));
+    maker
+}
+
+fn palettes() -> Maker {
+    let mut maker = Maker::skinned([0; 4], [1.0; 4]);
+    maker.json["skins"][0]["joints"] = json!(vec![1; 5000]);
+    maker.json["nodes"].as_array_mut().expect("a list").extend(vec![json!({ "mesh": 0, "skin": 0 }); 1000]);
+    maker
+}
+
+fn channels() -> Maker {
+    let mut maker = Maker::square();
+    let times: Vec<f32> = (0..20_000).map(|key| key as f32).collect();
+    let times = maker.floats("SCALAR", &times);
+    let values = bare(&mut maker, 20_000);
+    let channel = json!({ "sampler": 0, "target": { "node": 0, "path": "translation" } });
+    let sampler = json!({ "input": times, "output": values });
+    maker.push("animations", json!({ "samplers": [sampler], "channels": vec![channel; 1000] }));
+    maker
+}
+
+fn morph_weights() -> Maker {
+    let mut maker = zeros(3);
+    maker.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); 2000]);
+    instanced(&mut maker, 20_000);
+    maker
+}
+
+fn sparse() -> Maker {
+    let mut maker = zeros(9999);
+    let (at, to) = (maker.view(&[0]), maker.view(&[0; 12]));
+    maker.json["accessors"][0]["sparse"] = json!({
+        "count": 1,
+        "indices": { "bufferView": at, "componentType": U8 },
+        "values": { "bufferView": to },
+    });
+    maker.json["meshes"] = json!(vec![maker.json["meshes"][0].clone(); 50]);
+    maker
+}
+
+fn instances_without_faces() -> Maker {
+    let mut maker = zeros(0);
+    instanced(&mut maker, 5_000_000);
+    maker
+}
+
+fn repeated(list: &str, value: &Value) -> Maker {
+    let mut maker = Maker::new();
+    maker.json[list] = json!(vec![value; 20_000]);
+    maker
+}
+
+fn samplers() -> Maker {
+    let mut maker = Maker::square();
+    let sampler = json!({ "input": 0, "output": 0 });
+    let channel = json!({ "sampler": 0, "target": { "path": "scale" } });
+    maker.push("animations", json!({ "samplers": vec![sampler; 20_000], "channels": vec![channel; 20_000] }));
+    maker
+}
+
+/// Links of a list whose elements are two bytes of text each.
+fn children() -> Maker {
+    let mut maker = Maker::new();
+    maker.json["nodes"] = json!([{}]);
+    maker.json["scenes"] = json!([{ "nodes": vec![0; 20_000] }]);
+    maker.json["meshes"] = json!([{ "primitives": [], "weights": [] }]);
+    maker.json["extensionsUsed"] = json!(vec![""; 20_000]);
+    maker
+}
+
+/// Within any limit, and refused by 16 MiB for what it makes much of.
+fn too_large(make: fn() -> Maker, part: &str) -> Outcome {
+    let bytes = make().glb();
+    for bits in 12..24 {
+        drop(within(&bytes, None, 1 << bits)?);
+    }
+    match within(&bytes, None, 16 << 20)? {
+        Err(GltfError::TooLarge { what, needed, limit }) => {
+            let good = what.contains(part) && needed > limit && limit == 16 << 20;
+            if good { Ok(()) } else { Err(format!("{what}: {needed} of {limit}").into()) }
+        }
+        other => Err(format!("{other:?}").into()),
+    }
+}
+
+/// With the default limit the same holds, for what takes the most. This takes up to 4 GiB.
+fn by_default() -> Outcome {
+    let makes: Vec<(&str, fn() -> Maker)> = BOMBS.iter().map(|bomb| (bomb.0, bomb.1)).collect();
+    let large: [(&str, fn() -> Maker); 1] = [("reproduction", || faces_of_instances(2_400_000))];
+    for (name, make) in makes.into_iter().chain(large) {
+        let result = within(&make().glb(), None, LoadOptions::DEFAULT_MEMORY_LIMIT)?;
+        println!("{name}: {:?}", result.as_ref().err());
+        if name == "reproduction" && !matches!(result, Err(GltfError::TooLarge { .. })) {
+            return Err(format!("{name}: {result:?}").into());
+        }
+    }
+    Ok(())
+}
+
+/// The allocator notices what is taken and given back, and the comparison a limit that was passed.
+fn control() -> Outcome {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    drop(std::hint::black_box(vec![1_u8; 3 << 20]));
+    let peak = ALLOCATOR.peak_usage() - before;
+    if !(3 << 20..4 << 20).contains(&peak) {
+        return Err(format!("{peak} bytes counted for 3 MiB").into());
+    }
+    let bytes = zeros(300_000).glb();
+    let (peak, result) = measured(&bytes, None, u64::MAX);
+    result?;
+    if peak < 3_20_000 {
+        return Err(format!("{peak} bytes for 300,000 positions").into());
+    }
+    Ok(())
+}
+
+/// The limit that the error names is enough for what it was about.
+fn exact() -> Outcome {
+    let bytes = everything().glb();
+    let load = |limit| Asset::from_slice(&bytes, None, LoadOptions { memory_limit: limit, ..LoadOptions::default() });
+    let (mut limit, mut steps) = (0, 0);
+    while let Err(error) = load(limit) {
+        match error {
+            GltfError::TooLarge { needed, limit: named, .. } if needed > limit && named == limit => limit = needed,
+            other => return Err(other.to_string().into()),
+        }
+        steps += 1;
+    }
+    if steps < 10 || load(limit - 1).is_ok() {
+        return Err(format!("{steps} steps, {limit} bytes").into());
+    }
+    Ok(())
+}
+
+fn names_of_lights() -> Maker {
+    let mut maker = Maker::new();
+    let light = json!({ "type": "point", "name": "n".repeat(100_000) });
+    maker.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+    let node = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+    maker.json["nodes"] = json!(vec![node; 1000]);
+    maker
+}
+
+fn one_file_many_times() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("one.bin"), vec![0; 1 << 20])?;
+    let mut maker = Maker::new();
+    maker.json["buffers"] = json!(vec![json!({ "uri": "one.bin", "byteLength": 1 << 20 }); 1000]);
+    match within(maker.json.to_string().as_bytes(), Some(folder.path()), 16 << 20)? {
+        Err(GltfError::TooLarge { what, .. }) if what.contains("one.bin") => Ok(()),
+        other => Err(format!("{other:?}").into()),
+    }
+}
+
+/// A file whose bytes no disk holds: as a buffer, and as the glTF itself.
+fn hole() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("hole.bin");
+    std::fs::File::create(&path)?.set_len(1 << 40)?;
+    let mut maker = Maker::new();
+    maker.json["buffers"] = json!([{ "uri": "hole.bin", "byteLength": 1_u64 << 40 }]);
+    let as_buffer = within(maker.json.to_string().as_bytes(), Some(folder.path()), 16 << 20)?;
+    for result in [as_buffer, Asset::open(&path, Weld::Data).map(drop)] {
+        match result {
+            Err(GltfError::TooLarge { what, needed, .. }) if what.contains("hole.bin") && needed >= 1 << 40 => {}
+            other => return Err(format!("{other:?}").into()),
+        }
+    }
+    Ok(())
+}
+
+/// At every limit, doubled until the file loads, no more is taken than that; and at the last no more than `most` times as much
+/// is asked for as is taken.
+fn within_limits(bytes: &[u8], base: Option<&Path>, most: u64) -> Outcome {
+    let mut limit = 1 << 12;
+    loop {
+        match within(bytes, base, limit)? {
+            Ok(()) => break,
+            Err(GltfError::TooLarge { .. }) => limit *= 2,
+            Err(error) => return Err(error.to_string().into()),
+        }
+    }
+    let (peak, _) = measured(bytes, base, limit);
+    println!("{} bytes: at most {peak} taken, a limit of {limit} is enough", bytes.len());
+    if limit > most * (peak + SLACK) {
+        return Err(format!("{limit} bytes asked for, {peak} taken").into());
+    }
+    Ok(())
+}
+
+fn assets() -> Outcome {
+    let (mut files, mut count) = (vec![folder()], 0);
+    while let Some(path) = files.pop() {
+        if path.is_dir() && path.file_name() != Some("bad".as_ref()) {
+            files.extend(std::fs::read_dir(&path)?.map(|entry| entry.map(|e| e.path())).collect::<Result<Vec<_>, _>>()?);
+        } else if path.extension().is_some_and(|ending| ending == "gltf" || ending == "glb") {
+            within_limits(&std::fs::read(&path)?, path.parent(), 16).map_err(|error| {
+                Failed::from(format!("{}: {}", path.display(), error.message().unwrap_or_default()))
+            })?;
+            count += 1;
+        }
+    }
+    if count < 20 { Err(format!("only {count} files").into()) } else { Ok(()) }
+}
+
+/// A file of nearly everything, whose accessors are all zeros, for which it needs no bytes.
+fn everything_zero() -> Maker {
+    let mut maker = everything();
+    let json = maker.json.as_object_mut().expect("an object");
+    // Zeros are no times and no matrices.
+    json.remove("animations");
+    json["skins"][0].as_object_mut().expect("an object").remove("inverseBindMatrices");
+    for accessor in json["accessors"].as_array_mut().expect("a list") {
+        accessor.as_object_mut().expect("an object").remove("bufferView");
+    }
+    maker
+}
+
+/// Numbers of a good file replaced by others, small and huge.
+fn mutated() -> Outcome {
+    let (mut cases, mut refused) = (0, 0);
+    for maker in [everything(), everything_zero()] {
+        let text = String::from_utf8(maker.gltf()).expect("JSON");
+        let limit = (12..).map(|bits| 1 << bits).find(|&limit| measured(text.as_bytes(), None, limit).1.is_ok());
+        let limit = limit.ok_or("the file does not load")?;
+        let starts = text.match_indices([':', '[', ',']).map(|(at, _)| at + 1);
+        for start in starts.filter(|&at| text[at..].starts_with(|c: char| c.is_ascii_digit())) {
+            let rest = text[start..].trim_start_matches(|c: char| c.is_ascii_digit());
+            for new in ["0", "1", "3", "40", "3000", "100000", "5000000", "4294967295"] {
+                let changed = format!("{}{new}{rest}", &text[..start]);
+                let result = within(changed.as_bytes(), None, limit)
+                    .map_err(|e| Failed::from(format!("{new} at byte {start}: {}", e.message().unwrap_or_default())))?;
+                cases += 1;
+                refused += usize::from(matches!(result, Err(GltfError::TooLarge { .. })));
+            }
+        }
+    }
+    println!("{cases} cases, {refused} over the limit");
+    if refused < 10 { Err(format!("only {refused} of {cases} were over the limit").into()) } else { Ok(()) }
+}

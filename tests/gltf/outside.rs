@@ -1,0 +1,137 @@
+//! Files that a glTF names: only those in its folder are read, wherever links and `..` lead, unless the caller lets the
+//! others in.
+
+use std::path::{Path, PathBuf};
+
+use libtest_mimic::Trial;
+use rimline::gltf::{Asset, GltfError, LoadOptions};
+use rimline::mesh::Weld;
+use serde_json::json;
+
+use crate::maker::Maker;
+use crate::refuse::uri;
+use crate::{Outcome, ensure, test};
+
+pub(crate) fn tests() -> Vec<Trial> {
+    vec![
+        test("outside::by_name", by_name),
+        test("outside::by_link", by_link),
+        test("outside::inside_by_detours", detours),
+        test("outside::images_are_not_read", images),
+        test("outside::what_is_not_there", missing),
+    ]
+}
+
+/// A folder `top` with `secret.bin`, and in it a folder `model` with `own.bin`: both hold the square's bytes.
+struct Place {
+    top: tempfile::TempDir,
+    maker: Maker,
+}
+
+impl Place {
+    fn new() -> Result<Self, std::io::Error> {
+        let (top, maker) = (tempfile::tempdir()?, Maker::square());
+        std::fs::create_dir_all(top.path().join("model/below"))?;
+        std::fs::write(top.path().join("secret.bin"), &maker.bytes)?;
+        std::fs::write(top.path().join("model/own.bin"), &maker.bytes)?;
+        Ok(Self { top, maker })
+    }
+
+    fn model(&self) -> PathBuf {
+        self.top.path().join("model")
+    }
+
+    fn load(&self, name: &str, allow_outside: bool) -> Result<Asset, GltfError> {
+        let mut maker = self.maker.clone();
+        uri(&mut maker, name);
+        let path = self.model().join("model.gltf");
+        std::fs::write(&path, maker.json.to_string())
+            .map_err(|source| GltfError::Read { path: path.clone(), source })?;
+        Asset::open(&path, LoadOptions { allow_outside, ..Weld::Keep.into() })
+    }
+
+    /// Refused, and the path that it leads to is named; let in where the caller says so.
+    fn is_outside(&self, name: &str, leads_to: &Path) -> Outcome {
+        match self.load(name, false) {
+            Err(GltfError::Outside { place, uri, path }) => {
+                ensure(place == "buffers[0].uri" && uri == name, || format!("{place}, {uri:?}"))?;
+                ensure(path == leads_to, || format!("{name} leads to {}, not {}", path.display(), leads_to.display()))?;
+            }
+            other => return Err(format!("{name}: {other:?}").into()),
+        }
+        let allowed = self.load(name, true)?;
+        ensure(allowed.model() == self.maker.load()?.model(), || format!("{name}: another model"))
+    }
+}
+
+fn by_name() -> Outcome {
+    let place = Place::new()?;
+    for name in ["../secret.bin", "below/../../secret.bin", "./../secret.bin", "../model/own.bin"] {
+        place.is_outside(name, Path::new(name))?;
+    }
+    let rooted = place.top.path().join("secret.bin");
+    // An absolute path; on Windows it has a drive's letter, which is refused as a scheme.
+    if cfg!(unix) { place.is_outside(&rooted.to_string_lossy(), &rooted) } else { Ok(()) }
+}
+
+#[cfg(unix)]
+fn by_link() -> Outcome {
+    use std::os::unix::fs::symlink;
+    let place = Place::new()?;
+    let secret = place.top.path().join("secret.bin").canonicalize()?;
+    symlink("../secret.bin", place.model().join("link.bin"))?;
+    symlink(&secret, place.model().join("rooted.bin"))?;
+    symlink("link.bin", place.model().join("second.bin"))?;
+    symlink("../..", place.model().join("below/up"))?;
+    for name in ["link.bin", "rooted.bin", "second.bin", "below/up/secret.bin"] {
+        place.is_outside(name, &secret)?;
+    }
+    // A folder whose name begins like the glTF's.
+    std::fs::create_dir(place.top.path().join("model2"))?;
+    let other = place.top.path().join("model2/own.bin");
+    std::fs::copy(&secret, &other)?;
+    symlink("../model2", place.model().join("beside"))?;
+    place.is_outside("beside/own.bin", &other.canonicalize()?)?;
+    // Links that stay, and a link to the glTF's folder itself.
+    symlink("own.bin", place.model().join("stays.bin"))?;
+    symlink("model", place.top.path().join("entry"))?;
+    place.load("stays.bin", false)?;
+    Asset::open(place.top.path().join("entry/model.gltf"), Weld::Keep)?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn by_link() -> Outcome {
+    Ok(())
+}
+
+fn detours() -> Outcome {
+    let place = Place::new()?;
+    for name in ["own.bin", "./own.bin", "below/../own.bin", "below/./../own.bin"] {
+        place.load(name, false)?;
+    }
+    Ok(())
+}
+
+/// A picture outside is no reason to refuse a model: nothing of it is read.
+fn images() -> Outcome {
+    let mut maker = Maker::square();
+    maker.json["images"] =
+        json!([{ "uri": "../../nowhere.png" }, { "uri": "/dev/zero" }, { "uri": "https://a/b.png" }]);
+    maker.json["textures"] = json!([{ "source": 0 }]);
+    maker.load()?;
+    Ok(())
+}
+
+/// What is not there cannot be resolved; what would lie outside is refused without a look at it.
+fn missing() -> Outcome {
+    let place = Place::new()?;
+    match place.load("none.bin", false) {
+        Err(GltfError::Read { path, .. }) if path.ends_with("model/none.bin") => {}
+        other => return Err(format!("{other:?}").into()),
+    }
+    let outside = place.load("../none.bin", false);
+    ensure(matches!(outside, Err(GltfError::Outside { .. })), || format!("{outside:?}"))?;
+    let allowed = place.load("../none.bin", true);
+    ensure(matches!(allowed, Err(GltfError::Read { .. })), || format!("{allowed:?}"))
+}
