@@ -1,5 +1,9 @@
-//! Soft shadows: a disc of light as 32 samples, which share one extraction. Writes `soft.png`. Run it with
+//! Soft shadows: a disc of light as 32 samples, which share one extraction. Neighbouring pixels take different patterns of
+//! 32, of 16 that are more evenly spread together, so that shadows show no steps. Writes `soft.png`. Run it with
 //! `cargo run --release --example soft`.
+//!
+//! To measure, `cargo run --release --example soft -- exact` shows every pixel the same 32 samples: a place's light is then
+//! the share of those that reach it, and shadows have 32 steps.
 
 #[path = "../support/stage.rs"]
 mod stage;
@@ -12,23 +16,25 @@ use rimline::gpu::{
 };
 use rimline::{AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_measure::shapes;
-use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
+use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, PARTS, Stage};
 
 /// One word of lights: the extraction decides them together.
 const SAMPLES: usize = 32;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let canvas = support::Canvas::new(640)?;
+    let parts = if std::env::args().nth(1).as_deref() == Some("exact") { 1 } else { PARTS };
+    let canvas = support::Canvas::of_size([960, 720])?;
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0);
+    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0).wide(4.0 / 3.0);
     let lamp = AreaLight {
         light: Light::point([-3.2, 5.6, 2.2]),
         shape: AreaShape::Disc { radius: 0.6 },
         normal: [3.2, -4.6, -2.2],
     };
-    let lights = lamp.samples(SAMPLES);
+    let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern(SAMPLES, part, parts)).collect();
     let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
-    let stage = Stage::new(&canvas, &camera, &lights.iter().map(share).collect::<Vec<_>>());
+    let lamps: Vec<Vec<Lamp>> = patterns.iter().map(|lights| lights.iter().map(share).collect()).collect();
+    let stage = Stage::in_parts(&canvas, &camera, &lamps);
 
     let shape = shapes::blob(96, 0.6, 7);
     let vertices: Vec<[f32; 3]> = shape.positions.iter().map(|&[x, y, z]| [x, y + 1.4, z]).collect();
@@ -44,13 +50,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let view = ShadowCamera {
-        view_projection: camera.view_projection.to_cols_array_2d(),
-        origin: camera.eye.into(),
-        depth: DepthDirection::Reversed,
-    };
-    let extraction = extractor.encode(&mut encoder, positions, &lights, None)?;
-    let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
-    stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+    for (part, lights) in patterns.iter().enumerate() {
+        let Camera { eye, view_projection } = *stage.camera(part);
+        let view = ShadowCamera {
+            view_projection: view_projection.to_cols_array_2d(),
+            origin: eye.into(),
+            depth: DepthDirection::Reversed,
+        };
+        let extraction = extractor.encode(&mut encoder, positions, lights, None)?;
+        let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
+        stage.draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
+    }
+    stage.develop(&mut encoder);
     canvas.save(encoder, "soft.png")
 }

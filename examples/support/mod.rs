@@ -8,7 +8,8 @@ use rimline::wgpu;
 pub(crate) struct Canvas {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    pub(crate) size: u32,
+    /// Width and height.
+    pub(crate) size: [u32; 2],
     target: wgpu::Texture,
 }
 
@@ -28,13 +29,18 @@ impl Canvas {
     /// The picture's format.
     pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
+    /// A square one.
     pub(crate) fn new(size: u32) -> Result<Self, Box<dyn std::error::Error>> {
+        Self::of_size([size; 2])
+    }
+
+    pub(crate) fn of_size([width, height]: [u32; 2]) -> Result<Self, Box<dyn std::error::Error>> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))?;
         let target = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("canvas"),
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -42,7 +48,7 @@ impl Canvas {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        Ok(Self { device, queue, size, target })
+        Ok(Self { device, queue, size: [width, height], target })
     }
 
     /// A storage buffer with these contents.
@@ -67,19 +73,18 @@ impl Canvas {
         self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
-    /// A square attachment that shaders may read.
-    pub(crate) fn target(&self, size: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+    /// An attachment of so many layers that shaders may read.
+    pub(crate) fn target(&self, [width, height]: [u32; 2], layers: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
-            size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
-        });
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
+        })
     }
 
     /// A layout whose bindings every render stage sees.
@@ -173,13 +178,14 @@ impl Canvas {
 
     /// Submits and writes the picture.
     pub(crate) fn save(&self, mut encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
-        let pixels = self.buffer(u64::from(4 * self.size * self.size));
-        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * self.size), ..Default::default() };
+        let [width, height] = self.size;
+        let pixels = self.buffer(u64::from(4 * width * height));
+        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * width), ..Default::default() };
         let copy = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
         encoder.copy_texture_to_buffer(self.target.as_image_copy(), copy, self.target.size());
         self.queue.submit([encoder.finish()]);
         let pixels: Vec<u8> = read_back_vec(&self.device, &self.queue, &pixels)?;
-        let mut image = png::Encoder::new(std::fs::File::create(path)?, self.size, self.size);
+        let mut image = png::Encoder::new(std::fs::File::create(path)?, width, height);
         image.set_color(png::ColorType::Rgba);
         image.write_header()?.write_image_data(&pixels)?;
         println!("{path}");

@@ -1,5 +1,6 @@
 //! A host's renderer that shadow volumes are dropped into: bodies and a floor at y = 0, ambient light first, then light
 //! after light where the stencil is still 0. Twice as large as the picture, which averages it.
+#![allow(dead_code, reason = "each example uses its part")]
 
 use glam::{Mat4, Vec3, Vec4};
 use rimline::wgpu;
@@ -30,6 +31,12 @@ impl Camera {
         let rows = [(scale * right).extend(0.0), (scale * right.cross(forward)).extend(0.0), near, forward.extend(0.0)];
         Self { eye, view_projection: Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose() }
     }
+
+    /// For a picture so many times as wide as high.
+    pub(crate) fn wide(mut self, aspect: f32) -> Self {
+        self.view_projection = Mat4::from_scale(Vec3::new(1.0 / aspect, 1.0, 1.0)) * self.view_projection;
+        self
+    }
 }
 
 /// A light as homogeneous coordinates, and its colour.
@@ -49,29 +56,64 @@ pub(crate) struct Stage<'a> {
     canvas: &'a Canvas,
     layouts: [BindGroupLayout; 2],
     frame: BindGroup,
+    cameras: Vec<Camera>,
     lamps: usize,
     /// In ambient light and for a light: bodies, floor.
     ambient: [wgpu::RenderPipeline; 2],
     lit: [wgpu::RenderPipeline; 2],
     tone: (wgpu::RenderPipeline, BindGroup),
-    color: wgpu::TextureView,
+    /// A layer a part.
+    color: wgpu::Texture,
     depth: wgpu::TextureView,
 }
 
 const SLOT: u64 = 256;
 
+/// Parts, if there are more than one: four each way.
+pub(crate) const PARTS: usize = 16;
+
+/// Which pixel of the four by four a part takes, `tone.wgsl` the other way round. Neighbouring parts share a pixel of the
+/// picture, whose patterns are most unlike.
+fn place(part: usize) -> [usize; 2] {
+    let (within, pixel) = (part % 4, part / 4);
+    [2 * (pixel & 1) + (within & 1), 2 * (pixel >> 1) + (within >> 1)]
+}
+
 impl<'a> Stage<'a> {
     pub(crate) fn new(canvas: &'a Canvas, camera: &Camera, lamps: &[Lamp]) -> Self {
-        let mut data: Vec<[f32; 64]> = vec![[0.0; 64]; 1 + lamps.len()];
-        data[0][..16].copy_from_slice(&camera.view_projection.to_cols_array());
-        data[0][16..19].copy_from_slice(&camera.eye.to_array());
-        for (slot, lamp) in data[1..].iter_mut().zip(lamps) {
-            slot[..4].copy_from_slice(&lamp.xyzw);
-            slot[4..7].copy_from_slice(&lamp.color);
+        Self::in_parts(canvas, camera, &[lamps])
+    }
+
+    /// One part or [`PARTS`], with as many lamps each; the canvas's width and height are then even.
+    pub(crate) fn in_parts<L: AsRef<[Lamp]>>(canvas: &'a Canvas, camera: &Camera, parts: &[L]) -> Self {
+        let pitch = if parts.len() == 1 { 1 } else { 4 };
+        let size = canvas.size.map(|pixels| 2 * pixels);
+        let (mut cameras, mut data) = (Vec::new(), Vec::<[f32; 64]>::new());
+        for (part, lamps) in parts.iter().enumerate() {
+            let [x, y] = [0, 1].map(|axis| {
+                let at = if pitch == 1 { 0 } else { place(part)[axis] };
+                (pitch as f32 - 2.0 * (at as f32 + 0.5)) / size[axis] as f32
+            });
+            let aside = Mat4::from_translation(Vec3::new(x, -y, 0.0));
+            let camera = Camera { view_projection: aside * camera.view_projection, ..*camera };
+            let mut frame = [0.0; 64];
+            frame[..16].copy_from_slice(&camera.view_projection.to_cols_array());
+            frame[16..19].copy_from_slice(&camera.eye.to_array());
+            data.push(frame);
+            cameras.push(camera);
+            for lamp in lamps.as_ref() {
+                let mut slot = [0.0; 64];
+                slot[..4].copy_from_slice(&lamp.xyzw);
+                slot[4..7].copy_from_slice(&lamp.color);
+                data.push(slot);
+            }
         }
+        let lamps = data.len() / parts.len() - 1;
         let buffer = canvas.uniform(bytemuck::cast_slice(&data));
-        let color = canvas.target(2 * canvas.size, COLOR);
-        let depth = canvas.target(2 * canvas.size, DEPTH_STENCIL);
+        let size = size.map(|pixels| pixels / pitch);
+        let color = canvas.target(size, parts.len() as u32, COLOR);
+        let view = wgpu::TextureViewDescriptor::default();
+        let depth = canvas.target(size, 1, DEPTH_STENCIL).create_view(&view);
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset,
@@ -84,10 +126,10 @@ impl<'a> Stage<'a> {
         };
         let texture = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension: wgpu::TextureViewDimension::D2Array,
             multisampled: false,
         };
-        let layouts = [canvas.layout(&[uniform(false), uniform(true)]), canvas.layout(&[storage; 2])];
+        let layouts = [canvas.layout(&[uniform(true), uniform(true)]), canvas.layout(&[storage; 2])];
         let part = |size| BufferBinding { buffer: &buffer, offset: 0, size: BufferSize::new(size) };
         let parts = [part(80), part(32)].map(wgpu::BindingResource::Buffer);
         let frame = canvas.group(&layouts[0], &parts);
@@ -124,8 +166,10 @@ impl<'a> Stage<'a> {
             blend: None,
             depth_stencil: None,
         });
-        let tone = (tone, canvas.group(&read, &[wgpu::BindingResource::TextureView(&color)]));
-        Self { canvas, layouts, frame, lamps: lamps.len(), ambient, lit, tone, color, depth }
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        let layers = color.create_view(&wgpu::TextureViewDescriptor { dimension, ..view });
+        let tone = (tone, canvas.group(&read, &[wgpu::BindingResource::TextureView(&layers)]));
+        Self { canvas, layouts, frame, cameras, lamps, ambient, lit, tone, color, depth }
     }
 
     /// Something to draw: tightly packed positions and faces.
@@ -135,29 +179,59 @@ impl<'a> Stage<'a> {
         Body { group, corners: 3 * faces.len() as u32 }
     }
 
-    /// Draws everything. `shade` draws a light's shadow volumes into the stencil, which is 0 everywhere; its errors are
-    /// handed on.
+    /// The camera of a part, from which its shadow volumes are seen.
+    pub(crate) fn camera(&self, part: usize) -> &Camera {
+        &self.cameras[part]
+    }
+
+    /// Draws everything, in one part. `shade` draws a light's shadow volumes into the stencil, which is 0 everywhere; its
+    /// errors are handed on.
     pub(crate) fn draw<E>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         bodies: &[Body],
         shade: impl Fn(&mut wgpu::RenderPass<'_>, usize) -> Result<(), E>,
     ) -> Result<(), E> {
+        self.draw_part(encoder, 0, bodies, shade)?;
+        self.develop(encoder);
+        Ok(())
+    }
+
+    /// Draws everything in one of its parts.
+    pub(crate) fn draw_part<E>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        part: usize,
+        bodies: &[Body],
+        shade: impl Fn(&mut wgpu::RenderPass<'_>, usize) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let layer = wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: part as u32,
+            array_layer_count: Some(1),
+            ..wgpu::TextureViewDescriptor::default()
+        };
+        let color = self.color.create_view(&layer);
+        let slot = part * (1 + self.lamps);
         let sky = wgpu::Color { r: 0.62, g: 0.62, b: 0.63, a: 1.0 };
-        let mut pass = self.pass(encoder, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
-        self.everything(&mut pass, &self.ambient, bodies, 0);
+        let mut pass = self.pass(encoder, &color, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
+        self.everything(&mut pass, &self.ambient, bodies, [slot, slot]);
         drop(pass);
         for lamp in 0..self.lamps {
-            let mut pass = self.pass(encoder, (LoadOp::Load, LoadOp::Load));
+            let mut pass = self.pass(encoder, &color, (LoadOp::Load, LoadOp::Load));
             shade(&mut pass, lamp)?;
-            self.everything(&mut pass, &self.lit, bodies, lamp);
+            self.everything(&mut pass, &self.lit, bodies, [slot, slot + 1 + lamp]);
         }
+        Ok(())
+    }
+
+    /// Makes the picture of what was drawn.
+    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder) {
         self.canvas.draw(encoder, |pass| {
             pass.set_pipeline(&self.tone.0);
             pass.set_bind_group(0, &self.tone.1, &[]);
             pass.draw(0..3, 0..1);
         });
-        Ok(())
     }
 
     fn everything(
@@ -165,9 +239,9 @@ impl<'a> Stage<'a> {
         pass: &mut wgpu::RenderPass<'_>,
         [body, floor]: &[wgpu::RenderPipeline; 2],
         bodies: &[Body],
-        lamp: usize,
+        slots: [usize; 2],
     ) {
-        pass.set_bind_group(0, &self.frame, &[(1 + lamp as u32) * SLOT as u32]);
+        pass.set_bind_group(0, &self.frame, &slots.map(|slot| (slot as u64 * SLOT) as u32));
         pass.set_pipeline(body);
         for body in bodies {
             pass.set_bind_group(1, &body.group, &[]);
@@ -180,13 +254,14 @@ impl<'a> Stage<'a> {
     fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
         (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
     ) -> wgpu::RenderPass<'e> {
         let store = StoreOp::Store;
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("stage"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.color,
+                view,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: color, store },

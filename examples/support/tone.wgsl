@@ -1,13 +1,23 @@
-// Four linear pixels to one of the picture.
+// Four linear pixels to one of the picture. They lie in one layer, or dealt out to 16, four by four.
 
-@group(0) @binding(0) var linear: texture_2d<f32>;
+@group(0) @binding(0) var linear: texture_2d_array<f32>;
 
 @vertex fn cover(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
+fn load(pixel: vec2<i32>) -> vec3<f32> {
+  if (textureNumLayers(linear) == 1u) {
+    return textureLoad(linear, pixel, 0, 0).rgb;
+  }
+  let within = pixel & vec2<i32>(1);
+  let tile = (pixel >> vec2<u32>(1u)) & vec2<i32>(1);
+  let layer = within.x + 2 * within.y + 4 * (tile.x + 2 * tile.y);
+  return textureLoad(linear, pixel >> vec2<u32>(2u), layer, 0).rgb;
+}
+
 fn developed(pixel: vec2<i32>) -> vec3<f32> {
-  let x = textureLoad(linear, pixel, 0).rgb;
+  let x = load(pixel);
   return pow(min(x, vec3<f32>(1.0)), vec3<f32>(1.0 / 2.2));
 }
 

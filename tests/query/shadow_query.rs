@@ -67,8 +67,8 @@ fn room(case: &ShadowCase) -> ShadowQueryOptions {
 
 /// All cases in a long run; else a few, since a software GPU takes a second for each one's pipelines.
 fn chosen(mut cases: Vec<ShadowCase>) -> Vec<ShadowCase> {
-    const FEW: [&str; 7] =
-        ["moebius", "soup by 1e-40", "moved by 1e6", "far lights", "lattice", "any magnitude", "not finite"];
+    const FEW: [&str; 8] =
+        ["grazing", "moebius", "soup by 1e-40", "moved by 1e6", "far lights", "lattice", "any magnitude", "not finite"];
     let mut seen = Vec::new();
     cases.retain(|case| {
         let is_new = !seen.contains(&case.name);

@@ -13,7 +13,11 @@ use rimline_measure::device::Gpu;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail};
 
-pub(crate) const TESTS: &[Test] = &[("volumes_end_at_the_range", ended), ("casters_out_of_range_are_skipped", skipped)];
+pub(crate) const TESTS: &[Test] = &[
+    ("volumes_end_at_the_range", ended),
+    ("receivers_just_within_the_range_are_in_shadow", just_within),
+    ("casters_out_of_range_are_skipped", skipped),
+];
 
 fn place(light: Light) -> DVec3 {
     DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w)
@@ -89,6 +93,47 @@ fn control(gpu: &Gpu) -> Result<(), String> {
         let (_, counted) = traced.check(&renderer, counting, true)?;
         if counted.statistics.iter().all(|statistics| statistics.ended == 0) {
             return Err(format!("{counting:?}: no volume ended"));
+        }
+    }
+    Ok(())
+}
+
+/// A plate right below the light, and a floor that the range hardly reaches: the volume ends just below it. Volumes that
+/// ended early would leave the spot in the middle of the shadow lit.
+fn just_within() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
+    let class = CLASSES.first().ok_or("no classes")?;
+    for (height, floor) in [(1.0_f32, 4.0_f32), (0.5, 6.0), (2.0, 4.5)] {
+        let mut plate = Body::caster(rimline_measure::shapes::cube());
+        for position in &mut plate.shape.positions {
+            *position = [position[0], 0.05 * position[1] - 0.05 - height, position[2]];
+        }
+        let mut frame: Frame = (class.frame)(&mut Random::new(1));
+        frame.bodies = vec![plate, Body::room([0.0, 8.0 - floor, 0.0], 8.0)];
+        frame.lights = vec![Light::point([0.0; 3])];
+        // Looking past the plate, from outside of the shadow.
+        let spot = DVec3::new(0.0, -f64::from(floor), 0.0);
+        let place = DVec3::new(2.5, -0.3 * f64::from(height), 0.4);
+        (frame.eye.place, frame.eye.forward, frame.eye.near) = (place, spot - place, 0.05);
+        let range = floor * 1.02;
+        let mut traced = Traced::of(frame, 0);
+        for (truth, point) in traced.truths.iter_mut().zip(rays::points(&traced.frame)) {
+            if point.is_none_or(|point| point.length() > f64::from(range)) {
+                truth[0] = Truth::Background;
+            }
+        }
+        let in_shadow = traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        for counting in [Counting::Auto, Counting::ZPass, Counting::ZFail] {
+            let renderer = Renderer { options, range, ..Renderer::new(&gpu) };
+            let what = |error| format!("plate at {height}, floor at {floor}: {error}");
+            let (_, counted) = traced.check(&renderer, counting, true).map_err(what)?;
+            if counted.statistics[0].ended != 1 || in_shadow < 100 {
+                return Err(what(format!("{in_shadow} pixels in shadow, {:?}", counted.statistics)));
+            }
+            // The negative control: a range that is a fifth less.
+            let early = Renderer { range: 0.8 * range, ..renderer };
+            must_fail("a volume that ends early", &traced.check(&early, counting, false))?;
         }
     }
     Ok(())

@@ -97,6 +97,10 @@ impl Tracer {
         for (t, triangle) in self.0.meetings(ray) {
             let is_own = own.is_some_and(|own| std::ptr::eq(triangle, own));
             let Some(caster) = triangle.of.caster.filter(|_| !is_own) else { continue };
+            // A face with the light in its plane is strictly between it and nothing.
+            if triangle.of.sides[light] == 0 {
+                continue;
+            }
             if t > begin && t < end {
                 between.0[caster][usize::from(triangle.of.sides[light] > 0)] += 1;
             }

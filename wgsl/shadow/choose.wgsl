@@ -36,6 +36,13 @@ fn boxes_meet(low: vec3<f32>, high: vec3<f32>) -> bool {
   return all(low - slack <= view.near_max) && all(high + slack >= view.near_min);
 }
 
+// Whether the light may stand in the box, with slack. A light at infinity does not. Times w, so that nothing overflows.
+fn light_meets(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+  let w = light.light.w;
+  let slack = SLACK * max(max(abs(w * low), abs(w * high)), abs(light.light.xyz));
+  return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
+}
+
 // Which of left, right, bottom, top and near the camera's planes have the whole volume of the box outside.
 fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var out = vec4<bool>(true);
@@ -125,9 +132,10 @@ fn choose_light(index: u32) {
   let is_empty = box[0] > box[3];
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
     light.holed = box[6];
-    // With holes no caster is closed.
-    light.casting =
-      select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && !boxes_meet(low, high));
+    // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
+    // "Which faces cast".
+    let is_outside = !boxes_meet(low, high) && !light_meets(light, low, high);
+    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && is_outside);
     light.counting = shape.counting;
     if (shape.counting == COUNT_ZP_PAPER) {
       light.frustum_near = frustum_near(light, low, high);

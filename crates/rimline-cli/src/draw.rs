@@ -3,6 +3,7 @@
 mod contact;
 mod frame;
 mod picture;
+mod survey;
 
 use std::borrow::Cow;
 
@@ -12,9 +13,9 @@ use rimline::reference::cpu::is_finite;
 use rimline::{Light, wgpu};
 
 use crate::args::DrawArgs;
-use crate::device::{self, Gpu, Wanted};
+use crate::device::{self, Wanted};
 use crate::ending::{self, Written};
-use crate::failure::{Failure, InputError, NoDevice, UsageError};
+use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::input::Shape;
@@ -49,7 +50,6 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
 
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
-    check_backend(&gpu)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
     let positions = Positions::new(&gpu, &scene.shape, moment.displacement.as_ref()).map_err(fail)?;
@@ -85,7 +85,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
         normals: &normals::corner_normals(&world, &faces),
         extraction: &extraction,
     };
-    let frame = Frame::new(&camera, args.view.size, &bounds);
+    let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
+    let frame = Frame::new(&camera, args.view.size, &bounds, places);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
     if pollster::block_on(scope.pop()).is_some() {
@@ -97,13 +98,4 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     gpu.check()?;
     progress.step("writing");
     output.finish(|file| picture.write_png(file))
-}
-
-/// The shaders read the depth buffer, which WGSL can and GLSL, as wgpu writes it, cannot.
-fn check_backend(gpu: &Gpu) -> Result<(), NoDevice> {
-    if gpu.info.backend == wgpu::Backend::Gl {
-        let lacking = "reading of depth textures, which drawing needs; `extract` runs there".to_owned();
-        return Err(NoDevice::Lacks { adapter: device::describe(&gpu.info), lacking });
-    }
-    Ok(())
 }

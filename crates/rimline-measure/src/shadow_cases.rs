@@ -102,7 +102,51 @@ pub fn shadow_cases(random: &mut Random, points: usize, lights: usize) -> Vec<Sh
     found.push(lattice(random, [6, points, lights]).0);
     found.push(any_magnitude(random, counts));
     found.push(not_finite(random, counts));
+    found.push(grazing(random, counts));
     found
+}
+
+/// Faces far from the origin, each alone in a box, with a corner in the box's corner. Lights at infinity lie in the directions
+/// of such corners as seen from the origin; points lie next to the origin, so near that the difference to a corner is
+/// hardly any more, in `f32` or in `f64`. So segments pass the corners of boxes, through a face's tip or beside it, by less
+/// than the roundings of a test for a box.
+fn grazing(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
+    let mut shape = Shape { positions: vec![[0.0; 3]], faces: Vec::new() };
+    let mut lights = Vec::new();
+    // Faces a cluster of boxes; all but one name a vertex twice and so are in no box.
+    let cluster = 32;
+    for number in 0..16 {
+        let corner: [f32; 3] = std::array::from_fn(|_| random.between(1e6, 2e6));
+        // Along one pair of axes the corner is where the box is seen to end from the origin.
+        let (low, high) = (number % 3, (number + 1) % 3);
+        let first = shape.positions.len() as u32;
+        shape.positions.push(corner);
+        for _ in 0..2 {
+            let mut other = corner;
+            for (axis, at) in other.iter_mut().enumerate() {
+                let by = random.between(100.0, 1e5);
+                *at += if axis == low {
+                    by
+                } else if axis == high {
+                    -by
+                } else {
+                    by * [1.0, -1.0][random.below(2)]
+                };
+            }
+            shape.positions.push(other);
+        }
+        shape.faces.push([first, first + 1, first + 2]);
+        shape.faces.extend(std::iter::repeat_n([0; 3], cluster - 1));
+        lights.push(Light::directional(corner.map(|c| c / 1_048_576.0)));
+    }
+    // Some way towards a light, of a few units in the last place of its corner, and aside by a part of one.
+    let mut point = |index: usize| -> [f32; 3] {
+        let size = [1.0, 2e-9][index / lights.len() % 2];
+        let (way, aside) = (random.between(-1.0, 1.0) * size, random.direction().map(|c| c * 0.03 * size));
+        std::array::from_fn(|axis| way * lights[index % lights.len()].xyz[axis] + aside[axis])
+    };
+    let points = (0..8 * counts[0]).map(&mut point).collect();
+    ShadowCase { name: "grazing".to_owned(), shape, points, lights }
 }
 
 /// Boxes so large, and lights so far away along their sides, that a w that is next to nothing, or lost, decides.

@@ -125,7 +125,7 @@ fn moved_light(light: Light, scale: i32, triangles: &[Triangle], points: &[[f32;
     let light = Homogeneous { xyz: [x, y, z].map(|c| scaled(c, scale + common)), w: scaled(w, common) };
     let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
     let corners = triangles.iter().flat_map(|triangle| &triangle.corners).map(bits).max().unwrap_or(0);
-    let points = points.iter().flatten().filter(|c| c.is_finite());
+    let points = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).flatten();
     let points = points.map(|&c| scaled(c, scale).bits()).max().unwrap_or(0);
     // A determinant has products of two coordinates with one of the light's or w and a coordinate; ε is below the
     // inverse of any, with room for their sums.

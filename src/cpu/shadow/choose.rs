@@ -54,8 +54,10 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light:
         return;
     }
     light.holed = has_holes;
-    // With holes no caster is closed.
-    let averted_suffice = shape.averted != 0 && has_holes == 0 && !boxes_meet(view, caster);
+    // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
+    // "Which faces cast".
+    let is_outside = !boxes_meet(view, caster) && !light_meets(light, caster);
+    let averted_suffice = shape.averted != 0 && has_holes == 0 && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
     if shape.counting == COUNT_ZP_PAPER {
         light.frustum_near = frustum_near(view, light, caster);
@@ -131,6 +133,14 @@ fn boxes_meet(view: &ShadowView, Bounds { low, high }: Bounds) -> bool {
     let (near_min, near_max) = (Vec3::from(view.near_min), Vec3::from(view.near_max));
     let slack = SLACK * low.abs().max(high.abs()).max(near_min.abs().max(near_max.abs()));
     (low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()
+}
+
+/// Whether the light may stand in the box, with slack. A light at infinity does not. Times w, so that nothing overflows.
+fn light_meets(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
+    let [x, y, z, w] = light.light;
+    let (place, low, high) = (Vec3::new(x, y, z), w * low, w * high);
+    let slack = SLACK * low.abs().max(high.abs()).max(place.abs());
+    w > 0.0 && (low - slack).cmple(place).all() && (high + slack).cmpge(place).all()
 }
 
 /// Whether left, right, bottom, top or near plane of the camera has the whole volume of the box outside.

@@ -23,10 +23,13 @@ pub(super) struct Frame {
     ground_centre: [f32; 2],
     ground_half: f32,
     shadow_height: f32,
+    places: u32,
+    reserved: [u32; 3],
 }
 
 impl Frame {
-    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds) -> Self {
+    /// With so many places each way a pixel in the survey.
+    pub(super) fn new(camera: &Camera, size: [u32; 2], bounds: &Bounds, places: u32) -> Self {
         let extent = extent(bounds);
         let [min, max] = [bounds.min, bounds.max];
         let [x, _, z] = centre(bounds);
@@ -46,7 +49,13 @@ impl Frame {
             ground_centre: [x, z],
             ground_half: 0.5 * (max[0] - min[0]).max(max[2] - min[2]) + 0.3 * extent,
             shadow_height: 0.3 * extent,
+            places,
+            reserved: [0; 3],
         }
+    }
+
+    pub(super) fn places(&self) -> u32 {
+        self.places
     }
 
     /// The eye is above the ground, so the ground is seen.

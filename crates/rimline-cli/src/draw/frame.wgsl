@@ -22,6 +22,8 @@ struct Frame {
   ground_half: f32,
   // Height above the ground up to which the model darkens it.
   shadow_height: f32,
+  // The survey's places a pixel, each way.
+  places: i32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -44,4 +46,9 @@ fn cover(vertex: u32) -> vec4<f32> {
 // Noise with little energy in low frequencies, from 0 to 1.
 fn dither(pixel: vec2<f32>) -> f32 {
   return fract(52.9829189 * fract(dot(pixel, vec2<f32>(0.06711056, 0.00583715))));
+}
+
+// Depth from what the survey saw; 0 where that is nothing.
+fn depth_of(seen: vec4<u32>) -> f32 {
+  return bitcast<f32>(seen.b | (seen.a << 16u));
 }

@@ -1,21 +1,28 @@
 // Silhouette edges as lines of even width on the screen: a quad an edge, read from the list by an indirect draw.
 //
-// Hidden lines: a fragment is drawn where the nearest point of its edge is in front of what lies to one of the edge's
-// two sides there. At a silhouette one side is always open, so lines keep their whole width, which a plain depth test
-// would halve.
+// Hidden lines: a fragment belongs to the nearest point of its edge, and it is that point that is seen or not. The survey
+// knows the faces that are seen around the point; the point is hidden where one of them covers it and lies strictly in
+// front. A face that holds the point, as the edge's own do and those that touch it there, hides nothing.
 
-@group(1) @binding(0) var depth: texture_depth_multisampled_2d;
+@group(1) @binding(0) var seen: texture_2d<u32>;
+@group(1) @binding(1) var<storage, read> positions: array<f32>;
+@group(1) @binding(2) var<storage, read> faces: array<u32>;
 
 struct Line {
   @builtin(position) clip: vec4<f32>,
-  // The ends in pixels, and one over their distances.
+  // The ends in pixels, from the eye in world space, and one over their distances.
   @location(0) @interpolate(flat) a: vec2<f32>,
   @location(1) @interpolate(flat) b: vec2<f32>,
-  @location(2) @interpolate(flat) nearness: vec2<f32>,
-  @location(3) @interpolate(flat) boundary: u32,
+  @location(2) @interpolate(flat) from_a: vec3<f32>,
+  @location(3) @interpolate(flat) from_b: vec3<f32>,
+  @location(4) @interpolate(flat) nearness: vec2<f32>,
+  @location(5) @interpolate(flat) boundary: u32,
 }
 
-const NOTHING = Line(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec2<f32>(0.0), vec2<f32>(0.0), vec2<f32>(0.0), 0u);
+fn nothing() -> Line {
+  let zero = vec3<f32>(0.0);
+  return Line(vec4<f32>(zero, 1.0), zero.xy, zero.xy, zero, zero, zero.xy, 0u);
+}
 
 fn is_finite(p: vec3<f32>) -> bool {
   let exponents = bitcast<vec3<u32>>(p) & vec3<u32>(0x7f800000u);
@@ -29,22 +36,28 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
 
 @vertex fn lines_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Line {
   let edge = rimline_silhouette(0u, instance);
-  let p = rimline_position(edge.a);
-  let q = rimline_position(edge.b);
+  var p = rimline_position(edge.a);
+  var q = rimline_position(edge.b);
   if (!edge.valid || !is_finite(p) || !is_finite(q)) {
-    return NOTHING;
+    return nothing();
   }
-  // Cut off what is behind the eye.
   var a = to_view(p);
   var b = to_view(q);
+  p -= frame.eye;
+  q -= frame.eye;
+  // Cut off what is behind the eye.
   if (a.z < frame.near && b.z < frame.near) {
-    return NOTHING;
+    return nothing();
   }
   if (a.z < frame.near) {
-    a = mix(a, b, (frame.near - a.z) / (b.z - a.z));
+    let t = (frame.near - a.z) / (b.z - a.z);
+    p = mix(p, q, t);
+    a = mix(a, b, t);
     a.z = frame.near;
   } else if (b.z < frame.near) {
-    b = mix(b, a, (frame.near - b.z) / (a.z - b.z));
+    let t = (frame.near - b.z) / (a.z - b.z);
+    q = mix(q, p, t);
+    b = mix(b, a, t);
     b.z = frame.near;
   }
   let start = to_pixels(a);
@@ -57,36 +70,106 @@ fn to_pixels(view: vec3<f32>) -> vec2<f32> {
   let side = select(-1.0, 1.0, (vertex & 2u) == 2u);
   let corner = select(start, stop, end > 0.0) + reach * (end * along + side * vec2<f32>(-along.y, along.x));
   let ndc = corner / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
-  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, 1.0 / vec2<f32>(a.z, b.z), u32(edge.kind == 2u));
+  return Line(vec4<f32>(ndc, 0.5, 1.0), start, stop, p, q, 1.0 / vec2<f32>(a.z, b.z), u32(edge.kind == 2u));
 }
 
-// Depth at a place in the picture, from the pixel's nearest sample; the four lie where all APIs put them.
-fn depth_near(place: vec2<f32>) -> f32 {
-  let inside = clamp(place, vec2<f32>(0.0), frame.size - 0.5);
-  let f = fract(inside);
-  let distances = vec4<f32>(
-    distance(f, vec2<f32>(0.375, 0.125)),
-    distance(f, vec2<f32>(0.875, 0.375)),
-    distance(f, vec2<f32>(0.125, 0.625)),
-    distance(f, vec2<f32>(0.625, 0.875)));
-  var best = select(0, 1, distances.y < distances.x);
-  best = select(best, 2, distances.z < min(distances.x, distances.y));
-  best = select(best, 3, distances.w < min(min(distances.x, distances.y), distances.z));
-  return textureLoad(depth, vec2<i32>(inside), best);
+fn position(face: u32, corner: u32) -> vec3<f32> {
+  let first = 3u * faces[3u * face + corner];
+  return vec3<f32>(positions[first], positions[first + 1u], positions[first + 2u]);
+}
+
+// How far a product of lengths may be off, as a share of it: positions from the eye by 2 ulp, the point by 5, a normal by 6
+// of its sides' product, the last product by 3.
+const ERROR = 12.0 / 8388608.0;
+
+// The ray passes the edge on its inner side, or on it as far as rounding tells.
+fn is_within(corner: vec3<f32>, along: vec3<f32>, p: vec3<f32>, turn: f32) -> bool {
+  let wall = cross(corner, along);
+  let r = p - corner;
+  let error = ERROR * (length(wall) * (1.0 + length(corner)) + length(corner) * length(along) * length(r));
+  return turn * dot(wall, r) >= -error;
+}
+
+const BEYOND = 0u;
+// In front, but beside the point.
+const BESIDE = 1u;
+const HIDES = 2u;
+
+// What a face means for a point, both from the eye.
+fn verdict(face: u32, point: vec3<f32>) -> u32 {
+  // Units in which the point is about 1 away.
+  let per_unit = 1.0 / max(max(abs(point.x), abs(point.y)), max(abs(point.z), 1e-37));
+  let p = point * per_unit;
+  let world = array<vec3<f32>, 3>(position(face, 0u), position(face, 1u), position(face, 2u));
+  let a = (world[0] - frame.eye) * per_unit;
+  let b = (world[1] - frame.eye) * per_unit;
+  let c = (world[2] - frame.eye) * per_unit;
+  let ab = (world[1] - world[0]) * per_unit;
+  let ac = (world[2] - world[0]) * per_unit;
+  let bc = (world[2] - world[1]) * per_unit;
+  let normal = cross(ab, ac);
+  let r = p - a;
+  let turn = sign(dot(normal, a));
+  let error = ERROR * (length(normal) * (1.0 + length(a)) + length(ab) * length(ac) * length(r));
+  // Not so where the point lies on the face's plane, or on the eye's side of it.
+  let is_behind = turn * dot(normal, r) > error;
+  if (is_behind && is_within(a, ab, p, turn) && is_within(b, bc, p, turn) && is_within(c, -ac, p, turn)) {
+    return HIDES;
+  }
+  // Beside the point a plane that is nearly edge-on says little: then the face as a whole does, if it is far in front.
+  let farthest = max(max(dot(a, frame.forward), dot(b, frame.forward)), dot(c, frame.forward));
+  let gap = dot(p, frame.forward) - farthest;
+  let is_far_behind = gap > 2.0 * max(length(ab), max(length(ac), length(bc)));
+  return select(BEYOND, BESIDE, is_behind || is_far_behind);
+}
+
+// Of the faces seen a pixel or so around the point one hides it; or all are in front, as where faces are smaller than pixels,
+// or meet as exactly over the point as rounding can tell.
+fn is_hidden(point: vec3<f32>, at: vec2<f32>) -> bool {
+  let last = frame.places * vec2<i32>(frame.size) - 1;
+  let middle = clamp(vec2<i32>(floor(f32(frame.places) * at)), vec2<i32>(0), last);
+  let reach = 3 * frame.places / 2;
+  var known = 0u;
+  var is_open = false;
+  for (var y = -reach; y <= reach; y++) {
+    for (var x = -reach; x <= reach; x++) {
+      let place = middle + vec2<i32>(x, y);
+      if (any(place < vec2<i32>(0)) || any(place > last)) {
+        continue;
+      }
+      let halves = textureLoad(seen, place, 0).rg;
+      let face = halves.x | (halves.y << 16u);
+      if (face == 0u) {
+        is_open = true;
+      } else if (face != known) {
+        known = face;
+        let verdict = verdict(face - 1u, point);
+        if (verdict == HIDES) {
+          return true;
+        }
+        is_open = is_open || verdict == BEYOND;
+      }
+    }
+  }
+  return !is_open;
 }
 
 @fragment fn lines_fragment(in: Line) -> @location(0) vec4<f32> {
   let span = in.b - in.a;
   let t = saturate(dot(in.clip.xy - in.a, span) / max(dot(span, span), 1e-12));
   let nearest = in.a + t * span;
-  // One over the distance is linear on the screen.
-  let line_depth = frame.near * mix(in.nearness.x, in.nearness.y, t);
-  let aside = 0.7 * normalize(select(vec2<f32>(1.0, 0.0), vec2<f32>(-span.y, span.x), dot(span, span) > 1e-12));
-  let farthest = min(depth_near(nearest + aside), depth_near(nearest - aside));
-  if (line_depth * 1.0001 < farthest) {
+  let coverage = saturate(frame.half_line + 0.5 - distance(in.clip.xy, nearest));
+  if (coverage == 0.0) {
     discard;
   }
-  let coverage = saturate(frame.half_line + 0.5 - distance(in.clip.xy, nearest));
+  // Not at the very ends: an end alone, where the rest is hidden, would be drawn as a dot.
+  let inset = min(0.5, frame.half_line / max(length(span), 1e-6));
+  let seen_at = clamp(t, inset, 1.0 - inset);
+  // One over the distance is linear on the screen.
+  let along = seen_at * in.nearness.y / mix(in.nearness.x, in.nearness.y, seen_at);
+  if (is_hidden(in.from_a + along * (in.from_b - in.from_a), in.a + seen_at * span)) {
+    discard;
+  }
   let ink = select(vec3<f32>(0.014, 0.011, 0.016), vec3<f32>(0.80, 0.12, 0.01), in.boundary == 1u);
   return vec4<f32>(ink, coverage);
 }

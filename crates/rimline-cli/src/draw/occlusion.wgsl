@@ -1,14 +1,15 @@
 // Ambient occlusion: creases and hollows get less light. After McGuire, Osman, Bukowski and Hennessy, "The Alchemy
 // Screen-Space Ambient Obscurance Algorithm", HPG 2011.
 
-@group(1) @binding(0) var depth: texture_depth_multisampled_2d;
+@group(1) @binding(0) var seen: texture_2d<u32>;
 
 @vertex fn occlusion_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
   return cover(vertex);
 }
 
 fn depth_at(pixel: vec2<i32>) -> f32 {
-  return textureLoad(depth, clamp(pixel, vec2<i32>(0), vec2<i32>(frame.size) - 1), 0);
+  let inside = clamp(pixel, vec2<i32>(0), vec2<i32>(frame.size) - 1);
+  return depth_of(textureLoad(seen, frame.places * inside, 0));
 }
 
 fn view_at(pixel: vec2<i32>) -> vec3<f32> {

@@ -1,4 +1,4 @@
-//! The picture's passes, in order: contact shadow, paper and model, occlusion, lines.
+//! The picture's passes, in order: survey, contact shadow, paper and model, occlusion, lines.
 
 use rimline::gpu::{Extraction, PositionBuffer, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
@@ -6,6 +6,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTop
 
 use super::contact;
 use super::frame::Frame;
+use super::survey::{SEEN, Survey};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::kit::{Kit, Pass};
@@ -35,9 +36,9 @@ pub(super) fn record(
     subject: &Subject<'_>,
 ) -> Result<wgpu::Texture, GpuError> {
     let canvas = Canvas::new(gpu, frame, size);
-    canvas.model(gpu, encoder, frame, subject);
+    let faces = canvas.model(gpu, encoder, frame, subject);
     canvas.occlusion(encoder);
-    canvas.lines(gpu, encoder, subject)?;
+    canvas.lines(gpu, encoder, subject, &faces)?;
     Ok(canvas.finished)
 }
 
@@ -46,38 +47,40 @@ struct Canvas<'a> {
     kit: Kit<'a>,
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
-    depth_layout: wgpu::BindGroupLayout,
-    depth_group: wgpu::BindGroup,
+    survey: Survey,
+    seen_layout: wgpu::BindGroupLayout,
+    seen_group: wgpu::BindGroup,
     occlusion: wgpu::TextureView,
     finished: wgpu::Texture,
 }
-
-const DEPTH_TYPE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Depth,
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: true,
-};
 
 impl<'a> Canvas<'a> {
     fn new(gpu: &'a Gpu, frame: &Frame, size: [u32; 2]) -> Self {
         let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), bytemuck::bytes_of(frame));
         let target = |label, format, samples, usage| view(&kit.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
-        let depth = target("depth", TextureFormat::Depth32Float, SAMPLES, readable);
-        let depth_layout = kit.layout(&[DEPTH_TYPE]);
+        let survey = Survey::new(&kit, size, frame.places());
+        let seen_layout = kit.layout(&[SEEN]);
         Self {
             colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
-            depth_group: kit.group(&depth_layout, &[wgpu::BindingResource::TextureView(&depth)]),
-            depth,
-            depth_layout,
+            depth: target("depth", TextureFormat::Depth32Float, SAMPLES, TextureUsages::empty()),
+            seen_group: kit.group(&seen_layout, &[wgpu::BindingResource::TextureView(&survey.seen)]),
+            survey,
+            seen_layout,
             occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
             finished: kit.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
             kit,
         }
     }
 
-    /// Paper, contact shadow and the shaded model, with depth.
-    fn model(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, frame: &Frame, subject: &Subject<'_>) {
+    /// The survey, paper, contact shadow and the shaded model; returns the buffer of faces.
+    fn model(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        subject: &Subject<'_>,
+    ) -> wgpu::Buffer {
         let kit = &self.kit;
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
@@ -90,6 +93,7 @@ impl<'a> Canvas<'a> {
         let resources = [subject.positions.buffer, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
         let geometry = kit.group(&layout, &resources);
         let corners = 3 * subject.faces.len() as u32;
+        self.survey.record(kit, encoder, (&layout, &geometry), corners);
         let shadow = frame.sees_ground().then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
 
         let triangles = PrimitiveTopology::TriangleList;
@@ -112,6 +116,8 @@ impl<'a> Canvas<'a> {
         pass.set_pipeline(&surface);
         pass.set_bind_group(1, &geometry, &[]);
         pass.draw(0..corners, 0..1);
+        drop(pass);
+        faces
     }
 
     /// How little light from all around comes to each pixel.
@@ -120,7 +126,7 @@ impl<'a> Canvas<'a> {
             name: "occlusion",
             vertex: "occlusion",
             source: include_str!("occlusion.wgsl"),
-            groups: &[&self.depth_layout],
+            groups: &[&self.seen_layout],
             topology: PrimitiveTopology::TriangleList,
             format: TextureFormat::R8Unorm,
             blend: None,
@@ -133,31 +139,38 @@ impl<'a> Canvas<'a> {
         let mut pass = color_pass(encoder, "occlusion", &self.occlusion, None, clear, None);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &self.kit.frame_group, &[]);
-        pass.set_bind_group(1, &self.depth_group, &[]);
+        pass.set_bind_group(1, &self.seen_group, &[]);
         pass.draw(0..3, 0..1);
     }
 
     /// The occlusion darkens the model, and the lines go over it.
-    fn lines(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, subject: &Subject<'_>) -> Result<(), GpuError> {
+    fn lines(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        subject: &Subject<'_>,
+        faces: &wgpu::Buffer,
+    ) -> Result<(), GpuError> {
         let kit = &self.kit;
         let occlusion_type = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let layout = kit.layout(&[DEPTH_TYPE, occlusion_type]);
-        let group = kit.group(&layout, &[&self.depth, &self.occlusion].map(wgpu::BindingResource::TextureView));
+        let layout = kit.layout(&[SEEN, occlusion_type]);
+        let group = kit.group(&layout, &[&self.survey.seen, &self.occlusion].map(wgpu::BindingResource::TextureView));
         let source = include_str!("darken.wgsl");
         let triangles = PrimitiveTopology::TriangleList;
         let darken = onto_picture(kit, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
         let extraction = subject.extraction;
         let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let results = extraction.bind_group(&results_layout, 0)?;
+        let (lines_layout, lines_group) = self.survey.group(kit, subject.positions.buffer, faces);
         let lines = onto_picture(
             kit,
             "lines",
             &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
-            &[&self.depth_layout, &results_layout],
+            &[&lines_layout, &results_layout],
             PrimitiveTopology::TriangleStrip,
             Some(BlendState::ALPHA_BLENDING),
             None,
@@ -170,7 +183,7 @@ impl<'a> Canvas<'a> {
         pass.set_bind_group(1, &group, &[]);
         pass.draw(0..3, 0..1);
         pass.set_pipeline(&lines);
-        pass.set_bind_group(1, &self.depth_group, &[]);
+        pass.set_bind_group(1, &lines_group, &[]);
         pass.set_bind_group(2, &results, &[]);
         // As many lines as the GPU found; the CPU never learns how many.
         extraction.draw(&mut pass, 0)?;
@@ -202,15 +215,20 @@ fn onto_picture(
         blend,
         samples: SAMPLES,
         write: wgpu::ColorWrites::ALL,
-        depth: depth.map(|write| wgpu::DepthStencilState {
-            format: TextureFormat::Depth32Float,
-            depth_write_enabled: Some(write),
-            depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
+        depth: depth.map(depth_test),
         constants: &[],
     })
+}
+
+/// The nearest is drawn and written, or whatever comes without being written.
+pub(super) fn depth_test(write: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: TextureFormat::Depth32Float,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
 }
 
 /// What is there times what is drawn.

@@ -45,7 +45,7 @@ impl<'a> Kit<'a> {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let frame_layout = layout(device, &[uniform]);
+        let frame_layout = layout(device, wgpu::ShaderStages::VERTEX_FRAGMENT, &[uniform]);
         let frame_group = group(device, &frame_layout, &[buffer.as_entire_binding()]);
         Self { device, prelude, frame_layout, frame_group, frame: buffer }
     }
@@ -56,7 +56,16 @@ impl<'a> Kit<'a> {
     }
 
     pub(crate) fn layout(&self, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-        layout(self.device, types)
+        layout(self.device, wgpu::ShaderStages::VERTEX_FRAGMENT, types)
+    }
+
+    /// A layout whose bindings only some stages see.
+    pub(crate) fn layout_for(
+        &self,
+        visibility: wgpu::ShaderStages,
+        types: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
+        layout(self.device, visibility, types)
     }
 
     pub(crate) fn group(
@@ -149,15 +158,10 @@ impl<'a> Kit<'a> {
     }
 }
 
-fn layout(device: &wgpu::Device, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+fn layout(device: &wgpu::Device, visibility: wgpu::ShaderStages, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(types)
-        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty,
-            count: None,
-        })
+        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
         .collect();
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
 }

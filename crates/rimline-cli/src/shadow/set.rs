@@ -150,7 +150,7 @@ impl<'a> Set<'a> {
 
     pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> Subject<'a> {
         let has_ground = self.frame().sees_ground();
-        Subject { casters, bodies: &self.bodies, samples: self.samples(), has_ground }
+        Subject { casters, samples: self.samples(), has_ground }
     }
 
     /// Records what the casters need for the moment at hand.

@@ -4,7 +4,6 @@ use rimline::gpu::{ShadowDrawError, ShadowFormat, ShadowPipelines};
 use rimline::{Counting, wgpu};
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
-use super::body::Body;
 use super::caster::Caster;
 use super::frame::Frame;
 use super::lamps::LampData;
@@ -25,7 +24,6 @@ pub(crate) struct Studio<'a> {
 /// What a picture is of.
 pub(crate) struct Subject<'a> {
     pub(crate) casters: &'a [Caster],
-    pub(crate) bodies: &'a [Body<'a>],
     /// Of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,

@@ -22,14 +22,14 @@ fn read_json(file: &Path) -> Result<Value, String> {
     serde_json::from_str(&text).map_err(|error| format!("{}: {error}", file.display()))
 }
 
-fn schema() -> Result<Value, String> {
+pub(crate) fn schema() -> Result<Value, String> {
     read_json(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/bench.schema.json"))
 }
 
 /// The data are as the schema says, and what refers to a name refers to one that is there.
 fn check_data(data: &Value) -> Outcome {
     let schema = schema()?;
-    validate(&schema, &schema, data, "$")?;
+    validate(&schema, data)?;
     let extraction = &data["extraction"];
     let names = |list: &str, key: &str| -> Vec<&Value> {
         extraction[list].as_array().into_iter().flatten().map(|item| &item[key]).collect()

@@ -12,18 +12,22 @@ pub(crate) const TESTS: &[Test] = &[
     ("draw::without_a_finite_position_there_is_no_picture", nothing),
 ];
 
-struct Picture {
+pub(crate) struct Picture {
     bytes: Vec<u8>,
-    size: [u32; 2],
-    pixels: Vec<[u8; 3]>,
+    pub(crate) size: [u32; 2],
+    pub(crate) pixels: Vec<[u8; 3]>,
 }
 
 fn draw(model: &[u8], options: &str) -> Result<Picture, String> {
+    draw_with(model, options, "auto")
+}
+
+pub(crate) fn draw_with(model: &[u8], options: &str, device: &str) -> Result<Picture, String> {
     let folder = folder();
     let (file, out) = (folder.path().join("m.npz"), folder.path().join("p.png"));
     std::fs::write(&file, model).map_err(|error| error.to_string())?;
     let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
-    let line = ["draw", &file, "--out", &out].into_iter().chain(options.split_whitespace());
+    let line = ["draw", &file, "--out", &out, "--device", device].into_iter().chain(options.split_whitespace());
     rimline(line).expect(0, &[])?;
     let bytes = std::fs::read(&*out).map_err(|error| error.to_string())?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().map_err(|error| error.to_string())?;
@@ -40,7 +44,7 @@ impl Picture {
     }
 }
 
-fn is_ink(pixel: [u8; 3]) -> bool {
+pub(crate) fn is_ink(pixel: [u8; 3]) -> bool {
     pixel.iter().all(|&c| c < 60)
 }
 

@@ -14,6 +14,7 @@ mod inputs;
 mod load;
 mod models;
 mod npz_input;
+mod outlines;
 mod outputs;
 #[cfg(unix)]
 mod outputs_unix;
@@ -52,6 +53,7 @@ fn main() {
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,
+        outlines::TESTS,
         shadow::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
@@ -73,6 +75,7 @@ fn main() {
         .collect();
     trials.extend(bad_input::trials());
     trials.extend(models::trials());
+    trials.extend(outlines::trials());
     trials.extend(info::trials());
     trials.extend(shadow::trials());
     trials.extend(verify::trials());

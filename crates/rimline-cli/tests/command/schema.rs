@@ -1,98 +1,69 @@
-//! Data held against a JSON Schema, as far as the repository's schemas go: a keyword that is not known here is an error,
-//! and so is a key that the schema does not describe.
+//! Data held against a JSON Schema. The crate `jsonschema` decides; two rules are added for these tests alone: a key that
+//! the schema does not describe is an error, and so is a keyword that is not in the list below, since JSON Schema passes
+//! over misspelt ones.
 
 use serde_json::{Value, json};
 
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[("schema::the_validator_finds_what_is_wrong", negative)];
+pub(crate) const TESTS: &[Test] = &[
+    ("schema::the_validator_finds_what_is_wrong", negative),
+    ("schema::the_bench_schema_finds_what_is_wrong", bench_negative),
+];
 
-/// What of `data` is not as `schema` says; `at` is where in the data this is.
-pub(crate) fn validate(root: &Value, schema: &Value, data: &Value, at: &str) -> Outcome {
-    let keywords = schema.as_object().ok_or("a schema is no object")?;
-    for (keyword, wanted) in keywords {
-        match keyword.as_str() {
-            "$schema" | "$defs" | "title" | "description" | "format" => {}
-            "$ref" => validate(root, referred(root, wanted)?, data, at)?,
-            "allOf" => list(wanted)?.iter().try_for_each(|schema| validate(root, schema, data, at))?,
-            "anyOf" => {
-                let fits = list(wanted)?.iter().any(|schema| validate(root, schema, data, at).is_ok());
-                ensure!(fits, "{at}: {data} is nothing of {wanted}");
-            }
-            "const" => ensure!(data == wanted, "{at}: {data} instead of {wanted}"),
-            "enum" => ensure!(list(wanted)?.contains(data), "{at}: {data} is none of {wanted}"),
-            "type" => {
-                let one = [wanted.clone()];
-                let types = wanted.as_array().map_or(&one[..], Vec::as_slice);
-                ensure!(types.iter().any(|name| has_type(data, name)), "{at}: {data} is no {wanted}");
-            }
-            "minimum" => {
-                let (least, number) = (wanted.as_f64(), data.as_f64());
-                ensure!(number.is_none() || number >= least, "{at}: {data} is below {wanted}");
-            }
-            "required" => {
-                for key in list(wanted)? {
-                    let is_there = !data.is_object() || key.as_str().is_some_and(|key| data.get(key).is_some());
-                    ensure!(is_there, "{at}: {key} is missing");
-                }
-            }
-            "properties" => {
-                for (key, schema) in wanted.as_object().ok_or("properties are no object")? {
-                    if let Some(data) = data.get(key) {
-                        validate(root, schema, data, &format!("{at}.{key}"))?;
-                    }
-                }
-            }
-            "items" => {
-                for (index, item) in data.as_array().into_iter().flatten().enumerate() {
-                    validate(root, wanted, item, &format!("{at}[{index}]"))?;
-                    for key in item.as_object().into_iter().flat_map(serde_json::Map::keys) {
-                        ensure!(describes(root, wanted, key)?, "{at}[{index}]: {key} is not described");
-                    }
-                }
-            }
-            other => return Err(format!("the schema's keyword {other} is not known here")),
-        }
-    }
+const KEYWORDS: [&str; 15] = [
+    "$defs",
+    "$ref",
+    "$schema",
+    "allOf",
+    "anyOf",
+    "const",
+    "description",
+    "enum",
+    "format",
+    "items",
+    "minimum",
+    "properties",
+    "required",
+    "title",
+    "type",
+];
+
+/// Everything in `data` that is not as `schema` says, with where in the data it is.
+pub(crate) fn validate(schema: &Value, data: &Value) -> Outcome {
+    jsonschema::meta::validate(schema).map_err(|error| format!("the schema is none: {error}"))?;
+    let mut closed = schema.clone();
+    close(&mut closed, true)?;
+    let options = jsonschema::options().should_validate_formats(true);
+    let validator = options.build(&closed).map_err(|error| format!("the schema is none: {error}"))?;
+    let errors: Vec<String> =
+        validator.iter_errors(data).map(|error| format!("at {}: {error}", error.instance_path())).collect();
+    ensure!(errors.is_empty(), "{}", errors.join("\n"));
     Ok(())
 }
 
-/// Whether the schema has the key among its properties, or a schema that it consists of has.
-fn describes(root: &Value, schema: &Value, key: &str) -> Result<bool, String> {
-    let mut parts: Vec<&Value> = Vec::new();
-    if let Some(reference) = schema.get("$ref") {
-        parts.push(referred(root, reference)?);
+/// Forbids keys that are not described. A part of another schema (`is_whole` false) leaves that to the whole one, which
+/// sees the keys of all its parts.
+fn close(schema: &mut Value, is_whole: bool) -> Outcome {
+    let schema = schema.as_object_mut().ok_or("a schema is no object")?;
+    for (keyword, value) in schema.iter_mut() {
+        ensure!(KEYWORDS.contains(&&**keyword), "the schema's keyword {keyword} is not known here");
+        match (keyword.as_str(), value) {
+            ("properties", Value::Object(schemas)) => {
+                schemas.values_mut().try_for_each(|schema| close(schema, true))?;
+            }
+            ("$defs", Value::Object(schemas)) => schemas.values_mut().try_for_each(|schema| close(schema, false))?,
+            ("allOf" | "anyOf", Value::Array(schemas)) => {
+                schemas.iter_mut().try_for_each(|schema| close(schema, false))?;
+            }
+            ("items", schema) => close(schema, true)?,
+            _ => {}
+        }
     }
-    for keyword in ["allOf", "anyOf"] {
-        parts.extend(schema.get(keyword).and_then(Value::as_array).into_iter().flatten());
+    if is_whole {
+        schema.insert("unevaluatedProperties".to_owned(), json!(false));
     }
-    let mut is_described = schema["properties"].get(key).is_some();
-    for part in parts {
-        is_described |= describes(root, part, key)?;
-    }
-    Ok(is_described)
-}
-
-fn referred<'a>(root: &'a Value, reference: &Value) -> Result<&'a Value, String> {
-    let path = reference.as_str().and_then(|path| path.strip_prefix('#')).ok_or("a reference to elsewhere")?;
-    root.pointer(path).ok_or_else(|| format!("there is no {path}"))
-}
-
-fn list(value: &Value) -> Result<&Vec<Value>, String> {
-    value.as_array().ok_or_else(|| format!("{value} is no list"))
-}
-
-fn has_type(data: &Value, name: &Value) -> bool {
-    match name.as_str() {
-        Some("object") => data.is_object(),
-        Some("array") => data.is_array(),
-        Some("string") => data.is_string(),
-        Some("integer") => data.is_u64() || data.is_i64(),
-        Some("number") => data.is_number(),
-        Some("boolean") => data.is_boolean(),
-        Some("null") => data.is_null(),
-        _ => false,
-    }
+    Ok(())
 }
 
 fn negative() -> Outcome {
@@ -102,13 +73,16 @@ fn negative() -> Outcome {
         "properties": {
             "a": { "type": ["integer", "null"], "minimum": 1 },
             "b": { "enum": ["x", "y"] },
+            "day": { "type": "string", "format": "date-time" },
             "list": { "type": "array", "items": { "allOf": [{ "$ref": "#/$defs/n" }] } },
         },
         "$defs": { "n": { "type": "object", "required": ["n"], "properties": { "n": { "type": "number" } } } },
     });
-    let check = |data: &Value| validate(&schema, &schema, data, "$");
-    for good in [json!({ "a": 1, "list": [] }), json!({ "a": null, "b": "y", "list": [{ "n": 0.5 }] })] {
-        check(&good)?;
+    for good in [
+        json!({ "a": 1, "list": [], "day": "2026-01-02T03:04:05Z" }),
+        json!({ "a": null, "b": "y", "list": [{ "n": 0.5 }] }),
+    ] {
+        validate(&schema, &good)?;
     }
     for bad in [
         json!([]),
@@ -116,13 +90,56 @@ fn negative() -> Outcome {
         json!({ "a": 0, "list": [] }),
         json!({ "a": 1.5, "list": [] }),
         json!({ "a": 1, "b": "z", "list": [] }),
+        json!({ "a": 1, "day": "2026-13-02T03:04:05Z", "list": [] }),
         json!({ "a": 1, "list": [{}] }),
         json!({ "a": 1, "list": [{ "n": "0" }] }),
         json!({ "a": 1, "list": [{ "n": 0, "m": 0 }] }),
+        json!({ "a": 1, "c": 1, "list": [] }),
     ] {
-        ensure!(check(&bad).is_err(), "{bad} passed");
+        ensure!(validate(&schema, &bad).is_err(), "{bad} passed");
     }
-    let unknown = json!({ "maximum": 3 });
-    ensure!(validate(&unknown, &unknown, &json!(2), "$").is_err(), "an unknown keyword passed");
+    for wrong in [json!({ "maximun": 3 }), json!({ "type": "nothing" }), json!({ "$ref": "#/$defs/nowhere" })] {
+        ensure!(validate(&wrong, &json!(2)).is_err(), "the schema {wrong} passed");
+    }
+    Ok(())
+}
+
+/// The repository's schema with data of one row, and with that row changed.
+fn bench_negative() -> Outcome {
+    let schema = super::bench::schema()?;
+    let summary = json!({ "median": 2.0, "q1": 1.0, "q3": 3.0, "low": 1.0, "high": 3.0, "runs": 3 });
+    let mut ratio = summary.clone();
+    ratio["to"] = json!("cpu-f32-all");
+    let result = json!({
+        "method": "cpu-exact-all", "wall_ms": summary, "wall_ms_of_rounds": [2.0, 1.0, 3.0], "gpu_ms": null,
+        "gpu_ms_of_rounds": [], "stages": [{ "stage": "facing", "ms": 1.5 }], "ratios": [ratio],
+        "wrong_facing_bits": 0, "wrong_silhouette_bits": 0, "unclosed_vertices": 0, "undecided_pairs": 7,
+    });
+    let row = json!({ "subject": "torus-4", "lights": 1, "facing_bits": 4, "silhouette_bits": 6, "results": [result] });
+    let data = json!({
+        "format": "rimline-bench", "version": 1, "complete": true, "rimline": "0.1.0", "date": "2026-01-02T03:04:05Z",
+        "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true }, "adapter": null, "shadows": null,
+        "extraction": { "planned_rows": 1, "methods": [], "subjects": [], "rows": [row] },
+    });
+    validate(&schema, &data)?;
+    for (pointer, wrong) in [
+        ("/format", json!("other")),
+        ("/date", json!("yesterday")),
+        ("/machine/threads", json!(0)),
+        ("/extraction/rows/0/lights", json!(1.5)),
+        ("/extraction/rows/0/results/0/gpu_ms", json!({ "median": 1.0 })),
+        ("/extraction/rows/0/results/0/stages/0/ms", json!(-1.0)),
+        ("/extraction/rows/0/results/0/ratios/0/to", json!(3)),
+        ("/extraction/rows/0/results/0/ratios/0/runs", json!(null)),
+    ] {
+        let mut changed = data.clone();
+        *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
+        ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
+    }
+    for place in ["", "/machine", "/extraction/rows/0", "/extraction/rows/0/results/0/ratios/0"] {
+        let mut changed = data.clone();
+        changed.pointer_mut(place).ok_or("nothing is there")?["unheard_of"] = json!(0);
+        ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{place}`");
+    }
     Ok(())
 }

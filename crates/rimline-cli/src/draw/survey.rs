@@ -1,0 +1,94 @@
+//! What the picture shows at each place, several a pixel: the face and its depth. Lines ask it which faces may hide them.
+
+use rimline::wgpu;
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
+
+use super::picture::{color_pass, depth_test};
+use crate::render::kit::{Kit, Pass};
+
+const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
+
+/// What shaders read the survey as.
+pub(super) const SEEN: BindingType = BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Uint,
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+
+/// Pictures with more pixels than this, in which faces smaller than pixels are rare, have one place a pixel.
+const MOST_FINE: u64 = 1 << 23;
+
+/// How many places each way a pixel of a picture of this size has in the survey.
+pub(super) fn places([width, height]: [u32; 2], most: u32) -> u32 {
+    let is_small = u64::from(width) * u64::from(height) <= MOST_FINE && width.max(height) <= most / 2;
+    if is_small { 2 } else { 1 }
+}
+
+/// The survey's targets.
+pub(super) struct Survey {
+    pub(super) seen: wgpu::TextureView,
+    depth: wgpu::TextureView,
+}
+
+impl Survey {
+    /// For a picture of this size, with so many places each way a pixel.
+    pub(super) fn new(kit: &Kit<'_>, size: [u32; 2], places: u32) -> Self {
+        let target = |label, format, usage| {
+            let texture = kit.target(label, size.map(|pixels| places * pixels), format, 1, usage);
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        Self {
+            seen: target("survey", FORMAT, TextureUsages::TEXTURE_BINDING),
+            depth: target("survey depth", TextureFormat::Depth32Float, TextureUsages::empty()),
+        }
+    }
+
+    /// Records the survey of so many corners.
+    pub(super) fn record(
+        &self,
+        kit: &Kit<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        (layout, geometry): (&BindGroupLayout, &BindGroup),
+        corners: u32,
+    ) {
+        let pipeline = kit.pipeline(&Pass {
+            name: "survey",
+            vertex: "survey",
+            source: include_str!("survey.wgsl"),
+            groups: &[layout],
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            format: FORMAT,
+            blend: None,
+            samples: 1,
+            write: wgpu::ColorWrites::ALL,
+            depth: Some(depth_test(true)),
+            constants: &[],
+        });
+        let nothing = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(&self.depth));
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(1, geometry, &[]);
+        pass.draw(0..corners, 0..1);
+    }
+
+    /// The survey, positions and drawn faces for `lines.wgsl`. Vertex shaders do not see them: what lists are read by
+    /// there leaves no room for more storage buffers.
+    pub(super) fn group(
+        &self,
+        kit: &Kit<'_>,
+        positions: &wgpu::Buffer,
+        faces: &wgpu::Buffer,
+    ) -> (BindGroupLayout, BindGroup) {
+        let storage = BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let layout = kit.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage]);
+        let resources =
+            [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
+        let group = kit.group(&layout, &resources);
+        (layout, group)
+    }
+}

@@ -1,0 +1,212 @@
+//! Outlines of bodies that touch: the drawn lines are those that are visible, and without gaps, by rays in `f64`.
+
+use glam::{DMat3, DVec3};
+use libtest_mimic::{Failed, Trial};
+
+use super::draw::{Picture, draw_with, is_ink};
+use super::run::rimline;
+use super::{Outcome, Test, ensure};
+use crate::archive::{array, write_zip};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("outlines::touching_boxes_have_whole_outlines", || check("gpu")),
+    ("outlines::the_comparison_notices_wrong_lines", control),
+];
+
+/// The same on OpenGL, ignored by name where there is none.
+pub(crate) fn trials() -> Vec<Trial> {
+    let devices = rimline(["devices", "--json"]).json().unwrap_or_default();
+    let is_usable = |adapter: &serde_json::Value| adapter["backend"] == "OpenGL" && adapter["usable"] == true;
+    let is_there = devices["adapters"].as_array().is_some_and(|adapters| adapters.iter().any(is_usable));
+    let name = "outlines::touching_boxes_have_whole_outlines_on_opengl";
+    vec![Trial::test(name, || check("opengl").map_err(Failed::from)).with_ignored_flag(!is_there)]
+}
+
+const SIZE: [f64; 2] = [1000.0, 840.0];
+const EYE: [f64; 3] = [4.5, 3.75, 6.0];
+const TARGET: [f64; 3] = [0.0, 0.75, 0.0];
+const FOV: f64 = 34.0;
+/// Of the distance from the eye: a face that lies less in front of a point holds it; one that lies more hides it; in
+/// between both are right.
+const HOLDS: f64 = 5e-7;
+const HIDES: f64 = 2e-5;
+
+/// Low and high corners: a slab; two boxes on it, side by side; one across both; a thin plate on the slab's front and one
+/// that floats before its side by hardly anything.
+const BOXES: [[[f64; 3]; 2]; 6] = [
+    [[-2.0, 0.0, -1.5], [2.0, 0.5, 1.5]],
+    [[-1.3, 0.5, -0.8], [-0.2, 1.6, 0.5]],
+    [[-0.2, 0.5, -0.5], [0.9, 1.6, 0.7]],
+    [[-0.7, 1.6, -0.3], [0.4, 1.9, 0.3]],
+    [[-0.8, 0.1, 1.5], [0.9, 0.4, 1.53]],
+    [[2.0003, 0.15, -0.6], [2.02, 0.4, 0.8]],
+];
+
+/// The boxes, turned so that no plane is an axis's, as the command reads them: corners rounded to `f32`.
+fn boxes() -> Vec<[DVec3; 8]> {
+    let turn = DMat3::from_rotation_y(0.3) * DMat3::from_rotation_x(0.07);
+    let corner = |[low, high]: [[f64; 3]; 2], n: usize| {
+        let at: [f64; 3] = std::array::from_fn(|axis| if n >> axis & 1 == 0 { low[axis] } else { high[axis] });
+        (turn * DVec3::from(at)).as_vec3().as_dvec3()
+    };
+    BOXES.iter().map(|&sides| std::array::from_fn(|n| corner(sides, n))).collect()
+}
+
+/// Four corners each, counter-clockwise from outside.
+const SIDES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+
+fn triangles(boxes: &[[DVec3; 8]]) -> Vec<[DVec3; 3]> {
+    let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
+    boxes.iter().flat_map(|at| SIDES.into_iter().flat_map(halves).map(|face| face.map(|v| at[v]))).collect()
+}
+
+fn model() -> Vec<u8> {
+    let faces = triangles(&boxes());
+    let corners = faces.iter().flatten().flat_map(|p| p.as_vec3().to_array());
+    let positions: Vec<u8> = corners.flat_map(f32::to_le_bytes).collect();
+    let indices: Vec<u8> = (0..3 * faces.len() as u32).flat_map(u32::to_le_bytes).collect();
+    write_zip(&[
+        array("positions", "<f4", "False", &format!("({}, 3)", 3 * faces.len()), &positions),
+        array("faces", "<u4", "False", &format!("({}, 3)", faces.len()), &indices),
+    ])
+}
+
+/// The edges between a side that faces the eye and one that does not.
+fn silhouette(boxes: &[[DVec3; 8]]) -> Vec<[DVec3; 2]> {
+    let eye = DVec3::from(EYE);
+    let mut edges = Vec::new();
+    for at in boxes {
+        let faces_eye = SIDES.map(|[a, b, c, _]| (at[b] - at[a]).cross(at[c] - at[a]).dot(eye - at[a]) > 0.0);
+        for (one, side) in SIDES.iter().enumerate() {
+            for step in 0..4 {
+                let [a, b] = [side[step], side[(step + 1) % 4]];
+                let other = (0..6).find(|&n| (0..4).any(|k| [SIDES[n][k], SIDES[n][(k + 1) % 4]] == [b, a]));
+                if other.is_some_and(|other| faces_eye[one] && !faces_eye[other]) {
+                    edges.push([at[a], at[b]]);
+                }
+            }
+        }
+    }
+    edges
+}
+
+/// Where a point is in the picture.
+fn project(point: DVec3) -> [f64; 2] {
+    let (eye, forward) = (DVec3::from(EYE), (DVec3::from(TARGET) - DVec3::from(EYE)).normalize());
+    let right = forward.cross(DVec3::Y).normalize();
+    let up = right.cross(forward);
+    let focal = 0.5 * SIZE[1] / (0.5 * FOV.to_radians()).tan();
+    let from_eye = point - eye;
+    let depth = from_eye.dot(forward);
+    [0.5 * SIZE[0] + focal * from_eye.dot(right) / depth, 0.5 * SIZE[1] - focal * from_eye.dot(up) / depth]
+}
+
+/// How far in front of the point the faces over it lie, at most; as a share of its distance.
+fn cover(point: DVec3, faces: &[[DVec3; 3]]) -> f64 {
+    let eye = DVec3::from(EYE);
+    let ray = point - eye;
+    let gaps = faces.iter().filter_map(|&[a, b, c]| {
+        let normal = (b - a).cross(c - a).normalize();
+        let turn = normal.dot(a - eye).signum();
+        let is_over = [[a, b], [b, c], [c, a]]
+            .into_iter()
+            .all(|[from, to]| turn * (from - eye).cross(to - from).normalize().dot(point - from) > -1e-9);
+        is_over.then(|| turn * normal.dot(point - a) / ray.length())
+    });
+    gaps.fold(0.0, f64::max)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Seen {
+    Visible,
+    Hidden,
+    Undecided,
+}
+
+/// Points along the edges, four a pixel, where they are in the picture and whether they are seen there. Within three pixels
+/// of a change that is left open, as is the last pixel at the ends.
+fn expected() -> Vec<([f64; 2], Seen)> {
+    let boxes = boxes();
+    let faces = triangles(&boxes);
+    let mut points = Vec::new();
+    for [a, b] in silhouette(&boxes) {
+        let ([ax, ay], [bx, by]) = (project(a), project(b));
+        let count = (4.0 * (bx - ax).hypot(by - ay)).ceil() as usize;
+        let places: Vec<DVec3> = (0..=count).map(|n| a.lerp(b, n as f64 / count as f64)).collect();
+        let seen: Vec<Seen> = places
+            .iter()
+            .map(|&place| match cover(place, &faces) {
+                gap if gap <= HOLDS => Seen::Visible,
+                gap if gap >= HIDES => Seen::Hidden,
+                _ => Seen::Undecided,
+            })
+            .collect();
+        for n in 4..places.len().saturating_sub(4) {
+            let around = &seen[n.saturating_sub(12)..(n + 13).min(seen.len())];
+            let is_alike = around.iter().all(|&other| other == seen[n]);
+            points.push((project(places[n]), if is_alike { seen[n] } else { Seen::Undecided }));
+        }
+    }
+    points
+}
+
+/// Every visible point is in ink, and no hidden one that is far from all that may be drawn.
+fn compare(picture: &Picture, points: &[([f64; 2], Seen)]) -> Outcome {
+    let ink = |[x, y]: [f64; 2]| is_ink(picture.pixels[y as usize * picture.size[0] as usize + x as usize]);
+    let of = |wanted| points.iter().filter(move |(_, seen)| *seen == wanted).map(|&(at, _)| at);
+    let gaps: Vec<_> = of(Seen::Visible).filter(|&at| !ink(at)).collect();
+    ensure!(
+        gaps.is_empty(),
+        "{} of {} visible points are blank: {:?}",
+        gaps.len(),
+        of(Seen::Visible).count(),
+        &gaps[..gaps.len().min(9)]
+    );
+    let mut is_near = vec![false; picture.pixels.len()];
+    for &([x, y], seen) in points {
+        for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))).filter(|_| seen != Seen::Hidden) {
+            is_near[(y as i64 + dy) as usize * picture.size[0] as usize + (x as i64 + dx) as usize] = true;
+        }
+    }
+    let alone = |at: &[f64; 2]| !is_near[at[1] as usize * picture.size[0] as usize + at[0] as usize];
+    let hidden: Vec<_> = of(Seen::Hidden).filter(alone).collect();
+    ensure!(hidden.len() > 300, "only {} hidden points count", hidden.len());
+    let drawn: Vec<_> = hidden.iter().filter(|&&at| ink(at)).collect();
+    ensure!(
+        drawn.is_empty(),
+        "{} of {} hidden points are drawn: {:?}",
+        drawn.len(),
+        hidden.len(),
+        &drawn[..drawn.len().min(9)]
+    );
+    Ok(())
+}
+
+fn picture(device: &str) -> Result<Picture, String> {
+    let list = |numbers: [f64; 3]| numbers.map(|c| c.to_string()).join(",");
+    let [width, height] = SIZE;
+    let view = format!("--size {width}x{height} --eye {} --target {} --fov {FOV}", list(EYE), list(TARGET));
+    draw_with(&model(), &view, device)
+}
+
+fn check(device: &str) -> Outcome {
+    let points = expected();
+    let count = |wanted| points.iter().filter(|(_, seen)| *seen == wanted).count();
+    ensure!(count(Seen::Visible) > 8000, "only {} visible points", count(Seen::Visible));
+    ensure!(count(Seen::Undecided) < points.len() / 20, "{} points are left open", count(Seen::Undecided));
+    compare(&picture(device)?, &points)
+}
+
+fn control() -> Outcome {
+    let (picture, points) = (picture("gpu")?, expected());
+    let moved: Vec<_> = points.iter().map(|&([x, y], seen)| ([x + 4.0, y], seen)).collect();
+    ensure!(compare(&picture, &moved).is_err(), "lines four pixels aside pass");
+    let all: Vec<_> = points.iter().map(|&(at, _)| (at, Seen::Visible)).collect();
+    ensure!(compare(&picture, &all).is_err(), "hidden lines pass as visible");
+    let mut dotted = picture;
+    for ([x, y], _) in points.iter().filter(|(_, seen)| *seen == Seen::Visible).step_by(1000) {
+        dotted.pixels[*y as usize * dotted.size[0] as usize + *x as usize] = [200; 3];
+    }
+    ensure!(compare(&dotted, &points).is_err(), "a line with holes passes");
+    Ok(())
+}

@@ -1,0 +1,232 @@
+//! The bound on stencil counts: never below a count that is found by trying every face, never below half of what a half
+//! plane of its pencil crosses, and not much above that.
+
+use glam::DVec3;
+use rimline::mesh::EdgeKind;
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::ShadowLight;
+use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY};
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::shapes::{self, Shape};
+
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+
+/// Closed blocks and balls below each other, about a line from the light, in a box that is long.
+fn stack(random: &mut Random, light: DVec3, towards: DVec3) -> Shape {
+    let mut shape = Shape::default();
+    let mut add = |one: &Shape, middle: DVec3, scale: DVec3| {
+        let first = shape.positions.len() as u32;
+        let placed = |p: &[f32; 3]| (middle + DVec3::from(p.map(f64::from)) * scale).as_vec3().to_array();
+        shape.positions.extend(one.positions.iter().map(placed));
+        shape.faces.extend(one.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+    };
+    let sideways = [-1.0, 1.0][random.below(2)];
+    for number in 0..4 + random.below(20) {
+        let one = if random.below(3) == 0 { shapes::blob(2, 0.1, number as u32) } else { shapes::cube() };
+        let down = 1.0 + 0.1 * number as f64;
+        // Some of them reach far to one side.
+        let half = f64::from(random.between(0.02, 0.2)) * [1.0, 10.0][random.below(2)];
+        let middle = light + towards * down + DVec3::X * (sideways * half * f64::from(random.between(0.0, 0.9)));
+        add(&one, middle, DVec3::new(half, 0.02, half.min(0.3)));
+    }
+    // So the box is long, on the other side or on both.
+    for side in [-1.0, 1.0] {
+        let length = f64::from(random.between(1.0, 60.0));
+        if side == sideways || random.below(2) == 0 {
+            add(&shapes::cube(), light + towards * 1.5 + DVec3::X * (side * length), DVec3::splat(0.1));
+        }
+    }
+    shape
+}
+
+/// A silhouette edge with its weight.
+type Weighed = ([[f32; 3]; 2], f64);
+
+struct Case {
+    shape: Shape,
+    light: Light,
+    casting: u32,
+    edges: Vec<([[f32; 3]; 2], bool)>,
+    facing: Vec<bool>,
+    corners: [[f32; 3]; 2],
+}
+
+impl Case {
+    fn new(shape: Shape, light: Light, casting: u32) -> Self {
+        let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a good mesh");
+        let lights = [light];
+        let found = cpu::extract(&shape.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).expect("good");
+        let silhouettes = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
+        let edges = silhouettes.map(|(edge, _)| {
+            (edge.vertices.map(|vertex| shape.positions[vertex as usize]), edge.kind == EdgeKind::Boundary)
+        });
+        let corner = |pick: fn(f32, f32) -> f32| {
+            shape.positions.iter().copied().reduce(|p, q| [0, 1, 2].map(|axis| pick(p[axis], q[axis]))).expect("some")
+        };
+        let facing = cpu::facing(&shape.positions, &shape.faces, &lights, Predicate::Exact, Threads::ONE);
+        let facing = facing.into_iter().map(|mask| mask & 1 != 0).collect();
+        Self { edges: edges.collect(), facing, corners: [corner(f32::min), corner(f32::max)], shape, light, casting }
+    }
+
+    fn bound(&self) -> u32 {
+        let light = ShadowLight { light: self.light.to_array(), casting: self.casting, ..bytemuck::Zeroable::zeroed() };
+        cpu::stencil_bound(&light, self.corners, self.shape.faces.len() as u32, self.edges.iter().copied())
+    }
+
+    /// Casting faces that a ray meets which begins at the light, or comes from it.
+    fn count(&self, through: DVec3) -> u32 {
+        let [x, y, z, w] = self.light.to_array().map(f64::from);
+        let (from, along) = if w > 0.0 {
+            let place = DVec3::new(x, y, z) / w;
+            (place, through - place)
+        } else {
+            (through + DVec3::new(x, y, z) * 1e3, -DVec3::new(x, y, z))
+        };
+        let crosses = |(&face, &facing): (&[u32; 3], &bool)| {
+            let [a, b, c] = face.map(|v| DVec3::from(self.shape.positions[v as usize].map(f64::from)) - from);
+            let inside = [a.cross(b), b.cross(c), c.cross(a)].map(|normal| normal.dot(along));
+            let normal = (b - a).cross(c - a);
+            let before = normal.dot(a) * normal.dot(along) > 0.0;
+            let is_met = inside.iter().all(|&side| side > 0.0) || inside.iter().all(|&side| side < 0.0);
+            before && is_met && (self.casting == CAST_EVERY || !facing)
+        };
+        self.shape.faces.iter().zip(&self.facing).filter(|&face| crosses(face)).count() as u32
+    }
+
+    /// The largest count behind any face's middle, or next to it.
+    fn deepest(&self, random: &mut Random) -> u32 {
+        let middles = self.shape.faces.iter().map(|face| {
+            let [a, b, c] = face.map(|v| DVec3::from(self.shape.positions[v as usize].map(f64::from)));
+            let mut weights = DVec3::from([0, 1, 2].map(|_: i32| f64::from(random.between(0.1, 1.0))));
+            weights /= weights.element_sum();
+            a * weights.x + b * weights.y + c * weights.z
+        });
+        middles.map(|middle| self.count(middle)).max().unwrap_or(0)
+    }
+
+    fn weighed(&self) -> Vec<Weighed> {
+        let weight = |is_boundary: bool| if self.casting == CAST_EVERY && !is_boundary { 2.0 } else { 1.0 };
+        self.edges.iter().map(|&(ends, is_boundary)| (ends, weight(is_boundary))).collect()
+    }
+
+    /// Where edges begin and end in the pencil, in parts of what the box spans: half planes about an axis through the
+    /// light at right angles to the shortest way to the box and to the coordinate axis that is farthest from that.
+    fn spans(&self) -> Vec<([f64; 2], f64)> {
+        let [x, y, z, w] = self.light.to_array().map(f64::from);
+        let [low, high] = self.corners.map(|corner| DVec3::from(corner.map(f64::from)));
+        let (place, forward) = if w > 0.0 {
+            let place = DVec3::new(x, y, z) / w;
+            (place, place.clamp(low, high) - place)
+        } else {
+            (DVec3::ZERO, -DVec3::new(x, y, z))
+        };
+        let size = forward.abs();
+        let axis = if size.y <= size.x && size.y <= size.z {
+            DVec3::Y
+        } else if size.z <= size.x {
+            DVec3::Z
+        } else {
+            DVec3::X
+        };
+        let aside = forward.cross(axis);
+        let at = |p: DVec3| {
+            let d = p - place;
+            aside.dot(d) / if w > 0.0 { forward.dot(d) } else { 1.0 }
+        };
+        let corner = |number: usize| DVec3::from([0, 1, 2].map(|axis| [low, high][number >> axis & 1][axis]));
+        let places: Vec<f64> = (0..8).map(|number| at(corner(number))).collect();
+        let first = places.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let part = |p: [f32; 3]| (at(DVec3::from(p.map(f64::from))) - first) / (last - first);
+        self.weighed()
+            .iter()
+            .map(|&(ends, weight)| {
+                let [p, q] = ends.map(part);
+                ([p.min(q), p.max(q)], weight)
+            })
+            .collect()
+    }
+
+    /// Half the weights that a stripe of half planes crosses at most, about each of many.
+    fn crossed(&self, half_width: f64) -> f64 {
+        let spans = self.spans();
+        let sum = |at: f64| {
+            let crossed = spans.iter().filter(|([first, last], _)| first - half_width <= at && at <= last + half_width);
+            crossed.map(|(_, weight)| weight).sum::<f64>()
+        };
+        (0..=4000).map(|number| sum(f64::from(number) / 4000.0)).fold(0.0, f64::max) / 2.0
+    }
+
+    fn check(&self, bound: u32, random: &mut Random) -> Result<u32, String> {
+        let deepest = self.deepest(random);
+        if bound < deepest {
+            return Err(format!("a count of {deepest}, the bound is {bound}"));
+        }
+        let least = self.crossed(0.0);
+        if f64::from(bound) < least.floor() {
+            return Err(format!("a half plane crosses {least}, the bound is {bound}"));
+        }
+        // A bin's own width, and rounding.
+        let most = self.crossed(1.2 / 256.0).ceil().min(self.shape.faces.len() as f64);
+        if f64::from(bound) > most {
+            return Err(format!("the bound is {bound}, stripes of bins cross {most}"));
+        }
+        Ok(deepest)
+    }
+}
+
+#[test]
+fn bounds_hold_for_stacks_below_lights_near_a_long_box() -> Result<(), String> {
+    let seed = 231;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut deepest = 0;
+    let rounds = if is_long() { 6000 } else { 300 };
+    for number in 0..rounds {
+        let down = DVec3::new(f64::from(random.between(-0.3, 0.3)), -1.0, f64::from(random.between(-0.2, 0.2)));
+        let place = DVec3::from(random.direction().map(f64::from)) * 4.0;
+        let shape = stack(&mut random, place, down.normalize());
+        let w = [1.0, 0.5, 1.0, 0.0][number % 4];
+        let light = match w {
+            0.0 => Light::directional((-down).as_vec3().to_array()),
+            _ => Light::homogeneous((place * w).extend(w).as_vec4().to_array()),
+        };
+        let casting = [CAST_EVERY, CAST_EVERY, CAST_AVERTED][random.below(3)];
+        let case = Case::new(shape, light, casting);
+        let what = |error: String| format!("number {number}, w {w}, casting {casting}: {error}");
+        let bound = case.bound();
+        let found = case.check(bound, &mut random).map_err(what)?;
+        deepest = deepest.max(found);
+        must_fail("a bound of less", &case.check(found.saturating_sub(1), &mut random))?;
+        must_fail("a bound of too much", &case.check(2 * bound + 2, &mut random))?;
+    }
+    println!("{rounds} stacks, counts up to {deepest}");
+    if deepest > 20 { Ok(()) } else { Err("no stack is deep".to_owned()) }
+}
+
+/// Worked by hand: blocks in a row below the light, which stands near the end of a long box and off its middle. Some are
+/// small, to one side of the light; the others reach from there to its other side. A ray meets them all.
+#[test]
+fn a_light_near_the_end_of_a_long_box() {
+    let mut shape = Shape::default();
+    let mut block = |low: [f32; 3], high: [f32; 3]| {
+        let first = shape.positions.len() as u32;
+        let cube = shapes::cube();
+        let placed = |p: &[f32; 3]| std::array::from_fn(|axis| if p[axis] < 0.0 { low[axis] } else { high[axis] });
+        shape.positions.extend(cube.positions.iter().map(placed));
+        shape.faces.extend(cube.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+    };
+    for number in 0..10 {
+        let y = -1.0 - 0.1 * number as f32;
+        block([0.02, y, -0.1], [0.08, y + 0.02, 0.1]);
+        block([-0.3, y + 0.04, -0.1], [0.3, y + 0.06, 0.1]);
+    }
+    block([-40.0, -1.9, -0.1], [-39.0, -1.8, 0.1]);
+    let case = Case::new(shape, Light::point([0.0; 3]), CAST_EVERY);
+    let at = DVec3::new(0.0475, -1.0, 0.001);
+    let count = case.count(at * 3.0);
+    println!("{count} faces below each other, the bound is {}", case.bound());
+    assert!(count >= 30, "rays meet {count}");
+    assert!(case.bound() >= count, "a count of {count}, the bound is {}", case.bound());
+}

@@ -1,0 +1,177 @@
+//! Vertices next to the near plane, and seen from the light on it.
+
+use glam::{DVec2, DVec3, DVec4};
+use rimline::Light;
+use rimline::reference::cpu;
+use rimline::reference::layout::{ShadowLight, ShadowShape};
+use rimline::reference::shadow::{self, CAST_EVERY, COUNT_ZP_PLUS};
+
+use crate::view::{Eye, chosen, stepped};
+use rimline_measure::is_long;
+use rimline_measure::random::Random;
+use rimline_measure::scenes::{PROJECTIONS, Pose, direction};
+
+/// What of a side is behind the near plane by its height is not before it by its depth.
+#[test]
+fn sides_from_vertices_a_few_ulps_behind_the_near_plane_begin_behind_it() {
+    let seed = 221;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut near, mut would_be_cut) = (0, 0);
+    for number in 0..if is_long() { 200_000 } else { 6000 } {
+        let scale = [1.0, 0.1, 1e3][number % 3];
+        let middle = direction(&mut random) * scale * [0.0, 30.0][number / 3 % 2];
+        let pose = Pose::random(&mut random, middle, scale);
+        let camera = pose.camera(number % PROJECTIONS, random.below(2) == 0);
+        let eye = Eye::new(&camera);
+        let at = [0, 1].map(|_: i32| f64::from(random.between(-1.0, 1.0)));
+        let mut first = eye.on_near_plane(at).as_vec3().to_array();
+        let axis = random.below(3);
+        first[axis] = stepped(first[axis], random.below(9) as i32 - 4);
+        let second = (pose.eye + direction(&mut random) * scale * 3.0).as_vec3().to_array();
+        let view = shadow::view(&camera).expect("a good camera");
+        let light = Light::point((pose.eye + direction(&mut random) * scale * 5.0).as_vec3().to_array());
+        let light = shadow::light(&camera, &view, light);
+        let corner = cpu::corner(&view, &light, first);
+        if corner.height < 0.0 {
+            continue;
+        }
+        near += 1;
+        let is_before = |z: f32, w: f32| if view.near_z == 0.0 { z < 0.0 } else { z > w };
+        would_be_cut += usize::from(is_before(corner.near.z, corner.near.w));
+        for ends in [[(0, first), (1, second)], [(1, second), (0, first)]] {
+            let polygon = cpu::side_clipped(&view, &light, ends);
+            let is_first =
+                |clip: &&glam::Vec4| (clip.x, clip.y, clip.w) == (corner.near.x, corner.near.y, corner.near.w);
+            let found = polygon.iter().find(is_first).expect("the vertex itself");
+            assert!(!is_before(found.z, found.w), "{number}: {found} for a height of {}", corner.height);
+        }
+    }
+    println!("{near} vertices, {would_be_cut} of them before the near plane by the depth of `to_clip`");
+    assert!(near > 1000 && would_be_cut > 30, "not vacuous");
+}
+
+/// Bound on the errors of a vertex that is seen from the light on the near plane, by the terms of `q` or of `d`: NUMERICS.md,
+/// "How exact they are", of which the better holds.
+struct Bounds {
+    place: DVec2,
+    by_vertex: f64,
+    by_light: f64,
+}
+
+const ROUNDINGS: f64 = 12.0 / 8_388_608.0;
+
+fn bounds(camera: &rimline::ShadowCamera, plane: [f32; 4], light: &ShadowLight, position: [f32; 3]) -> Bounds {
+    let matrix = glam::Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+    let plane = DVec4::from_array(plane.map(f64::from));
+    let [x, y, z, w] = light.light.map(f64::from);
+    let from_origin = (DVec3::new(x, y, z) - w * DVec3::from_array(camera.origin.map(f64::from))).extend(w);
+    let q = (DVec3::from(position.map(f64::from)) - DVec3::from_array(camera.origin.map(f64::from))).extend(1.0);
+    let d = (w * q.truncate() - from_origin.truncate()).extend(0.0);
+    let xy = |p: DVec4| DVec2::new(matrix.row(0).dot(p), matrix.row(1).dot(p));
+    let size = |p: DVec4| {
+        let of = |row: usize| matrix.row(row).abs().dot(p.abs());
+        of(0).max(of(1))
+    };
+    let (height, at_height, rise) = (plane.dot(q), plane.dot(from_origin), plane.dot(d));
+    let (height_size, rise_size) = (plane.abs().dot(q.abs()), plane.abs().dot(d.abs()));
+    let at_light = xy(from_origin);
+    let place = (xy(q) * at_height - at_light * height) / -rise;
+    let light_size = at_light.abs().max_element();
+    let common = place.abs().max_element() * rise_size;
+    let by = |size: f64, slope: f64| ROUNDINGS * (size * at_height.abs() + light_size * slope + common) / rise.abs();
+    Bounds { place, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
+}
+
+#[test]
+fn near_caps_are_as_exact_as_the_better_of_two_forms() {
+    let seed = 222;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut by_vertex, mut by_light) = (0, 0);
+    for number in 0..if is_long() { 200_000 } else { 12_000 } {
+        // Positions relative to the eye; light and vertex far from it and near each other, or the vertex near the eye and
+        // the light far away.
+        let middle = direction(&mut random) * 1e3;
+        let pose = Pose::random(&mut random, middle, 1.0);
+        let camera = pose.camera(number % 4, true);
+        let eye = Eye::new(&camera);
+        let far = 10_f64.powf(f64::from(random.between(0.0, 6.0)));
+        let at = eye.on_near_plane([0, 1].map(|_: i32| f64::from(random.between(-1.0, 1.0))));
+        // Beyond the near plane, so that the vertex is between.
+        let away = (pose.forward + direction(&mut random) * 0.7).normalize();
+        let light = (at + away * far).as_vec3();
+        let part = 10_f64.powf(-f64::from(random.between(0.0, 6.0)));
+        let part = if random.below(2) == 0 { part } else { 1.0 - part };
+        let position = (light.as_dvec3() + (at - light.as_dvec3()) * part).as_vec3().to_array();
+        let view = shadow::view(&camera).expect("a good camera");
+        let light = shadow::light(&camera, &view, Light::point(light.to_array()));
+        let corner = cpu::corner(&view, &light, position);
+        if (corner.height >= 0.0) == (corner.rise >= 0.0) {
+            continue;
+        }
+        let Bounds { place, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, &light, position);
+        let near_w = f64::from(view.near_w);
+        let star = cpu::star(&view, &light, &corner).as_dvec4();
+        let found = DVec2::new(star.x, star.y) * (near_w / star.w);
+        // The choice is by the largest coordinates, so it may miss the better form by a small factor.
+        let bound = 8.0 * vertex.min(nearer);
+        if !bound.is_finite() || bound > 0.5 * near_w {
+            continue;
+        }
+        by_vertex += usize::from(100.0 * vertex < nearer);
+        by_light += usize::from(100.0 * nearer < vertex);
+        let error = (found - place).abs().max_element();
+        assert!(error <= bound, "{number}: {found}, exact {place}, bound {bound}, light {far} away, {part} of the way");
+    }
+    println!("{by_vertex} where the vertex's own form is much better, {by_light} where the light's is");
+    assert!(by_vertex > 100 && by_light > 100, "not vacuous");
+}
+
+/// A face that reaches into the pyramid of light and near rectangle by next to nothing has its cap.
+#[test]
+fn faces_that_graze_the_pyramid_have_their_caps() {
+    let seed = 223;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut grazing, mut listed) = (0, [0; 2]);
+    for number in 0..if is_long() { 200_000 } else { 12_000 } {
+        let scale = [1.0, 1e3][number % 2];
+        let middle = direction(&mut random) * scale * [0.0, 20.0][number / 2 % 2];
+        let pose = Pose::random(&mut random, middle, scale);
+        let camera = pose.camera(number % PROJECTIONS, random.below(2) == 0);
+        let eye = Eye::new(&camera);
+        let light = (pose.eye + direction(&mut random) * scale * f64::from(random.between(1.0, 9.0))).as_vec3();
+        let given = light.as_dvec3();
+        if eye.height(given).abs() < 0.05 {
+            continue;
+        }
+        // A corner at a plane of the pyramid, the others outside of that plane.
+        let (side, sign) = (random.below(2), [-1.0, 1.0][random.below(2)]);
+        let mut corner = |beyond: f64| {
+            let mut at = [0, 1].map(|_: i32| f64::from(random.between(-0.9, 0.9)));
+            at[side] = sign * (1.0 + beyond);
+            (given + (eye.on_near_plane(at) - given) * f64::from(random.between(0.2, 0.8))).as_vec3().to_array()
+        };
+        let is_clear = number % 4 == 0;
+        let corners = [corner(if is_clear { 0.01 } else { -1e-9 }), corner(0.1), corner(0.2)];
+        let [inside, part] = {
+            let (at, part) = eye.from_light(given, DVec3::from(corners[0].map(f64::from)));
+            [at[0].abs().max(at[1].abs()), part]
+        };
+        let shape = ShadowShape { counting: COUNT_ZP_PLUS, ..bytemuck::Zeroable::zeroed() };
+        let ranged = Light::point(light.to_array());
+        let (view, light) = chosen(&camera, ranged, shape, &corners, &[[0, 1, 2]]);
+        assert_eq!(light.casting, CAST_EVERY);
+        let lists = &cpu::caps(&view, &corners, &[[0, 1, 2]], &[0], &[light])[0];
+        let is_listed = lists.iter().any(|list| !list.is_empty());
+        if inside < 1.0 - 1e-12 && part > 0.0 && part < 1.0 {
+            grazing += 1;
+            assert!(is_listed, "{number}: a corner at {inside} of the near rectangle is left out");
+        } else if inside > 1.005 {
+            listed[usize::from(is_listed)] += 1;
+        }
+    }
+    println!("{grazing} faces graze the pyramid; of those beside it {listed:?} are out and listed");
+    assert!(grazing > 2000 && listed[0] > 500, "not vacuous");
+}

@@ -1,0 +1,93 @@
+//! A camera in `f64`, from the matrix that the stages get: the near rectangle, and what is seen on it from a light.
+
+use glam::{DMat4, DVec3, DVec4};
+use rimline::reference::cpu;
+use rimline::reference::layout::{ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::shadow;
+use rimline::{DepthDirection, Light, ShadowCamera};
+
+/// The camera's matrix and near plane, about its origin.
+pub(crate) struct Eye {
+    matrix: DMat4,
+    inverse: DMat4,
+    origin: DVec3,
+    /// Height over the near plane, up to a factor.
+    plane: DVec4,
+    near_z: f64,
+}
+
+impl Eye {
+    pub(crate) fn new(camera: &ShadowCamera) -> Self {
+        let matrix = glam::Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+        let (plane, near_z) = match camera.depth {
+            DepthDirection::Reversed => (matrix.row(3) - matrix.row(2), 1.0),
+            DepthDirection::Standard => (matrix.row(2), 0.0),
+        };
+        Self {
+            matrix,
+            inverse: matrix.inverse(),
+            origin: DVec3::from_array(camera.origin.map(f64::from)),
+            plane,
+            near_z,
+        }
+    }
+
+    /// The point of the near plane at these coordinates of the picture, from −1 to 1 within it.
+    pub(crate) fn on_near_plane(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let p = self.inverse * DVec4::new(x, y, self.near_z, 1.0);
+        p.truncate() / p.w + self.origin
+    }
+
+    /// Lowest and highest corner of the near rectangle's box.
+    pub(crate) fn near_box(&self) -> [DVec3; 2] {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|corner| self.on_near_plane(corner));
+        corners.into_iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
+    }
+
+    /// Height over the near plane in parts of its terms.
+    pub(crate) fn height(&self, place: DVec3) -> f64 {
+        let terms = self.plane * (place - self.origin).extend(1.0);
+        terms.element_sum() / terms.abs().element_sum()
+    }
+
+    /// Where on the picture the light, which is a point, has a place, and how far on the way from the light to the near
+    /// plane that is: 0 at the light, 1 on the plane.
+    pub(crate) fn from_light(&self, light: DVec3, place: DVec3) -> ([f64; 2], f64) {
+        let at = |p: DVec3| self.plane.dot((p - self.origin).extend(1.0));
+        let (from, to) = (at(light), at(place));
+        let part = (from - to) / from;
+        let meeting = light + (place - light) / part;
+        let clip = self.matrix * (meeting - self.origin).extend(1.0);
+        ([clip.x / clip.w, clip.y / clip.w], part)
+    }
+}
+
+/// A light as the stages get it, with what is chosen for a caster with these faces.
+pub(crate) fn chosen(
+    camera: &ShadowCamera,
+    light: Light,
+    shape: ShadowShape,
+    positions: &[[f32; 3]],
+    faces: &[[u32; 3]],
+) -> (ShadowView, ShadowLight) {
+    let view = shadow::view(camera).expect("a good camera");
+    let mut lights = [shadow::light(camera, &view, light)];
+    let shape = ShadowShape { lights: 1, faces: faces.len() as u32, cap_groups: 1, ..shape };
+    cpu::choose(&shape, &view, cpu::bounds(positions, faces), &mut lights);
+    (view, lights[0])
+}
+
+/// The next number above, so many times; below for a negative number.
+pub(crate) fn stepped(value: f32, steps: i32) -> f32 {
+    let key = |bits: u32| if bits >> 31 == 0 { bits as i32 } else { -((bits & 0x7fff_ffff) as i32) };
+    let at = key(value.to_bits()) + steps;
+    f32::from_bits(if at < 0 { (-at) as u32 | 1 << 31 } else { at as u32 })
+}
+
+/// The least `f32` that is not below, and the largest that is not above.
+pub(crate) fn around(value: f64) -> [f32; 2] {
+    let near = value as f32;
+    let below = if f64::from(near) > value { stepped(near, -1) } else { near };
+    let above = if f64::from(near) < value { stepped(near, 1) } else { near };
+    [below, above]
+}

@@ -1,0 +1,221 @@
+//! Closed casters in one mesh of several components: wound inwards, nested, through each other. The light is anywhere,
+//! also within their box, and so is the eye. Which faces cast there is argued in NUMERICS.md, "Which faces cast".
+
+use glam::{DVec3, Vec3};
+use rimline::{DepthDirection, Light};
+use rimline_measure::shapes::{self, Shape};
+
+use crate::rays::Truth;
+use crate::render::Renderer;
+use crate::scene::{Body, Eye, Frame};
+use crate::trials::{RIGHT, Test, Traced};
+use rimline_measure::device::Gpu;
+use rimline_measure::random::Random;
+
+pub(crate) const TESTS: &[Test] =
+    &[("nothing_outside_an_inwards_cube_is_lit_from_within", inwards), ("lights_at_the_edge_of_the_box", at_the_box)];
+
+/// A component's shape, turned inside out or not.
+fn component(mut shape: Shape, [x, y, z]: [f32; 3], scale: f32, is_inwards: bool) -> Shape {
+    for position in &mut shape.positions {
+        let [a, b, c] = *position;
+        *position = [x + scale * a, y + scale * b, z + scale * c];
+    }
+    if is_inwards {
+        shape.faces.iter_mut().for_each(|face| face.swap(1, 2));
+    }
+    shape
+}
+
+/// Several components as one mesh.
+fn joined(components: &[Shape]) -> Shape {
+    let mut joined = Shape::default();
+    for component in components {
+        let first = joined.positions.len() as u32;
+        joined.positions.extend(&component.positions);
+        joined.faces.extend(component.faces.iter().map(|face| face.map(|vertex| vertex + first)));
+    }
+    joined
+}
+
+/// Without flat sides, none lies in a side of the box.
+fn any_shape(random: &mut Random, has_flat_sides: bool) -> Shape {
+    match random.below(3) {
+        0 if has_flat_sides => shapes::cube(),
+        1 => shapes::blob(8, 0.3, random.below(1000) as u32),
+        _ => shapes::blob(3, 0.3, random.below(1000) as u32),
+    }
+}
+
+fn somewhere(random: &mut Random, most: f32) -> [f32; 3] {
+    random.direction().map(|c| c * most * random.between(0.0, 1.0))
+}
+
+/// Shells in shells, beside each other or through each other; each wound either way.
+fn shells(random: &mut Random, has_flat_sides: bool) -> Shape {
+    let mut components = Vec::new();
+    for _ in 0..=random.below(2) {
+        // Cubes reach to 1.7, so neighbours are through each other more often than not.
+        let (middle, scale) = (somewhere(random, 1.5), random.between(0.7, 1.1));
+        components.push(component(any_shape(random, has_flat_sides), middle, scale, random.below(2) == 0));
+        // Within it: shapes have everything from 0.7 to 1.7.
+        let mut inner = scale;
+        for _ in 0..random.below(3) {
+            inner *= random.between(0.25, 0.4);
+            components.push(component(any_shape(random, has_flat_sides), middle, inner, random.below(2) == 0));
+        }
+    }
+    joined(&components)
+}
+
+/// A light within the box of the shells, at it, or far from it; and an eye within or without.
+pub(crate) fn nested(random: &mut Random) -> Frame {
+    let kind = random.below(6);
+    // A light on a face is a case of its own.
+    let shape = shells(random, kind != 3 && kind != 4);
+    let corners = shape.positions.iter().map(|&position| Vec3::from(position));
+    let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let within = |random: &mut Random| {
+        let part = Vec3::from(std::array::from_fn(|_| random.between(0.0, 1.0)));
+        low + (high - low) * part
+    };
+    let vertex = |random: &mut Random| Vec3::from(shape.positions[random.below(shape.positions.len())]);
+    let light = match kind {
+        0 | 1 => within(random),
+        // Next to a vertex of any of the shells, inside of it or outside.
+        2 => vertex(random) + Vec3::from(somewhere(random, 0.1)),
+        // On the box, to the bit, at one of its corners or edges.
+        3 => {
+            let mut at = within(random);
+            at.x = [low, high][random.below(2)].x;
+            at.y = [low, high][random.below(2)].y;
+            at
+        }
+        // On a side of it.
+        4 => Vec3 { z: [low, high][random.below(2)].z, ..within(random) },
+        _ => Vec3::from(random.direction()) * random.between(3.0, 7.0),
+    };
+    let is_within = random.below(3) == 0;
+    let place = if is_within { within(random) } else { Vec3::from(random.direction()) * random.between(3.0, 7.0) };
+    let forward = if is_within { Vec3::from(random.direction()) } else { Vec3::from(somewhere(random, 1.0)) - place };
+    let eye = Eye {
+        place: place.as_dvec3(),
+        forward: forward.as_dvec3(),
+        near: f64::from(0.02 * 25_f32.powf(random.between(0.0, 1.0))),
+        is_relative: false,
+        depth: DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    let lights = vec![Light::point(light.to_array())];
+    Frame { bodies: vec![Body::caster(shape), Body::room([0.0; 3], 8.0)], eye, lights, size: 96 }
+}
+
+/// A cube that is wound inwards, above the ground.
+fn inwards_cube(light: Light) -> Frame {
+    let cube = component(shapes::cube(), [0.0; 3], 1.0, true);
+    let ground = Shape {
+        positions: vec![[-300.0, -1.1, -300.0], [-300.0, -1.1, 300.0], [300.0, -1.1, 300.0], [300.0, -1.1, -300.0]],
+        faces: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    let place = DVec3::new(5.0, 4.0, 6.0);
+    let eye = Eye {
+        place,
+        forward: -place,
+        near: 0.05,
+        is_relative: false,
+        depth: DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    let bodies = vec![Body::caster(cube), Body { casts: false, ..Body::caster(ground) }];
+    Frame { bodies, eye, lights: vec![light], size: 240 }
+}
+
+/// With the light inside, its walls are all that there is between the light and the world.
+fn inwards() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let light = [0.2, 0.3, 0.1];
+    // Another w is the same place.
+    for w in [1.0, 0.3] {
+        let traced = Traced::of(inwards_cube(Light::homogeneous([light[0] * w, light[1] * w, light[2] * w, w])), 0);
+        let surface = |truths: &Vec<Truth>| matches!(truths[0], Truth::Surface(_));
+        let outside = traced.truths.iter().filter(|truths| surface(truths)).count();
+        if outside < 20_000 || traced.truths.iter().any(|truths| truths[0].is_lit()) {
+            return Err(format!("{outside} pixels of ground, and by rays some are lit"));
+        }
+        for counting in RIGHT {
+            let counted = Renderer::new(&gpu).count(&traced.frame, counting)?;
+            let lit = traced.truths.iter().zip(&counted.stencils[0]);
+            let lit = lit.filter(|(truths, count)| surface(truths) && **count == 0).count();
+            if lit > 0 {
+                return Err(format!("{counting:?}, w {w}: {lit} of {outside} pixels outside are lit"));
+            }
+            traced.check(&Renderer::new(&gpu), counting, true)?;
+        }
+    }
+    Ok(())
+}
+
+/// Lights an ulp within, on and an ulp beyond a side, an edge and a corner of the box, where the body is not: no face is
+/// left out of the count that has to be in it.
+fn at_the_box() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    // Two balls at opposite corners of their box, wound either way.
+    let ball = |at: f32, is_inwards| component(shapes::blob(6, 0.2, 7), [at; 3], 0.8, is_inwards);
+    for windings in [[true, true], [false, true], [false, false]] {
+        let shape = joined(&[ball(-1.2, windings[0]), ball(1.2, windings[1])]);
+        let high: [f32; 3] = std::array::from_fn(|axis| {
+            shape.positions.iter().map(|position| position[axis]).fold(f32::NEG_INFINITY, f32::max)
+        });
+        for axes in [1, 2, 3] {
+            for step in [-1, 0, 1_i32] {
+                let bits = |at: f32| f32::from_bits(at.to_bits().wrapping_add_signed(step));
+                let mut at = [-0.9, high[1] * 0.3, -high[2] * 0.8];
+                for axis in 0..axes {
+                    at[axis] = bits(high[axis]);
+                }
+                let mut frame = nested(&mut Random::new(5));
+                frame.bodies[0] = Body::caster(shape.clone());
+                frame.eye =
+                    Eye { place: DVec3::new(-4.0, 3.0, 5.0), forward: DVec3::new(4.0, -3.5, -5.0), ..frame.eye };
+                frame.lights = vec![Light::point(at)];
+                let traced = Traced::of(frame, 0);
+                for counting in RIGHT {
+                    let (_, counted) = traced
+                        .check(&Renderer::new(&gpu), counting, true)
+                        .map_err(|error| format!("{windings:?}, light {at:?}: {error}"))?;
+                    if step < 1 && counted.chosen[0][0].casting == 1 {
+                        return Err(format!("{windings:?}, light {at:?}: averted faces alone cast"));
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Known to be wrong, so not run unless asked for: a light exactly on a face, an edge or a vertex. The faces that contain it
+/// count as averted, so their edges' sides belong to a light behind them, while as seen from the light they have no
+/// extent. What is dark then depends on where the eye is. A count of no excess needs them left out of the multiplicities
+/// ("excluded faces").
+pub(crate) fn on_surface() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    for light in [[0.3, 1.0, 0.2], [0.25, 1.0, 0.25], [1.0, 1.0, 0.2], [1.0; 3]] {
+        for is_inwards in [false, true] {
+            for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
+                let mut frame = nested(&mut Random::new(5));
+                frame.bodies[0] = Body::caster(component(shapes::cube(), [0.0; 3], 1.0, is_inwards));
+                frame.eye = Eye { place, forward: -place, near: 0.05, ..frame.eye };
+                frame.lights = vec![Light::point(light)];
+                let traced = Traced::of(frame, 0);
+                for counting in RIGHT {
+                    traced
+                        .check(&Renderer::new(&gpu), counting, true)
+                        .map_err(|error| format!("light {light:?}, inwards {is_inwards}, eye {place}: {error}"))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
