@@ -67,7 +67,9 @@ pub use displace::{DisplaceError, Displacement};
 pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
-pub use model::{Geometry, Influences, Instance, InstancePose, Model, Pose, PoseMismatch};
+pub use model::{
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose, PoseMismatch,
+};
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 
 pub use wgpu;

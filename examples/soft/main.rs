@@ -6,9 +6,9 @@
 //! the share of those that reach it, and shadows have 32 steps.
 
 #[path = "../support/stage.rs"]
-mod stage;
+pub(crate) mod stage;
 #[path = "../support/mod.rs"]
-mod support;
+pub(crate) mod support;
 
 use glam::Vec3;
 use rimline::gpu::{
@@ -17,27 +17,44 @@ use rimline::gpu::{
 use rimline::{AreaLight, AreaShape, Counting, DepthDirection, Light, Mesh, ShadowCamera, mesh::Weld, wgpu};
 use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, PARTS, Stage};
+use support::Canvas;
 
 /// One word of lights: the extraction decides them together.
 const SAMPLES: usize = 32;
 
+pub(crate) const LAMP: AreaLight = AreaLight {
+    light: Light::point([-3.2, 5.6, 2.2]),
+    shape: AreaShape::Disc { radius: 0.6 },
+    normal: [3.2, -4.6, -2.2],
+};
+
+pub(crate) fn camera() -> Camera {
+    Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0).wide(4.0 / 3.0)
+}
+
+/// Above the floor.
+pub(crate) fn placed(shape: &shapes::Shape) -> Vec<[f32; 3]> {
+    shape.positions.iter().map(|&[x, y, z]| [x, y + 1.4, z]).collect()
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let parts = if std::env::args().nth(1).as_deref() == Some("exact") { 1 } else { PARTS };
-    let canvas = support::Canvas::of_size([960, 720])?;
+    let canvas = Canvas::of_size([960, 720])?;
+    let encoder = picture(&canvas, parts)?;
+    canvas.save(encoder, "soft.png")
+}
+
+/// Records the picture with so many patterns of samples.
+pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEncoder, Box<dyn std::error::Error>> {
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0).wide(4.0 / 3.0);
-    let lamp = AreaLight {
-        light: Light::point([-3.2, 5.6, 2.2]),
-        shape: AreaShape::Disc { radius: 0.6 },
-        normal: [3.2, -4.6, -2.2],
-    };
+    let (camera, lamp) = (camera(), LAMP);
     let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern(SAMPLES, part, parts)).collect();
     let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
     let lamps: Vec<Vec<Lamp>> = patterns.iter().map(|lights| lights.iter().map(share).collect()).collect();
-    let stage = Stage::in_parts(&canvas, &camera, &lamps);
+    let stage = Stage::in_parts(canvas, &camera, &lamps);
 
     let shape = shapes::blob(96, 0.6, 7);
-    let vertices: Vec<[f32; 3]> = shape.positions.iter().map(|&[x, y, z]| [x, y + 1.4, z]).collect();
+    let vertices = placed(&shape);
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
     let bodies = [stage.body(&vertex_buffer, &shape.faces)];
 
@@ -62,5 +79,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         stage.draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;
     }
     stage.develop(&mut encoder);
-    canvas.save(encoder, "soft.png")
+    Ok(encoder)
 }

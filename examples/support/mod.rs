@@ -177,18 +177,24 @@ impl Canvas {
     }
 
     /// Submits and writes the picture.
-    pub(crate) fn save(&self, mut encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
+    pub(crate) fn save(&self, encoder: wgpu::CommandEncoder, path: &str) -> Result<(), Box<dyn std::error::Error>> {
+        let [width, height] = self.size;
+        let pixels = self.pixels(encoder)?;
+        let mut image = png::Encoder::new(std::fs::File::create(path)?, width, height);
+        image.set_color(png::ColorType::Rgba);
+        image.write_header()?.write_image_data(&pixels)?;
+        println!("{path}");
+        Ok(())
+    }
+
+    /// Submits and reads the picture, four bytes a pixel.
+    pub(crate) fn pixels(&self, mut encoder: wgpu::CommandEncoder) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
         let [width, height] = self.size;
         let pixels = self.buffer(u64::from(4 * width * height));
         let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(4 * width), ..Default::default() };
         let copy = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
         encoder.copy_texture_to_buffer(self.target.as_image_copy(), copy, self.target.size());
         self.queue.submit([encoder.finish()]);
-        let pixels: Vec<u8> = read_back_vec(&self.device, &self.queue, &pixels)?;
-        let mut image = png::Encoder::new(std::fs::File::create(path)?, width, height);
-        image.set_color(png::ColorType::Rgba);
-        image.write_header()?.write_image_data(&pixels)?;
-        println!("{path}");
-        Ok(())
+        Ok(read_back_vec(&self.device, &self.queue, &pixels)?)
     }
 }

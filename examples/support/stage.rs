@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3, Vec4};
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, CompareFunction, LoadOp, StoreOp, TextureFormat};
 
-use crate::support::{Canvas, PipelineOptions};
+use super::support::{Canvas, PipelineOptions};
 
 /// The format of the colour attachment in which light is added.
 pub(crate) const COLOR: TextureFormat = TextureFormat::Rgba16Float;

@@ -11,8 +11,10 @@ use glam::Vec3;
 use rimline::gpu::{
     Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
-use rimline::model::InstancePose;
-use rimline::{Counting, DepthDirection, Displacement, Geometry, Instance, Light, Model, Pose, ShadowCamera, wgpu};
+use rimline::{
+    Counting, DepthDirection, Displacement, Geometry, GeometryOptions, Instance, InstancePose, Light, Model, Pose,
+    ShadowCamera, wgpu,
+};
 use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
@@ -34,20 +36,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // One sphere, three times; the deformer places and displaces it.
     let sphere = shapes::sphere(64);
-    let model = Model {
-        geometries: vec![Geometry {
-            source_vertices: (0..sphere.positions.len() as u32).collect(),
-            positions: sphere.positions,
-            faces: sphere.faces,
-            ..Geometry::default()
-        }],
-        instances: vec![Instance { geometry: 0, name: None }; 3],
+    let sphere = Geometry::new(sphere.positions, sphere.faces, GeometryOptions::default())?;
+    let model = Model::new(vec![sphere], vec![Instance::new(0, None); 3])?;
+    let placed = |[x, y, z]: [f32; 3]| {
+        InstancePose::new(vec![[[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]], Vec::new())
     };
-    let placed = |[x, y, z]: [f32; 3]| InstancePose {
-        palette: vec![[[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]],
-        ..InstancePose::default()
-    };
-    let pose = Pose { instances: CENTRES.map(placed).to_vec(), ..Pose::default() };
+    let pose = Pose::new(CENTRES.into_iter().map(placed).collect::<Result<_, _>>()?);
     let displacement = Displacement::new(include_str!("noise.wgsl"))?;
     let options = DeformerOptions { displacement: Some(&displacement), ..DeformerOptions::default() };
     let deformer = Deformer::new(device, &model, options)?;

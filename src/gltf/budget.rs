@@ -71,25 +71,26 @@ impl Budget {
         &self,
         vertices: usize,
         entries: usize,
-        geometry: &Geometry,
+        targets: usize,
+        is_skinned: bool,
         what: &dyn Fn() -> String,
     ) -> Result<(), GltfError> {
-        let lists = 12 * (1 + geometry.morph_targets.len() as u64) + 4;
-        let offset = if geometry.influences.is_some() { 4 } else { 0 };
+        let lists = 12 * (1 + targets as u64) + 4;
+        let offset = if is_skinned { 4 } else { 0 };
         self.charge(vertices as u64, GROWTH * (lists + offset), what)?;
         self.charge(entries as u64, GROWTH * 8, what)
     }
 
     /// Counts the welding of a mesh, and the joints in use, which are looked up then.
     pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
-        let vertices = geometry.positions.len() as u64;
-        let entries = geometry.influences.as_ref().map_or(0, |i: &Influences| i.joints.len()) as u64;
+        let vertices = geometry.positions().len() as u64;
+        let entries = geometry.influences().map_or(0, |i: &Influences| i.joints().len()) as u64;
         // Two tables with chains and their groups; the vertices that are kept, renumbered, with their data.
         let tables = 2 * (16 + 4 + 4);
-        let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets.len() as u64) + GROWTH * 4 + 4;
+        let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets().len() as u64) + GROWTH * 4 + 4;
         self.charge(vertices, tables + kept, what)?;
         self.charge(entries, GROWTH * 8 + 24, what)?;
-        self.charge(geometry.faces.len() as u64, 12, what)
+        self.charge(geometry.faces().len() as u64, 12, what)
     }
 
     /// Counts an instance, its pose, and its part of the mesh that all instances make.
@@ -102,8 +103,8 @@ impl Budget {
     ) -> Result<(), GltfError> {
         self.charge(1, INSTANCE + name.map_or(0, |name| name.len() as u64), what)?;
         self.charge(matrices as u64, MATRIX, what)?;
-        self.charge(geometry.morph_targets.len() as u64, MORPH_WEIGHT, what)?;
-        self.charge(geometry.faces.len() as u64, PLACED_FACE, what)?;
-        self.charge(geometry.positions.len() as u64, PLACED_VERTEX, what)
+        self.charge(geometry.morph_targets().len() as u64, MORPH_WEIGHT, what)?;
+        self.charge(geometry.faces().len() as u64, PLACED_FACE, what)?;
+        self.charge(geometry.positions().len() as u64, PLACED_VERTEX, what)
     }
 }

@@ -34,12 +34,13 @@ impl Curve {
     /// The curve's value at a time, which is clamped to the keys'. Rotations run along the shorter arc (LINEAR) and
     /// come out with length 1, or not finite where a spline passes through zero.
     pub(super) fn sample(&self, time: f64, rotation: bool) -> Vec<f64> {
+        let key_value = |key| if rotation { normalized(&self.value(key)) } else { self.value(key) };
         let after = self.times.partition_point(|&t| f64::from(t) <= time);
         let Some(key) = after.checked_sub(1) else {
-            return self.value(0);
+            return key_value(0);
         };
         if after >= self.times.len() || self.interpolation == Interpolation::Step {
-            return self.value(key);
+            return key_value(key);
         }
         let (start, end) = (f64::from(self.times[key]), f64::from(self.times[after]));
         let interval = end - start;
@@ -49,9 +50,9 @@ impl Curve {
                 let value = self.spline(key, interval, t);
                 if rotation { normalized(&value) } else { value }
             }
-            _ if rotation => slerp(&normalized(&self.value(key)), &normalized(&self.value(after)), t),
+            _ if rotation => slerp(&key_value(key), &key_value(after), t),
             _ => {
-                let (a, b) = (self.value(key), self.value(after));
+                let (a, b) = (key_value(key), key_value(after));
                 a.iter().zip(b).map(|(a, b)| a * (1.0 - t) + b * t).collect()
             }
         }

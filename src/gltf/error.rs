@@ -69,6 +69,14 @@ pub enum GltfError {
         /// A way out.
         advice: &'static str,
     },
+    /// What the file holds makes no model.
+    #[error("{place}: {source}")]
+    Model {
+        /// JSON path of the mesh, or `nodes` for all instances together.
+        place: String,
+        /// What is wrong with it.
+        source: crate::model::ModelError,
+    },
     /// A URI that is not read.
     #[error("{place}: {uri:?} {problem}")]
     Uri {

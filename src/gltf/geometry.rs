@@ -8,7 +8,7 @@ use super::extensions;
 use super::reader::Reader;
 use super::triangles::{self, Place};
 use super::vertices::{self, HighestJoint, Vertices};
-use crate::model::{Geometry, Influences};
+use crate::model::{Geometry, GeometryOptions, Influences, ModelError};
 
 /// A merged mesh, before welding.
 #[derive(Debug)]
@@ -30,7 +30,8 @@ struct Key<'a> {
 /// found, and dropped. `skinned_by` is a node that gives the mesh a skin; without one the joints are dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let mesh = &reader.document.meshes[index];
-    let mut merged = Merged::new(mesh, skinned_by.is_some());
+    let mut draft = Draft::new(mesh, skinned_by.is_some());
+    let mut highest_joints = Vec::new();
     let mut blocks = HashMap::new();
     for (p, primitive) in mesh.primitives.iter().enumerate() {
         let Some(position) = primitive.position else {
@@ -49,11 +50,11 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
             Some(&first) if drawn => first,
             _ => {
                 let vertices = vertices::read(reader, primitive, position, &place)?;
-                merged.highest_joints.extend(vertices.bindings.highest.clone());
+                highest_joints.extend(vertices.bindings.highest.clone());
                 if !drawn {
                     continue;
                 }
-                let first = merged.append(&vertices, reader, &place)?;
+                let first = draft.append(&vertices, reader, &place)?;
                 blocks.insert(key(primitive, position), first);
                 first
             }
@@ -61,11 +62,11 @@ pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>
         let at = Place { mesh: index, primitive: p };
         let faces = triangles::read(reader, primitive, reader.count(position), at)?;
         let faces = faces.into_iter().map(|face| face.map(|v| v + first));
-        merged.geometry.faces.extend(faces);
+        draft.faces.extend(faces);
     }
-    let count = merged.geometry.positions.len() as u32;
-    merged.geometry.source_vertices = (0..count).collect();
-    Ok(merged)
+    let geometry =
+        draft.finish(mesh).map_err(|source| GltfError::Model { place: format!("meshes[{index}]"), source })?;
+    Ok(Merged { geometry, highest_joints })
 }
 
 fn key(primitive: &Primitive, position: usize) -> Key<'_> {
@@ -89,44 +90,61 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) ->
     Ok(())
 }
 
-impl Merged {
+/// A geometry to which primitives are being added.
+struct Draft {
+    positions: Vec<[f32; 3]>,
+    faces: Vec<[u32; 3]>,
+    morph_targets: Vec<Vec<[f32; 3]>>,
+    /// Offsets, joints and weights.
+    influences: Option<(Vec<u32>, Vec<u32>, Vec<f32>)>,
+}
+
+impl Draft {
     fn new(mesh: &Mesh, skinned: bool) -> Self {
-        let influences = Influences { offsets: vec![0], ..Influences::default() };
         Self {
-            geometry: Geometry {
-                name: mesh.name.clone(),
-                morph_targets: vec![Vec::new(); mesh.targets],
-                influences: skinned.then_some(influences),
-                ..Geometry::default()
-            },
-            highest_joints: Vec::new(),
+            positions: Vec::new(),
+            faces: Vec::new(),
+            morph_targets: vec![Vec::new(); mesh.targets],
+            influences: skinned.then(|| (vec![0], Vec::new(), Vec::new())),
         }
+    }
+
+    fn finish(self, mesh: &Mesh) -> Result<Geometry, ModelError> {
+        let influences = self.influences.map(|(offsets, joints, weights)| Influences::new(offsets, joints, weights));
+        let options = GeometryOptions {
+            name: mesh.name.clone(),
+            morph_targets: self.morph_targets,
+            influences: influences.transpose()?,
+            source_vertices: None,
+        };
+        Geometry::new(self.positions, self.faces, options)
     }
 
     /// Adds vertices and gives the index of the first.
     fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, place: &str) -> Result<u32, GltfError> {
-        let geometry = &mut self.geometry;
-        let first = geometry.positions.len();
-        let entries = geometry.influences.as_ref().map_or(0, |i| i.joints.len());
+        let first = self.positions.len();
+        let entries = self.influences.as_ref().map_or(0, |(_, joints, _)| joints.len());
         // Indices and offsets are u32.
         let over = (first + vertices.positions.len()).max(entries + vertices.bindings.joints.len()) as u64;
         if over > u64::from(u32::MAX) {
             return Err(GltfError::TooManyVertices { place: place.to_owned() });
         }
         let (count, joints) = (vertices.positions.len(), vertices.bindings.joints.len());
-        reader.budget.charge_merging(count, joints, geometry, &|| place.to_owned())?;
-        geometry.positions.extend_from_slice(&vertices.positions);
-        for (target, offsets) in geometry.morph_targets.iter_mut().zip(&vertices.targets) {
+        reader
+            .budget
+            .charge_merging(count, joints, self.morph_targets.len(), self.influences.is_some(), &|| place.to_owned())?;
+        self.positions.extend_from_slice(&vertices.positions);
+        for (target, offsets) in self.morph_targets.iter_mut().zip(&vertices.targets) {
             target.extend_from_slice(offsets);
         }
-        if let Some(influences) = &mut geometry.influences {
+        if let Some((offsets, joints, weights)) = &mut self.influences {
             let mut end = entries as u32;
             for count in &vertices.bindings.counts {
                 end += count;
-                influences.offsets.push(end);
+                offsets.push(end);
             }
-            influences.joints.extend_from_slice(&vertices.bindings.joints);
-            influences.weights.extend_from_slice(&vertices.bindings.weights);
+            joints.extend_from_slice(&vertices.bindings.joints);
+            weights.extend_from_slice(&vertices.bindings.weights);
         }
         Ok(first as u32)
     }

@@ -32,7 +32,7 @@ pub(super) struct Placement {
 }
 
 /// A model with what its poses and reports need.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Built {
     pub(super) model: Model,
     /// One an instance.
@@ -43,25 +43,35 @@ pub(super) struct Built {
     pub(super) weld_counts: Vec<WeldCounts>,
 }
 
+/// The parts of a model that is being built.
+#[derive(Default)]
+pub(super) struct Draft {
+    geometries: Vec<Geometry>,
+    instances: Vec<Instance>,
+    placements: Vec<Placement>,
+    meshes: Vec<usize>,
+    weld_counts: Vec<WeldCounts>,
+}
+
 /// Merges and welds every mesh of the file, then places those of the chosen scene.
 pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], weld: Weld) -> Result<Built, GltfError> {
     let document = reader.document;
-    let mut built = Built::default();
+    let mut draft = Draft::default();
     let mut rigid_variants = vec![None; document.meshes.len()];
     let mut extra = Vec::new();
     let users = users(document);
     for (mesh, users) in users.iter().enumerate() {
         let merged = geometry::merge(reader, mesh, users.skinned.first().copied())?;
         check_joints(document, &users.skinned, &merged, skins)?;
-        built.push(reader, mesh, &merged.geometry, weld)?;
+        draft.push(reader, mesh, &merged.geometry, weld)?;
         if !users.skinned.is_empty() && users.rigid {
             extra.push(mesh);
         }
     }
     for mesh in extra {
-        rigid_variants[mesh] = Some(built.model.geometries.len());
+        rigid_variants[mesh] = Some(draft.geometries.len());
         let merged = geometry::merge(reader, mesh, None)?;
-        built.push(reader, mesh, &merged.geometry, weld)?;
+        draft.push(reader, mesh, &merged.geometry, weld)?;
     }
     let geometry_of = |mesh: usize, node: &Node| match node.skin {
         Some(_) => mesh,
@@ -79,17 +89,20 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
         };
         for frame in frames(reader, n, node)? {
             let placement = Placement { mesh, node: Some(n), frame };
-            built.place(reader, geometry_of(mesh, node), node.name.as_ref(), placement, skins)?;
+            draft.place(reader, geometry_of(mesh, node), node.name.as_ref(), placement, skins)?;
         }
     }
     if document.scenes.is_empty() {
         for (mesh, _) in users.iter().enumerate().filter(|(_, users)| users.none()) {
             let placement = Placement { mesh, node: None, frame: Frame::Node(DAffine3::IDENTITY) };
             let name = document.meshes[mesh].name.as_ref();
-            built.place(reader, mesh, name, placement, skins)?;
+            draft.place(reader, mesh, name, placement, skins)?;
         }
     }
-    Ok(built)
+    let Draft { geometries, instances, placements, meshes, weld_counts } = draft;
+    let model =
+        Model::new(geometries, instances).map_err(|source| GltfError::Model { place: "nodes".to_owned(), source })?;
+    Ok(Built { model, placements, meshes, weld_counts })
 }
 
 /// Who uses a mesh, in whatever scene.
@@ -209,11 +222,11 @@ fn instanced(reader: &Reader<'_>, n: usize, instancing: &Instancing) -> Result<V
         .collect()
 }
 
-impl Built {
+impl Draft {
     fn push(&mut self, reader: &Reader<'_>, mesh: usize, geometry: &Geometry, weld: Weld) -> Result<(), GltfError> {
         reader.budget.charge_welding(geometry, &|| format!("meshes[{mesh}]"))?;
         let (welded, counts) = geometry.welded(weld);
-        self.model.geometries.push(welded);
+        self.geometries.push(welded);
         self.weld_counts.push(counts);
         self.meshes.push(mesh);
         Ok(())
@@ -244,8 +257,8 @@ impl Built {
         placement: Placement,
         skins: &[LoadedSkin],
     ) -> Result<(), GltfError> {
-        let shape = &self.model.geometries[geometry];
-        if shape.faces.is_empty() {
+        let shape = &self.geometries[geometry];
+        if shape.faces().is_empty() {
             return Ok(());
         }
         let matrices = match placement.frame {
@@ -254,7 +267,7 @@ impl Built {
         };
         let what = || format!("meshes[{}] (its instances)", placement.mesh);
         reader.budget.charge_instance(shape, matrices, name, &what)?;
-        self.model.instances.push(Instance { geometry, name: name.cloned() });
+        self.instances.push(Instance::new(geometry, name.cloned()));
         self.placements.push(placement);
         Ok(())
     }

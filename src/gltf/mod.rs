@@ -227,7 +227,7 @@ impl Asset {
         let reader = Reader::new(&document, &buffers, budget);
         let skins = skin::load(&reader)?;
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
-        Built::charge_lights(&reader, &graph)?;
+        instances::Draft::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
         let skipped = Skipped::count(&document);
         skipped.warn();
@@ -237,7 +237,7 @@ impl Asset {
         Ok(Self {
             skin_infos: skin_infos(&document),
             mesh_infos: mesh_infos(&document, &built),
-            used_joints: built.model.geometries.iter().map(pose::used_joints).collect(),
+            used_joints: built.model.geometries().iter().map(pose::used_joints).collect(),
             document,
             graph,
             skins,

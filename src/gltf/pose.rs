@@ -10,7 +10,7 @@ use super::document::Transform;
 use super::instances::{Frame, Placement};
 use super::{Asset, PoseError, SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
-use crate::model::{Geometry, InstancePose, Matrix3x4, Pose};
+use crate::model::{Geometry, Influences, InstancePose, Matrix3x4, ModelError, Pose};
 
 /// World matrices and morph weights of the nodes at one time.
 struct State {
@@ -27,21 +27,21 @@ impl Asset {
     /// [`PoseError`] for an animation that is not there, a time that is not a number, or a result that is not finite.
     pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, PoseError> {
         let state = self.state(animation, time_s)?;
-        let mut pose = Pose::default();
-        for (placement, instance) in self.built.placements.iter().zip(&self.built.model.instances) {
-            let geometry = &self.built.model.geometries[instance.geometry];
-            let (posed, mixed) = self.instance(placement, geometry, instance.geometry, &state);
-            if !is_finite(&posed) {
+        let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
+        for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
+            let geometry = &self.built.model.geometries()[instance.geometry()];
+            let (posed, mixed) = self.instance(placement, geometry, instance.geometry(), &state);
+            let Ok(posed) = posed else {
                 let place = match placement.node {
                     Some(node) => format!("nodes[{node}]"),
                     None => format!("meshes[{}]", placement.mesh),
                 };
                 return Err(PoseError::NotFinite { place, time_s });
-            }
-            pose.mixed_determinants += usize::from(mixed);
-            pose.instances.push(posed);
+            };
+            mixed_determinants += usize::from(mixed);
+            instances.push(posed);
         }
-        Ok(pose)
+        Ok(Pose::new(instances).with_mixed_determinants(mixed_determinants))
     }
 
     /// The lights of the chosen scene (`KHR_lights_punctual`) at a time, in world space, in the order of its nodes.
@@ -109,7 +109,7 @@ impl Asset {
         geometry: &Geometry,
         geometry_index: usize,
         state: &State,
-    ) -> (InstancePose, bool) {
+    ) -> (Result<InstancePose, ModelError>, bool) {
         let matrices: Vec<DAffine3> = match placement.frame {
             Frame::Node(local) => {
                 let world = placement.node.map_or(DAffine3::IDENTITY, |node| state.world[node]);
@@ -124,17 +124,14 @@ impl Asset {
         let used = &self.used_joints[geometry_index];
         let mirrors = |matrix: &DAffine3| matrix.matrix3.determinant() < 0.0;
         let keeps = |matrix: &DAffine3| matrix.matrix3.determinant() > 0.0;
-        let (mirrored, kept) = if geometry.influences.is_some() {
+        let (mirrored, kept) = if geometry.influences().is_some() {
             let of = |test: &dyn Fn(&DAffine3) -> bool| used.iter().filter(|&&j| test(&matrices[j as usize])).count();
             (of(&mirrors), of(&keeps))
         } else {
             (usize::from(mirrors(&matrices[0])), usize::from(keeps(&matrices[0])))
         };
-        let pose = InstancePose {
-            palette: matrices.iter().map(rows).collect(),
-            morph_weights: self.morph_weights(placement, state),
-            turned: mirrored > kept,
-        };
+        let palette = matrices.iter().map(rows).collect();
+        let pose = InstancePose::with(palette, self.morph_weights(placement, state), mirrored > kept);
         (pose, mirrored > 0 && kept > 0)
     }
 
@@ -175,14 +172,9 @@ fn rows(matrix: &DAffine3) -> Matrix3x4 {
         .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }
 
-fn is_finite(pose: &InstancePose) -> bool {
-    let matrices = pose.palette.as_flattened().as_flattened();
-    matrices.iter().chain(&pose.morph_weights).all(|value| value.is_finite())
-}
-
 /// The joints that a geometry's vertices follow; none where it is rigid.
 pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
-    let joints = geometry.influences.as_ref().map_or(&[][..], |influences| &influences.joints);
+    let joints = geometry.influences().map_or(&[][..], Influences::joints);
     joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
 }
 

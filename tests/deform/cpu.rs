@@ -1,3 +1,4 @@
 //! Deforming without a device.
 
 mod displace;
+mod model;

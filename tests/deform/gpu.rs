@@ -1,9 +1,13 @@
 //! The deform stage on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod many_terms;
+mod poser;
 mod stage;
 
 use rimline_measure::harness;
 
 fn main() {
-    harness::run(harness::gpu_trials(stage::TESTS.iter().copied()));
+    let mut trials = harness::gpu_trials([stage::TESTS, poser::TESTS, many_terms::TESTS].concat());
+    trials.extend(poser::trials());
+    harness::run(trials);
 }

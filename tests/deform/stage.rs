@@ -3,7 +3,7 @@
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
 use rimline::model::PoseMismatch;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Displacement, Pose};
+use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -16,6 +16,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("deform_equals_its_twin_within_the_bound", random_models),
     ("displace_sees_position_vertex_and_time", displaced),
     ("displace_reads_the_callers_bind_group", resources),
+    ("models_without_vertices_or_instances_are_nothing_to_do", empty),
     ("wrong_poses_and_missing_resources_are_typed_errors", refused),
 ];
 
@@ -62,11 +63,7 @@ fn displaced() -> Result<(), String> {
     }
     let options = DeformerOptions { displacement: Some(&displacement), ..Default::default() };
     let deformer = Deformer::new(&gpu.pipelines, &model, options).map_err(text)?;
-    let sources: Vec<u32> = model
-        .instances
-        .iter()
-        .flat_map(|instance| model.geometries[instance.geometry].source_vertices.iter().copied())
-        .collect();
+    let sources: Vec<u32> = model.placed_geometries().flat_map(Geometry::source_vertices).copied().collect();
     // Two times in one encoder: the last one counts, and the first is not overwritten before it is used.
     let first = gpu.storage(&undisplaced);
     gpu.submit(|encoder| {
@@ -84,7 +81,7 @@ fn displaced() -> Result<(), String> {
             undisplaced.iter().zip(&sources).map(|(&position, &vertex)| function(position, vertex, time)).collect();
         same(&format!("time {time}"), &found, &expected)?;
         // The twin hands the closure the same vertex and time.
-        let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all());
+        let twin = cpu::deform(&model, &pose, time, Some(&function), Threads::all()).map_err(text)?;
         for ((got, twin), vertex) in found.iter().zip(&twin).zip(&sources) {
             if vertex % 2 != 0 {
                 same("twin", &got[..2], &twin[..2])?;
@@ -149,15 +146,40 @@ fn resources() -> Result<(), String> {
     })?;
     let found: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
     let mut expected = Vec::new();
-    for instance in &model.instances {
-        let sources = model.geometries[instance.geometry].source_vertices.iter();
+    for geometry in model.placed_geometries() {
+        let sources = geometry.source_vertices().iter();
         expected.extend(sources.map(|&v| [v as f32, offsets[v as usize][1], 0.5]));
     }
     same("positions", &found, &expected)
 }
 
+fn empty() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let pose = |instances| -> Result<Pose, String> {
+        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Ok(Pose::new(vec![InstancePose::new(vec![rows], Vec::new()).map_err(text)?; instances]))
+    };
+    let vertexless = Model::new(vec![Geometry::default()], vec![Instance::new(0, None)]).map_err(text)?;
+    let unplaced = Model::new(vec![Geometry::default()], Vec::new()).map_err(text)?;
+    for (model, instances) in [(Model::default(), 0), (vertexless, 1), (unplaced, 0)] {
+        let (deformer, pose) = (Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()), pose(instances)?);
+        same("positions", &deformed(gpu, &deformer.map_err(text)?, &model, &pose)?, &[])?;
+        same("on the CPU", &cpu::deform(&model, &pose, 0.0, None, Threads::ONE).map_err(text)?, &[])?;
+        same("mesh", &[model.mesh(&pose).err()], &[Some(MeshError::NoFaces)])?;
+    }
+    Ok(())
+}
+
 /// What is done to a pose, and the error that it gives.
-type Perturbation = (fn(&mut Pose), PoseMismatch);
+type Perturbation = (fn(&mut Vec<InstancePose>), PoseMismatch);
+
+/// An instance's pose with another number of matrices or weights.
+fn resized(pose: &InstancePose, matrices: usize, weights: usize) -> InstancePose {
+    let (mut palette, mut morph_weights) = (pose.palette().to_vec(), pose.morph_weights().to_vec());
+    palette.truncate(matrices);
+    morph_weights.resize(weights, 0.0);
+    InstancePose::new(palette, morph_weights).expect("all is finite")
+}
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -167,25 +189,22 @@ fn refused() -> Result<(), String> {
     let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
     let before = deformed(gpu, &deformer, &model, &pose)?;
     let perturbations: [Perturbation; 5] = [
-        (|pose| pose.instances.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
-        (|pose| pose.instances.push(pose.instances[0].clone()), PoseMismatch::Instances { given: 8, needed: 7 }),
-        (|pose| pose.instances[1].palette.clear(), PoseMismatch::Palette { instance: 1, given: 0, needed: 1 }),
-        (
-            |pose| pose.instances[3].morph_weights.truncate(4),
-            PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 },
-        ),
-        (
-            |pose| pose.instances[2].morph_weights.push(0.0),
-            PoseMismatch::MorphWeights { instance: 2, given: 1, needed: 0 },
-        ),
+        (|pose| pose.truncate(6), PoseMismatch::Instances { given: 6, needed: 7 }),
+        (|pose| pose.push(pose[0].clone()), PoseMismatch::Instances { given: 8, needed: 7 }),
+        (|pose| pose[1] = resized(&pose[1], 0, 0), PoseMismatch::Palette { instance: 1, given: 0, needed: 1 }),
+        (|pose| pose[3] = resized(&pose[3], 1, 4), PoseMismatch::MorphWeights { instance: 3, given: 4, needed: 5 }),
+        (|pose| pose[2] = resized(&pose[2], 12, 1), PoseMismatch::MorphWeights { instance: 2, given: 1, needed: 0 }),
     ];
     for (perturb, expected) in perturbations {
-        let mut wrong = pose.clone();
+        let mut wrong = pose.instances().to_vec();
         perturb(&mut wrong);
+        let wrong = Pose::new(wrong);
         gpu.submit(|encoder| {
             let error = deformer.encode(encoder, &wrong, 0.0, None, None).err();
             same("pose", &[error], &[Some(DeformError::Pose(expected))])
         })?;
+        same("on the CPU", &[cpu::deform(&model, &wrong, 0.0, None, Threads::ONE).err()], &[Some(expected)])?;
+        same("mesh", &[model.mesh(&wrong).err()], &[Some(MeshError::Pose(expected))])?;
     }
     same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };

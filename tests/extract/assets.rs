@@ -9,7 +9,7 @@ use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, Mesh, Model, Pose, Predicate};
+use rimline::{InstancePose, Light, Mesh, Model, Pose, Predicate};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::files::GOOD_FILES;
@@ -92,7 +92,7 @@ impl Extraction {
 }
 
 fn turned(pose: &Pose) -> Vec<bool> {
-    pose.instances.iter().map(|instance| instance.turned).collect()
+    pose.instances().iter().map(InstancePose::turned).collect()
 }
 
 /// Points and directions about the positions, some in the planes through vertices.

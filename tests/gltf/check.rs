@@ -2,7 +2,9 @@
 
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, PoseError};
-use rimline::model::{Geometry, InstancePose, Matrix3x4, Model, Pose};
+use rimline::model::{
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose,
+};
 
 use crate::{Outcome, ensure, test};
 
@@ -16,34 +18,34 @@ pub(crate) fn tests() -> Vec<Trial> {
 
 /// Indices in range, lists of equal length, positions finite.
 pub(crate) fn model(model: &Model) -> Outcome {
-    for (g, geometry) in model.geometries.iter().enumerate() {
-        let vertices = geometry.positions.len();
+    for (g, geometry) in model.geometries().iter().enumerate() {
+        let vertices = geometry.positions().len();
         let finite = |list: &[[f32; 3]]| list.as_flattened().iter().all(|c| c.is_finite());
-        ensure(finite(&geometry.positions), || format!("geometry {g}: position"))?;
-        let in_range = geometry.faces.as_flattened().iter().all(|&v| (v as usize) < vertices);
+        ensure(finite(geometry.positions()), || format!("geometry {g}: position"))?;
+        let in_range = geometry.faces().as_flattened().iter().all(|&v| (v as usize) < vertices);
         ensure(in_range, || format!("geometry {g}: face index"))?;
-        ensure(geometry.source_vertices.len() == vertices, || format!("geometry {g}: source vertices"))?;
-        for target in &geometry.morph_targets {
+        ensure(geometry.source_vertices().len() == vertices, || format!("geometry {g}: source vertices"))?;
+        for target in geometry.morph_targets() {
             let good = target.len() == vertices && finite(target);
             ensure(good, || format!("geometry {g}: morph target"))?;
         }
-        if let Some(influences) = &geometry.influences {
-            let offsets = &influences.offsets;
-            let entries = influences.joints.len();
+        if let Some(influences) = geometry.influences() {
+            let offsets = influences.offsets();
+            let entries = influences.joints().len();
             let good = offsets.len() == vertices + 1
                 && offsets.first() == Some(&0)
                 && offsets.last() == Some(&(entries as u32))
                 && offsets.is_sorted()
-                && influences.weights.len() == entries;
+                && influences.weights().len() == entries;
             ensure(good, || format!("geometry {g}: influence offsets"))?;
             for v in 0..vertices {
-                let total: f64 = influences.weights[influences.range(v)].iter().map(|&w| f64::from(w)).sum();
+                let total: f64 = influences.weights()[influences.range(v)].iter().map(|&w| f64::from(w)).sum();
                 ensure((total - 1.0).abs() < 1e-5, || format!("geometry {g}: vertex {v} weighs {total}"))?;
             }
         }
     }
-    for (i, instance) in model.instances.iter().enumerate() {
-        let drawn = model.geometries.get(instance.geometry).is_some_and(|g| !g.faces.is_empty());
+    for (i, instance) in model.instances().iter().enumerate() {
+        let drawn = model.geometries().get(instance.geometry()).is_some_and(|g| !g.faces().is_empty());
         ensure(drawn, || format!("instance {i}: geometry"))?;
     }
     Ok(())
@@ -51,16 +53,15 @@ pub(crate) fn model(model: &Model) -> Outcome {
 
 /// One pose an instance, palettes as long as the joints need, all finite.
 pub(crate) fn pose(model: &Model, pose: &Pose) -> Outcome {
-    ensure(pose.instances.len() == model.instances.len(), || "instances".to_owned())?;
-    for (i, (instance, pose)) in model.instances.iter().zip(&pose.instances).enumerate() {
-        let geometry = &model.geometries[instance.geometry];
-        let enough = match &geometry.influences {
-            None => pose.palette.len() == 1,
-            Some(influences) => influences.joints.iter().all(|&j| (j as usize) < pose.palette.len()),
+    ensure(pose.instances().len() == model.instances().len(), || "instances".to_owned())?;
+    for (i, (geometry, pose)) in model.placed_geometries().zip(pose.instances()).enumerate() {
+        let enough = match geometry.influences() {
+            None => pose.palette().len() == 1,
+            Some(influences) => influences.joints().iter().all(|&j| (j as usize) < pose.palette().len()),
         };
-        ensure(enough, || format!("instance {i}: palette of {}", pose.palette.len()))?;
-        ensure(pose.morph_weights.len() == geometry.morph_targets.len(), || format!("instance {i}: weights"))?;
-        let mut values = pose.palette.iter().flatten().flatten().chain(&pose.morph_weights);
+        ensure(enough, || format!("instance {i}: palette of {}", pose.palette().len()))?;
+        ensure(pose.morph_weights().len() == geometry.morph_targets().len(), || format!("instance {i}: weights"))?;
+        let mut values = pose.palette().iter().flatten().flatten().chain(pose.morph_weights());
         ensure(values.all(|v| v.is_finite()), || format!("instance {i}: not finite"))?;
     }
     Ok(())
@@ -105,19 +106,19 @@ pub(crate) fn map(matrix: &Matrix3x4, point: [f32; 3]) -> [f64; 3] {
 
 /// All vertices of an instance in world space, in `f64`.
 pub(crate) fn posed(geometry: &Geometry, pose: &InstancePose) -> Vec<[f64; 3]> {
-    (0..geometry.positions.len())
+    (0..geometry.positions().len())
         .map(|v| {
-            let mut point = geometry.positions[v];
-            for (target, weight) in geometry.morph_targets.iter().zip(&pose.morph_weights) {
+            let mut point = geometry.positions()[v];
+            for (target, weight) in geometry.morph_targets().iter().zip(pose.morph_weights()) {
                 point = std::array::from_fn(|c| point[c] + weight * target[v][c]);
             }
-            let Some(influences) = &geometry.influences else {
-                return map(&pose.palette[0], point);
+            let Some(influences) = geometry.influences() else {
+                return map(&pose.palette()[0], point);
             };
             let mut sum = [0.0; 3];
             for entry in influences.range(v) {
-                let moved = map(&pose.palette[influences.joints[entry] as usize], point);
-                let weight = f64::from(influences.weights[entry]);
+                let moved = map(&pose.palette()[influences.joints()[entry] as usize], point);
+                let weight = f64::from(influences.weights()[entry]);
                 sum = std::array::from_fn(|c| sum[c] + weight * moved[c]);
             }
             sum
@@ -125,21 +126,65 @@ pub(crate) fn posed(geometry: &Geometry, pose: &InstancePose) -> Vec<[f64; 3]> {
         .collect()
 }
 
+/// The first geometry of a model and its first instance's index, to be spoilt.
+struct Parts {
+    positions: Vec<[f32; 3]>,
+    faces: Vec<[u32; 3]>,
+    targets: Vec<Vec<[f32; 3]>>,
+    offsets: Vec<u32>,
+    weights: Vec<f32>,
+    geometry: usize,
+}
+
+impl Parts {
+    fn of(model: &Model) -> Result<(Self, Vec<u32>), String> {
+        let geometry = &model.geometries()[0];
+        let influences = geometry.influences().ok_or("rigid")?;
+        let parts = Self {
+            positions: geometry.positions().to_vec(),
+            faces: geometry.faces().to_vec(),
+            targets: geometry.morph_targets().to_vec(),
+            offsets: influences.offsets().to_vec(),
+            weights: influences.weights().to_vec(),
+            geometry: 0,
+        };
+        Ok((parts, influences.joints().to_vec()))
+    }
+
+    fn build(self, joints: Vec<u32>) -> Result<Model, ModelError> {
+        let influences = Some(Influences::new(self.offsets, joints, self.weights)?);
+        let options = GeometryOptions { morph_targets: self.targets, influences, ..GeometryOptions::default() };
+        let geometry = Geometry::new(self.positions, self.faces, options)?;
+        Model::new(vec![geometry, Geometry::default()], vec![Instance::new(self.geometry, None)])
+    }
+}
+
+/// What spoils the parts, and whether a constructor refuses them then.
+type Spoiler = (fn(&mut Parts), bool);
+
+/// What is spoilt is refused by a constructor or by the check, whichever comes first.
 fn model_control() -> Outcome {
     let good = crate::maker::everything().load()?;
     model(good.model())?;
-    let spoilers: [fn(&mut Model); 6] = [
-        |m| m.geometries[0].positions[0][1] = f32::NAN,
-        |m| m.geometries[0].faces[0][2] = 1000,
-        |m| m.geometries[0].morph_targets[0].truncate(1),
-        |m| m.geometries[0].influences.as_mut().unwrap().weights[0] += 0.1,
-        |m| m.geometries[0].influences.as_mut().unwrap().offsets[1] += 1000,
-        |m| m.instances[0].geometry = 99,
+    let (whole, joints) = Parts::of(good.model())?;
+    model(&whole.build(joints)?)?;
+    let spoilers: [Spoiler; 7] = [
+        (|p| p.positions[0][1] = f32::NAN, false),
+        (|p| p.faces[0][2] = 1000, true),
+        (|p| p.targets[0].truncate(1), true),
+        (|p| p.weights[0] += 0.1, false),
+        (|p| p.offsets[1] += 1000, true),
+        (|p| p.geometry = 99, true),
+        (|p| p.geometry = 1, false),
     ];
-    for (s, spoil) in spoilers.iter().enumerate() {
-        let mut bad = good.model().clone();
-        spoil(&mut bad);
-        ensure(model(&bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
+    for (s, (spoil, at_once)) in spoilers.iter().enumerate() {
+        let (mut parts, joints) = Parts::of(good.model())?;
+        spoil(&mut parts);
+        let noticed = match parts.build(joints) {
+            Ok(bad) => !at_once && model(&bad).is_err(),
+            Err(_) => *at_once,
+        };
+        ensure(noticed, || format!("spoiler {s} went unnoticed"))?;
     }
     Ok(())
 }
@@ -148,18 +193,27 @@ fn pose_control() -> Outcome {
     let asset = crate::maker::everything().load()?;
     let good = asset.pose(None, 0.0)?;
     pose(asset.model(), &good)?;
-    let spoilers: [fn(&mut Pose); 4] = [
-        |p| p.instances[0].palette.truncate(1),
-        |p| p.instances[0].palette[1][2][3] = f32::INFINITY,
-        |p| p.instances[0].morph_weights.push(0.0),
-        |p| p.instances.truncate(1),
-    ];
-    for (s, spoil) in spoilers.iter().enumerate() {
-        let mut bad = good.clone();
-        spoil(&mut bad);
-        ensure(pose(asset.model(), &bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
+    let first = &good.instances()[0];
+    let (palette, weights) = (first.palette().to_vec(), first.morph_weights().to_vec());
+    let with_first = |palette, weights| {
+        let mut instances = good.instances().to_vec();
+        instances[0] = InstancePose::new(palette, weights)?;
+        Ok::<_, ModelError>(Pose::new(instances))
+    };
+    pose(asset.model(), &with_first(palette.clone(), weights.clone())?)?;
+    for (s, bad) in [
+        with_first(palette[..1].to_vec(), weights.clone())?,
+        with_first(palette.clone(), [&weights[..], &[0.0]].concat())?,
+        Pose::new(good.instances()[..1].to_vec()),
+    ]
+    .iter()
+    .enumerate()
+    {
+        ensure(pose(asset.model(), bad).is_err(), || format!("spoiler {s} went unnoticed"))?;
     }
-    Ok(())
+    let mut infinite = palette;
+    infinite[1][2][3] = f32::INFINITY;
+    ensure(with_first(infinite, weights).is_err(), || "an infinite matrix was taken".to_owned())
 }
 
 fn close_control() -> Outcome {

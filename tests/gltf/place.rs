@@ -2,6 +2,7 @@
 
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, SceneLightKind};
+use rimline::{Instance, InstancePose};
 use serde_json::json;
 
 use crate::check::{close, map, posed};
@@ -38,12 +39,12 @@ fn instances() -> Outcome {
     });
     let asset = maker.load()?;
     let pose = asset.pose(None, 0.0)?;
-    same(&pose.instances.len(), &3, "instances")?;
+    same(&pose.instances().len(), &3, "instances")?;
     let ends = [[2.0, 0.0, 10.0], [0.0, 4.0, 10.0], [1.0, 0.0, 10.0]];
-    for (instance, end) in pose.instances.iter().zip(ends) {
-        close(&map(&instance.palette[0], [1.0, 0.0, 0.0]), &end, 1e-6, "the point (1, 0, 0)")?;
+    for (instance, end) in pose.instances().iter().zip(ends) {
+        close(&map(&instance.palette()[0], [1.0, 0.0, 0.0]), &end, 1e-6, "the point (1, 0, 0)")?;
     }
-    let turned: Vec<bool> = pose.instances.iter().map(|instance| instance.turned).collect();
+    let turned: Vec<bool> = pose.instances().iter().map(InstancePose::turned).collect();
     same(&turned, &vec![false, false, true], "turned")
 }
 
@@ -60,7 +61,7 @@ fn mirrored() -> Outcome {
 }
 
 fn names(asset: &Asset) -> Vec<&str> {
-    asset.model().instances.iter().map(|instance| instance.name.as_deref().unwrap_or("-")).collect()
+    asset.model().instances().iter().map(|instance| instance.name().unwrap_or("-")).collect()
 }
 
 fn scenes() -> Outcome {
@@ -76,8 +77,8 @@ fn scenes() -> Outcome {
     let asset = maker.load()?;
     same(&names(&asset), &vec!["root", "leaf", "second", "alone"], "no scenes")?;
     let pose = asset.pose(None, 0.0)?;
-    for (instance, x) in pose.instances.iter().zip([5.0, 5.0, 0.0, 0.0]) {
-        close(&map(&instance.palette[0], [0.0; 3]), &[x, 0.0, 0.0], 0.0, "origin")?;
+    for (instance, x) in pose.instances().iter().zip([5.0, 5.0, 0.0, 0.0]) {
+        close(&map(&instance.palette()[0], [0.0; 3]), &[x, 0.0, 0.0], 0.0, "origin")?;
     }
     maker.json["scenes"] = json!([{ "nodes": [2] }, { "nodes": [1] }, {}]);
     same(&names(&maker.load()?), &vec!["second"], "the first scene")?;
@@ -85,7 +86,7 @@ fn scenes() -> Outcome {
     same(&names(&maker.load()?), &vec!["root", "leaf"], "the default scene")?;
     maker.json["scene"] = json!(2);
     same(&names(&maker.load()?), &vec![], "a scene without nodes")?;
-    same(&maker.load()?.model().geometries.len(), &2, "geometries, whatever the scene")
+    same(&maker.load()?.model().geometries().len(), &2, "geometries, whatever the scene")
 }
 
 fn weights() -> Outcome {
@@ -95,27 +96,27 @@ fn weights() -> Outcome {
         ([3e38, 3e38, 3e38, 3e38], vec![(0, 0.25), (1, 0.25), (0, 0.25), (0, 0.25)]),
     ] {
         let asset = Maker::skinned([0, 1, 0, 0], given).load()?;
-        let influences = asset.model().geometries[0].influences.clone().ok_or("rigid")?;
+        let influences = asset.model().geometries()[0].influences().cloned().ok_or("rigid")?;
         let range = influences.range(2);
-        let found: Vec<(u32, f32)> = range.map(|i| (influences.joints[i], influences.weights[i])).collect();
+        let found: Vec<(u32, f32)> = range.map(|i| (influences.joints()[i], influences.weights()[i])).collect();
         same(&found, &expected, &format!("{given:?}"))?;
     }
     // The second set comes first in the file, but not in the list.
     let asset = everything().load()?;
-    let influences = asset.model().geometries[0].influences.clone().ok_or("rigid")?;
-    same(&influences.joints[influences.range(1)].to_vec(), &vec![0, 1, 1], "two sets")?;
+    let influences = asset.model().geometries()[0].influences().cloned().ok_or("rigid")?;
+    same(&influences.joints()[influences.range(1)].to_vec(), &vec![0, 1, 1], "two sets")?;
     let total: f32 = 1.75;
     let expected: Vec<f32> = [0.5, 0.25, 1.0].iter().map(|w| w / total).collect();
-    same(&influences.weights[influences.range(1)].to_vec(), &expected, "their weights")
+    same(&influences.weights()[influences.range(1)].to_vec(), &expected, "their weights")
 }
 
 fn zero_weights() -> Outcome {
     let asset = Maker::skinned([1, 0, 77, 0], [0.0, -0.0, 0.0, 0.0]).load()?;
-    let influences = asset.model().geometries[0].influences.clone().ok_or("rigid")?;
-    same(&influences.joints, &vec![1; 4], "joints")?;
-    same(&influences.weights, &vec![1.0; 4], "weights")?;
+    let influences = asset.model().geometries()[0].influences().cloned().ok_or("rigid")?;
+    same(&influences.joints().to_vec(), &vec![1; 4], "joints")?;
+    same(&influences.weights().to_vec(), &vec![1.0; 4], "weights")?;
     let pose = asset.pose(None, 0.0)?;
-    let corner = posed(&asset.model().geometries[0], &pose.instances[0])[0];
+    let corner = posed(&asset.model().geometries()[0], &pose.instances()[0])[0];
     close(&corner, &[0.0, 10.0, 0.0], 0.0, "the corner")
 }
 
@@ -128,8 +129,8 @@ fn skin_ignores_its_node() -> Outcome {
     let corner = |maker: &Maker| -> Result<[f64; 3], String> {
         let asset = maker.load().map_err(|e| e.to_string())?;
         let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
-        same(&pose.instances[0].palette.len(), &2, "palette").map_err(|_| "palette")?;
-        Ok(posed(&asset.model().geometries[0], &pose.instances[0])[1])
+        same(&pose.instances()[0].palette().len(), &2, "palette").map_err(|_| "palette")?;
+        Ok(posed(&asset.model().geometries()[0], &pose.instances()[0])[1])
     };
     // The corner (1, 0, 0) by joints at (1, 0, 0) and, doubled, at (0, 10, 0).
     close(&corner(&maker)?, &[0.5 * 2.0 + 0.5 * 2.0, 5.0, 0.0], 1e-6, "no inverse bind matrices")?;
@@ -144,7 +145,7 @@ fn mirrored_joints() -> Outcome {
     let state = |maker: &Maker| -> Result<(bool, usize), String> {
         let asset = maker.load().map_err(|e| e.to_string())?;
         let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
-        Ok((pose.instances[0].turned, pose.mixed_determinants))
+        Ok((pose.instances()[0].turned(), pose.mixed_determinants()))
     };
     same(&state(&maker)?, &(false, 0), "a mirrored joint that no vertex follows")?;
     maker.json["nodes"][1]["scale"] = json!([-1, 1, 1]);
@@ -159,13 +160,13 @@ fn both_ways() -> Outcome {
     let asset = maker.load()?;
     same(&asset.meshes()[0].geometries, &vec![0, 1], "geometries")?;
     let model = asset.model();
-    let rigid: Vec<bool> = model.geometries.iter().map(|g| g.influences.is_none()).collect();
+    let rigid: Vec<bool> = model.geometries().iter().map(|g| g.influences().is_none()).collect();
     same(&rigid, &vec![false, true], "rigid")?;
     let pose = asset.pose(None, 0.0)?;
     check::pose(model, &pose)?;
-    let used: Vec<usize> = model.instances.iter().map(|instance| instance.geometry).collect();
+    let used: Vec<usize> = model.instances().iter().map(Instance::geometry).collect();
     same(&used, &vec![0, 1], "instances")?;
-    close(&map(&pose.instances[1].palette[0], [0.0; 3]), &[0.0, 0.0, 7.0], 0.0, "the rigid one")
+    close(&map(&pose.instances()[1].palette()[0], [0.0; 3]), &[0.0, 0.0, 7.0], 0.0, "the rigid one")
 }
 
 fn lights() -> Outcome {

@@ -18,6 +18,7 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("refuse::control", control),
         test("refuse::devices_and_folders", devices),
         test("refuse::zero_accessors_in_many_places", amplified),
+        test("refuse::more_vertices_than_indices", too_many_vertices),
         test("refuse::deep_json", deep),
         test("refuse::not_gltf", not_gltf),
         test("refuse::every_truncation", truncations),
@@ -51,6 +52,22 @@ fn control() -> Outcome {
     ensure(refused(Maker::square, |_| {}, &[]).is_err(), || "a good file passed as bad".to_owned())?;
     let (_, spoil, _) = SQUARE[0];
     ensure(refused(Maker::square, spoil, &["nodes[3]"]).is_err(), || "a wrong place passed".to_owned())
+}
+
+/// 66,000 instances of 66,000 vertices are more than `u32` indices can name, however small the file.
+fn too_many_vertices() -> Outcome {
+    refused(
+        Maker::square,
+        |maker| {
+            let count = 66_000;
+            let line: Vec<f32> = (0..count).flat_map(|x| [x as f32, 0.0, 0.0]).collect();
+            let line = maker.floats("VEC3", &line);
+            primitive(maker)["attributes"]["POSITION"] = json!(line);
+            let instancing = json!({ "attributes": { "TRANSLATION": line } });
+            maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": instancing });
+        },
+        &["nodes", "4356000000 vertices", "split"],
+    )
 }
 
 pub(crate) fn primitive(maker: &mut Maker) -> &mut Value {
@@ -129,7 +146,7 @@ fn deep() -> Outcome {
     maker.json["nodes"] = json!(chain);
     maker.push("nodes", json!({ "mesh": 0, "translation": [1, 0, 0] }));
     let asset = maker.load()?;
-    ensure(asset.pose(None, 0.0)?.instances.len() == 1, || "instances".to_owned())
+    ensure(asset.pose(None, 0.0)?.instances().len() == 1, || "instances".to_owned())
 }
 
 fn not_gltf() -> Outcome {

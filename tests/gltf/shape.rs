@@ -37,14 +37,14 @@ fn strips_and_fans() -> Outcome {
         let positions = maker.floats("VEC3", &points);
         maker.mesh(&json!({ "attributes": { "POSITION": positions }, "mode": mode }));
         let plain = maker.load()?;
-        same(&plain.model().geometries[0].faces, &expected.to_vec(), "faces without indices")?;
+        same(&plain.model().geometries()[0].faces().to_vec(), &expected.to_vec(), "faces without indices")?;
         let indices = maker.indices(U8, &[4, 3, 2, 1, 0, 0]);
         maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
         let mut reversed: Vec<_> = expected.iter().map(|face| face.map(|v| 4 - v)).collect();
         reversed.push(if mode == 5 { [1, 0, 0] } else { [0, 0, 4] });
-        same(&maker.load()?.model().geometries[0].faces, &reversed, "faces with indices")?;
+        same(&maker.load()?.model().geometries()[0].faces().to_vec(), &reversed, "faces with indices")?;
         maker.json["accessors"][indices]["count"] = json!(2);
-        same(&maker.load()?.model().instances.len(), &0, "instances of two corners")?;
+        same(&maker.load()?.model().instances().len(), &0, "instances of two corners")?;
     }
     Ok(())
 }
@@ -54,7 +54,7 @@ fn index_types() -> Outcome {
         let mut maker = Maker::square();
         let indices = maker.indices(component, &[3, 2, 1, 1, 1, 0]);
         maker.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
-        let faces = maker.load()?.model().geometries[0].faces.clone();
+        let faces = maker.load()?.model().geometries()[0].faces().to_vec();
         same(&faces, &vec![[3, 2, 1], [1, 1, 0]], "faces; degenerate ones are kept")?;
     }
     Ok(())
@@ -71,10 +71,10 @@ fn sharing() -> Outcome {
     ]);
     maker.json["meshes"][0]["primitives"] = primitives;
     let asset = maker.load()?;
-    let geometry = &asset.model().geometries[0];
-    same(&geometry.positions.len(), &8, "vertices")?;
-    same(&geometry.faces, &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]], "faces")?;
-    same(&geometry.source_vertices, &(0..8).collect(), "source vertices")
+    let geometry = &asset.model().geometries()[0];
+    same(&geometry.positions().len(), &8, "vertices")?;
+    same(&geometry.faces().to_vec(), &vec![[0, 1, 2], [0, 2, 3], [0, 1, 3], [4, 5, 7]], "faces")?;
+    same(&geometry.source_vertices().to_vec(), &(0..8).collect(), "source vertices")
 }
 
 fn skipping() -> Outcome {
@@ -87,7 +87,7 @@ fn skipping() -> Outcome {
     let asset = maker.load()?;
     let expected = Skipped { points: 2, lines: 3, without_position: 1 };
     same(&asset.skipped(), &expected, "skipped")?;
-    same(&asset.model().instances.len(), &1, "instances")?;
+    same(&asset.model().instances().len(), &1, "instances")?;
     same(&asset.meshes()[1].primitives, &6, "primitives")
 }
 
@@ -107,7 +107,7 @@ fn sparse() -> Outcome {
     let mut maker = Maker::square();
     make_sparse(&mut maker, 0);
     let expected = vec![[0.0, 0.0, 0.0], [7.0, 8.0, 9.0], [1.0, 1.0, 0.0], [-7.0, -8.0, -9.0]];
-    same(&maker.load()?.model().geometries[0].positions, &expected, "over a buffer view")?;
+    same(&maker.load()?.model().geometries()[0].positions().to_vec(), &expected, "over a buffer view")?;
 
     let mut maker = Maker::square();
     let bare = json!({ "componentType": 5126, "type": "VEC3", "count": 4 });
@@ -115,7 +115,7 @@ fn sparse() -> Outcome {
     make_sparse(&mut maker, target);
     maker.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }, { "POSITION": zeros }]);
     let asset = maker.load()?;
-    let targets = &asset.model().geometries[0].morph_targets;
+    let targets = asset.model().geometries()[0].morph_targets();
     let expected = vec![[0.0; 3], [7.0, 8.0, 9.0], [0.0; 3], [-7.0, -8.0, -9.0]];
     same(&targets[0], &expected, "over zeros")?;
     same(&targets[1], &vec![[0.0; 3]; 4], "zeros alone")
@@ -143,9 +143,9 @@ fn quantised() -> Outcome {
         ensure(refused, || format!("{component} was accepted without the extension"))?;
         maker.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
         let asset = maker.load()?;
-        let geometry = &asset.model().geometries[0];
-        same(&geometry.positions, &vec![expected; 3], "positions")?;
-        same(&geometry.morph_targets[0], &vec![expected; 3], "target")?;
+        let geometry = &asset.model().geometries()[0];
+        same(&geometry.positions().to_vec(), &vec![expected; 3], "positions")?;
+        same(&geometry.morph_targets()[0], &vec![expected; 3], "target")?;
     }
     Ok(())
 }
@@ -158,7 +158,7 @@ fn stride() -> Outcome {
     let view = maker.view(&bytes);
     maker.json["bufferViews"][view]["byteStride"] = json!(16);
     maker.json["accessors"][0]["bufferView"] = json!(view);
-    let found = maker.load()?.model().geometries[0].positions.clone();
+    let found = maker.load()?.model().geometries()[0].positions().to_vec();
     same(&found, &SQUARE.as_chunks().0.to_vec(), "positions")
 }
 
@@ -167,12 +167,12 @@ fn fallbacks() -> Outcome {
     let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
     maker.json["meshes"][0]["primitives"][0]["extensions"] = draco;
     maker.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-    same(&maker.load()?.model().instances.len(), &1, "Draco")?;
+    same(&maker.load()?.model().instances().len(), &1, "Draco")?;
     let mut maker = Maker::square();
     let meshopt = json!({ "EXT_meshopt_compression": { "buffer": 0, "byteLength": 4, "byteStride": 12, "count": 4 } });
     maker.json["bufferViews"][0]["extensions"] = meshopt;
     maker.json["extensionsUsed"] = json!(["EXT_meshopt_compression"]);
-    same(&maker.load()?.model().instances.len(), &1, "meshopt")
+    same(&maker.load()?.model().instances().len(), &1, "meshopt")
 }
 
 fn uris() -> Outcome {

@@ -270,7 +270,7 @@ fn check_skipped(scene: &Scene, chosen: &Chosen, tally: &mut Tally) -> Outcome {
     Ok(())
 }
 
-/// Averted faces serve only where the near rectangle is outside of the caster's box.
+/// Averted faces serve only where the near rectangle and the light are outside of the caster's box.
 fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
     let eye = Eye::new(&scene.camera);
     let [low, high] = caster_box(scene);
@@ -281,6 +281,12 @@ fn check_casting(scene: &Scene, chosen: &Chosen) -> Outcome {
     for (index, light) in chosen.lights.iter().enumerate() {
         if light.casting == CAST_AVERTED && (meet || !chosen.is_closed) {
             return Err(format!("{}: light {index} has averted faces alone", scene.name));
+        }
+        let [x, y, z, w] = light.light.map(f64::from);
+        let place = DVec3::new(x, y, z);
+        let is_within = w > 0.0 && (w * low).cmple(place).all() && place.cmple(w * high).all();
+        if light.casting == CAST_AVERTED && is_within {
+            return Err(format!("{}: light {index} is in the caster's box, and averted faces alone cast", scene.name));
         }
     }
     Ok(())

@@ -21,7 +21,7 @@ fn skinned() -> Result<(), String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error))?;
     let mut tally = Tally::default();
-    let mut shape = Shape { positions: Vec::new(), faces: model.geometries[0].faces.clone() };
+    let mut shape = Shape { positions: Vec::new(), faces: model.geometries()[0].faces().to_vec() };
     let mut noticed = 0;
     for number in 0..frames() {
         let seed = 9000 + number;

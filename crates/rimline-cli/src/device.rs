@@ -19,8 +19,10 @@ pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
 };
 
 /// Features that Rimline uses where a device has them; it needs none of them.
-pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 1] =
-    [(Features::TIMESTAMP_QUERY, "times of the stages as the device measures them")];
+pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
+    (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),
+    (Features::DEPTH32FLOAT_STENCIL8, "shadows far away from a near plane that is next to the eye"),
+];
 
 /// What `--device` stands for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -290,7 +292,9 @@ impl Gpu {
     }
 
     pub(crate) fn failed(&self, message: &str) -> Failure {
-        Failure::DeviceLost { adapter: describe(&self.info), message: message.to_owned() }
+        // wgpu's messages are paragraphs; the command's are lines.
+        let lines: Vec<&str> = message.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        Failure::DeviceLost { adapter: describe(&self.info), message: lines.join(" ") }
     }
 
     /// Waits until everything submitted is done.

@@ -34,7 +34,7 @@ pub(crate) struct Found<'a> {
 pub(crate) fn extract_exactly<'s>(device: &Device, scene: &Scene<'s>, lights: &[Light]) -> Result<Found<'s>, Failure> {
     let (method, predicate) = (Method::FaceMask, Predicate::Exact);
     match device {
-        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())),
+        Device::Cpu => Ok(on_cpu::extract(scene, lights, method, predicate, &mut Times::default())?),
         Device::Gpu(gpu) => {
             let job = on_gpu::Job { scene, lights, method, predicate, displacement: None, time_s: 0.0 };
             job.run(gpu, &mut Times::default())
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
         progress.step("extracting");
         let mut times = times.clone();
         let found = match device {
-            Device::Cpu => on_cpu::extract(&scene, &lights, method, predicate, &mut times),
+            Device::Cpu => on_cpu::extract(&scene, &lights, method, predicate, &mut times)?,
             Device::Gpu(gpu) => {
                 let job = on_gpu::Job {
                     scene: &scene,

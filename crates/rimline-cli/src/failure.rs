@@ -7,19 +7,21 @@ use rimline::{CameraError, LightError, MeshError};
 
 use crate::load_args::size;
 use crate::npz::NpzError;
-use crate::shown::Line;
 use crate::spec::SpecError;
 
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// The model file, or what is in it.
-    #[error("{}: {source}", Line(.file.display()))]
+    #[error("{}: {source}", .file.display())]
     Input {
         file: PathBuf,
         #[source]
         source: InputError,
     },
+    /// A pose of another model.
+    #[error(transparent)]
+    Pose(#[from] rimline::PoseMismatch),
     /// The command line asks for what cannot be.
     #[error(transparent)]
     Usage(#[from] UsageError),
@@ -30,7 +32,7 @@ pub(crate) enum Failure {
     #[error("the device {adapter} failed: {message}; nothing was written")]
     DeviceLost { adapter: String, message: String },
     /// `verify` found what should not be.
-    #[error("{}: {different} of {checked} checks found other bits than the files hold", Line(.folder.display()))]
+    #[error("{}: {different} of {checked} checks found other bits than the files hold", .folder.display())]
     Differs { folder: PathBuf, different: usize, checked: usize },
     /// `verify` could not do all of its checks.
     #[error("{count} of the checks could not be done; the first: {first}")]
@@ -39,7 +41,7 @@ pub(crate) enum Failure {
     #[error("stopped; what was finished is kept")]
     Interrupted,
     /// The result could not be written.
-    #[error("{}: cannot be written: {source}", Line(.file.display()))]
+    #[error("{}: cannot be written: {source}", .file.display())]
     Output {
         file: PathBuf,
         #[source]
@@ -54,7 +56,7 @@ pub(crate) enum InputError {
     Read(#[from] std::io::Error),
     #[error("it is none of .gltf, .glb and .npz, the formats that can be read")]
     Format,
-    #[error("{}", Line(.0))]
+    #[error(transparent)]
     Gltf(#[from] rimline::gltf::GltfError),
     #[error(
         "{what}: reading it takes at least {} of memory, more than the limit of {}; if it is meant to be that large, give \
@@ -66,15 +68,17 @@ pub(crate) enum InputError {
          --allow-outside", .path.display()
     )]
     Outside { place: String, uri: String, path: PathBuf },
-    #[error("{}", Line(.0))]
+    #[error(transparent)]
     Pose(#[from] rimline::gltf::PoseError),
-    #[error("{}", Line(.0))]
+    #[error(transparent)]
+    Model(#[from] rimline::ModelError),
+    #[error(transparent)]
     Npz(#[from] NpzError),
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
-    #[error("{}", Line(.0))]
+    #[error(transparent)]
     Displacement(#[from] rimline::DisplaceError),
     #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
     DisplacementResources,
@@ -84,7 +88,7 @@ pub(crate) enum InputError {
     NoFinitePosition,
     #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
     NoArchives,
-    #[error("it has the same name as {}, and both would be written to the same file; rename one", Line(.other.display()))]
+    #[error("it has the same name as {}, and both would be written to the same file; rename one", .other.display())]
     SameName { other: PathBuf },
 }
 
@@ -97,11 +101,11 @@ pub(crate) enum UsageError {
     ExactPerEdge,
     #[error("drawing needs a GPU; leave out `--device cpu` (Mesa's software Vulkan counts as a GPU)")]
     DrawOnCpu,
-    #[error("there is no animation `{}`; {}", Line(.wanted), Line(.there))]
+    #[error("there is no animation `{wanted}`; {there}")]
     Animation { wanted: String, there: String },
     #[error("the file has no lights; give some with `--light point:x,y,z` or `--light dir:x,y,z`")]
     NoFileLights,
-    #[error("the file has no light `{}`; it has {}", Line(.wanted), Line(listed(.there)))]
+    #[error("the file has no light `{wanted}`; it has {}", listed(.there))]
     FileLight { wanted: String, there: Vec<String> },
     #[error(transparent)]
     Lights(LightError),
@@ -122,23 +126,23 @@ pub(crate) enum UsageError {
         "--displace has no end of its own; say how many --frames or --seconds the film has, or name an --animation"
     )]
     EndlessDisplacement,
-    #[error("--out and --mask would both write {}; change one of them", Line(.file.display()))]
+    #[error("--out and --mask would both write {}; change one of them", .file.display())]
     SameOutput { file: PathBuf },
-    #[error("{} is an input, {}, which the result would be written over; choose another name", Line(.out.display()), Line(.input.display()))]
+    #[error("{} is an input, {}, which the result would be written over; choose another name", .out.display(), .input.display())]
     OutputIsInput { out: PathBuf, input: PathBuf },
-    #[error("{} is written as {what}; give a name that ends in .{own}", Line(.out.display()))]
+    #[error("{} is written as {what}; give a name that ends in .{own}", .out.display())]
     Ending { out: PathBuf, what: &'static str, own: &'static str },
     #[error(
         "{} looks like a file, but --out is a folder for numbered PNG files; give its name (a program such as ffmpeg makes a \
-         video of them)", Line(.out.display())
+         video of them)", .out.display()
     )]
     FolderEnding { out: PathBuf },
     #[error(
         "{} has {count} of another film, which is longer or numbered otherwise: {} and so on; remove them or choose another \
-         folder", Line(.folder.display()), Line(.first.display())
+         folder", .folder.display(), .first.display()
     )]
     OtherFilm { folder: PathBuf, first: PathBuf, count: String },
-    #[error("the file's light `{}`: {problem}", Line(.name))]
+    #[error("the file's light `{name}`: {problem}")]
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
@@ -189,10 +193,11 @@ impl Failure {
         move |source| Self::Input { file: file.to_owned(), source }
     }
 
-    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 + the signal that stopped it.
+    /// 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, 5 other bits, 128 and the
+    /// signal that stopped it.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Input { .. } => 1,
+            Self::Input { .. } | Self::Pose(_) => 1,
             Self::Usage(_) => 2,
             Self::NoDevice(_) => 3,
             Self::DeviceLost { .. } | Self::Output { .. } => 4,

@@ -90,6 +90,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     drop(progress);
     bound.warn();
+    set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
     print(&format!("{frames} pictures, {} to {}\n", Line(first.display()), Line(last.display())))
 }
@@ -166,6 +167,22 @@ mod tests {
             assert_eq!(frame_number(Path::new(other)), None, "{other}");
         }
         assert_eq!(frame_number(Path::new("99999999999999999999999.png")), Some(u64::MAX));
+    }
+
+    #[test]
+    fn an_earlier_film_makes_room() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let at = |name: &str| folder.path().join(name);
+        for name in ["0000.png", "0001.png", "0003.png", "notes.txt"] {
+            std::fs::write(at(name), "earlier").expect("there is room");
+        }
+        std::fs::create_dir(at("0002.png")).expect("there is room");
+        remove_earlier((1..3).map(|frame| frame_file(folder.path(), frame, 3))).expect("they can be removed");
+        for (name, is_left) in
+            [("0000.png", true), ("0001.png", false), ("0002.png", true), ("0003.png", true), ("notes.txt", true)]
+        {
+            assert_eq!(at(name).exists(), is_left, "{name}");
+        }
     }
 
     #[test]

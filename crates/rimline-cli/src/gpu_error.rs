@@ -50,16 +50,20 @@ impl GpuError {
         match &self {
             Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
+            Self::Deform(DeformError::TooManyTerms { .. }) => return self.too_small(gpu),
             _ => {}
         }
         match (self.memory(), self.lights()) {
-            (Some(memory), _) => {
-                let (adapter, reason) = (describe(&gpu.info), memory.to_string());
-                NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
-            }
+            (Some(_), _) => self.too_small(gpu),
             (_, Some(lights)) => UsageError::Lights(*lights).into(),
             _ => gpu.failed(&self.to_string()),
         }
+    }
+
+    /// The device will not do.
+    fn too_small(&self, gpu: &Gpu) -> Failure {
+        let (adapter, reason) = (describe(&gpu.info), self.to_string());
+        NoDevice::TooSmall { adapter, reason, cpu_would_do: gpu.cpu_would_do }.into()
     }
 
     fn memory(&self) -> Option<&MemoryError> {

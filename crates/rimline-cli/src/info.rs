@@ -32,7 +32,7 @@ struct Report {
 
 impl Report {
     fn new(input: &Input) -> Result<Self, Failure> {
-        let geometries = input.model().geometries.iter().enumerate();
+        let geometries = input.model().geometries().iter().enumerate();
         let meshes = geometries
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index)))
             .collect::<Result<Vec<_>, _>>()
@@ -41,7 +41,7 @@ impl Report {
         let placed = match &scene.shape {
             Shape::World(positions) => MeshReport::of_mesh(&scene.mesh, positions),
             Shape::Posed { model, pose } => {
-                let positions = cpu::deform(model, pose, 0.0, None, Threads::all());
+                let positions = cpu::deform(model, pose, 0.0, None, Threads::all())?;
                 MeshReport::of_mesh(&scene.mesh, &positions)
             }
         };
@@ -52,7 +52,7 @@ impl Report {
     fn json(&self, input: &Input) -> Result<Value, Failure> {
         let mut value = json!({
             "file": input.file.display().to_string(),
-            "instances": input.model().instances.len(),
+            "instances": input.model().instances().len(),
             "meshes": self.meshes.iter().map(json::mesh).collect::<Vec<_>>(),
             "total": json::mesh(&self.total),
             "placed": json::mesh(&self.placed),
@@ -66,7 +66,7 @@ impl Report {
     fn text(&self, input: &Input) -> Result<String, Failure> {
         let mut text = Text::titled(&Line(input.file.display()));
         text.line("meshes", self.meshes.len());
-        text.line("instances", input.model().instances.len());
+        text.line("instances", input.model().instances().len());
         if let Source::Gltf(asset) = &input.source {
             asset::text(asset, &asset::lights(asset, input)?, &mut text);
         }

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use rimline::MAX_LIGHTS;
 use rimline::gltf::{AnimationInfo, Asset, GltfError, LoadOptions, SceneLight};
 use rimline::mesh::WeldCounts;
-use rimline::model::{Geometry, Instance, InstancePose};
 use rimline::reference::light::check_lights;
-use rimline::{Light, LightError, Mesh, Model, Pose};
+use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Pose};
 
 use crate::args::{ModelArgs, PoseArgs};
 use crate::failure::{Failure, InputError, UsageError};
@@ -109,12 +108,12 @@ impl Input {
     fn build_scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, InputError> {
         let model = self.model();
         if let (Source::Npz { .. }, false) = (&self.source, displaced) {
-            let positions = &model.geometries[0].positions;
-            return Ok(Scene { mesh: model.mesh(&resting())?, shape: Shape::World(positions) });
+            let positions = model.geometries()[0].positions();
+            return Ok(Scene { mesh: model.mesh(&resting()?)?, shape: Shape::World(positions) });
         }
         let pose = match &self.source {
             Source::Gltf(asset) => asset.pose(animation, time_s)?,
-            Source::Npz { .. } => resting(),
+            Source::Npz { .. } => resting()?,
         };
         let mesh = model.mesh(&pose)?;
         let shape = Shape::Posed { model, pose };
@@ -238,19 +237,14 @@ fn open_gltf(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
     let arrays = npz::read(reader)?;
-    let geometry = Geometry {
-        source_vertices: (0..arrays.positions.len() as u32).collect(),
-        positions: arrays.positions,
-        faces: arrays.faces,
-        ..Geometry::default()
-    };
+    let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
     let (geometry, weld) = geometry.welded(options.weld);
-    let model = Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] };
+    let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
     Ok(Source::Npz { model, weld })
 }
 
 /// Everything where it is.
-fn resting() -> Pose {
+fn resting() -> Result<Pose, ModelError> {
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-    Pose { instances: vec![InstancePose { palette: vec![identity], ..InstancePose::default() }], ..Pose::default() }
+    Ok(Pose::new(vec![InstancePose::new(vec![identity], Vec::new())?]))
 }

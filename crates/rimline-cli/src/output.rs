@@ -11,7 +11,7 @@ use tempfile::TempPath;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::shown::{Line, Text};
-use crate::target::{self, Target, check_parent};
+use crate::target::{self, Target, check_parent, end_of_links};
 
 /// Whether a result goes to standard output, so that text cannot.
 static HOLDS_RESULT: AtomicBool = AtomicBool::new(false);
@@ -141,20 +141,21 @@ impl Folder {
     /// Its parent must be there.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         let start = || match std::fs::metadata(path) {
-            Ok(there) if there.is_dir() => Ok(()),
+            Ok(there) if there.is_dir() => Ok(path.to_owned()),
             Ok(_) => Err(io::Error::other("it exists and is not a folder; choose another name")),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                check_parent(path)?;
+                let path = end_of_links(path)?;
+                check_parent(&path)?;
                 remove_at_interrupt();
                 let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-                std::fs::create_dir(path)?;
-                made.push(path.to_owned());
-                Ok(())
+                std::fs::create_dir(&path)?;
+                made.push(path.clone());
+                Ok(path)
             }
             Err(error) => Err(error),
         };
-        start().map_err(|source| Failure::Output { file: path.to_owned(), source })?;
-        Ok(Self { made: vec![path.to_owned()] })
+        let place = start().map_err(|source| Failure::Output { file: path.to_owned(), source })?;
+        Ok(Self { made: vec![place] })
     }
 
     /// With the folders that it is in.

@@ -1,8 +1,9 @@
 //! A report as one HTML file: no script, nothing from elsewhere, light or dark as the reader's system has it.
 
 use std::fmt::Write as _;
+use std::io;
 
-use crate::chart::{Chart, PALETTE, Target, escape};
+use crate::chart::{Chart, PALETTE, ROLES, Target, escape};
 
 /// The whole page.
 pub(crate) struct Page {
@@ -43,12 +44,14 @@ pub(crate) struct Figure {
 pub(crate) struct Table {
     pub(crate) head: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
+    /// Cells are sentences, which break into lines, not figures.
+    pub(crate) is_prose: bool,
 }
 
 const STYLE: &str = include_str!("page/style.css");
 
 impl Page {
-    pub(crate) fn html(&self) -> String {
+    pub(crate) fn html(&self) -> io::Result<String> {
         let mut html = String::new();
         let title = escape(&self.title);
         let _ = write!(
@@ -75,51 +78,59 @@ impl Page {
                 escape(&section.title),
                 escape(&section.lead)
             );
-            section.figures.iter().for_each(|figure| figure.write(&mut html));
+            section.figures.iter().try_for_each(|figure| figure.write(&mut html))?;
             html.push_str("</section>\n");
         }
         html.push_str("</main>\n</body>\n</html>\n");
-        html
+        Ok(html)
     }
 }
 
-/// The keys' colours as variables, for a light and a dark ground.
+/// The keys' colours as variables, for a light and a dark ground, and rules that give the plots' fixed colours the
+/// variables' values.
 fn palette() -> String {
-    let list = |choose: fn(&(&'static str, &'static str)) -> &'static str| {
+    let list = |choose: fn(&(u32, u32)) -> u32| {
         PALETTE.iter().enumerate().fold(String::new(), |mut list, (index, colour)| {
-            let _ = write!(list, "--key{index}: {}; ", choose(colour));
+            let _ = write!(list, "--key{index}: #{:06X}; ", choose(colour));
             list
         })
     };
-    format!(
+    let mut css = format!(
         ":root {{ {}}}\n@media (prefers-color-scheme: dark) {{ :root {{ {}}} }}\n",
         list(|colour| colour.0),
         list(|colour| colour.1)
-    )
+    );
+    let keys = (0..).zip(PALETTE).map(|(index, (light, _)): (usize, _)| (format!("key{index}"), light));
+    for (name, light) in ROLES.map(|(name, light)| (name.to_owned(), light)).into_iter().chain(keys) {
+        for property in ["fill", "stroke"] {
+            let _ = writeln!(css, ".plot [{property}=\"#{light:06X}\"] {{ {property}: var(--{name}); }}");
+        }
+    }
+    css
 }
 
 impl Figure {
-    fn write(&self, html: &mut String) {
+    fn write(&self, html: &mut String) -> io::Result<()> {
         let Self { id, title, lead, chart, table } = self;
         let title = escape(title);
         let _ = writeln!(html, "<figure id=\"{id}\">\n<h3>{title}</h3>\n<p>{}</p>", escape(lead));
         match chart {
             Some(chart) => {
-                let svg = chart.svg(Target::Page).replacen(
-                    "<svg ",
-                    &format!("<svg role=\"img\" aria-label=\"{title}; the table below has its figures\" "),
-                    1,
-                );
-                let _ = write!(
-                    html,
-                    "<div class=\"plot\">\n{svg}</div>\n<details>\n<summary>The figures as a table</summary>\n"
-                );
+                html.push_str("<div class=\"plot\">\n");
+                // The style sheet shows one of the two.
+                for (class, target) in [("wide", Target::Page), ("narrow", Target::Phone)] {
+                    let label = format!("role=\"img\" aria-label=\"{title}; the table below has its figures\"");
+                    let begin = format!("<svg class=\"{class}\" {label} ");
+                    html.push_str(&chart.svg(target)?.replacen("<svg ", &begin, 1));
+                }
+                html.push_str("</div>\n<details>\n<summary>The figures as a table</summary>\n");
                 table.write(html, &title);
                 html.push_str("</details>\n");
             }
             None => table.write(html, &title),
         }
         html.push_str("</figure>\n");
+        Ok(())
     }
 }
 
@@ -127,7 +138,8 @@ impl Table {
     fn write(&self, html: &mut String, caption: &str) {
         let _ = write!(
             html,
-            "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>"
+            "<div class=\"table{}\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<thead><tr>",
+            if self.is_prose { " prose" } else { "" }
         );
         for head in &self.head {
             let _ = write!(html, "<th scope=\"col\">{}</th>", escape(head));

@@ -95,7 +95,7 @@ fn on_cpu(
     let positions: &[[f32; 3]] = match &scene.shape {
         Shape::World(positions) => positions,
         Shape::Posed { model, pose } => {
-            deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads));
+            deformed = times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads))?;
             &deformed
         }
     };

@@ -4,6 +4,7 @@ pub(crate) mod args;
 pub(crate) mod body;
 pub(crate) mod caster;
 pub(crate) mod counts;
+mod depth;
 pub(crate) mod frame;
 mod glass;
 mod lamps;
@@ -118,6 +119,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     gpu.check()?;
     drop(progress);
     report.bound.warn();
+    set.warn_of_depth(&gpu);
     let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
     print(&if args.json { report.json(scene, &times) } else { report.text(&written, &times) })
 }

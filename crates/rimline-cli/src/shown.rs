@@ -56,6 +56,11 @@ mod tests {
     }
 
     #[test]
+    fn pages_and_plots_have_no_control_characters() {
+        assert_eq!(crate::chart::escape("<a\x1b\0&\u{9b}>"), r"&lt;a\u001b\u0000&amp;\u009b&gt;");
+    }
+
+    #[test]
     fn json_stays_json() {
         let value = serde_json::json!({ "name": "\u{9b}\x1b\u{202e}\"\n" });
         let shown = Text(format!("{value:#}")).to_string();

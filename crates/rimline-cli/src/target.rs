@@ -53,7 +53,7 @@ fn existing(name: &Path, there: Metadata) -> io::Result<Target> {
 }
 
 /// What a link that leads nowhere would name.
-fn end_of_links(name: &Path) -> io::Result<PathBuf> {
+pub(crate) fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     let mut path = name.to_owned();
     for _ in 0..MAX_LINKS {
         match path.read_link() {

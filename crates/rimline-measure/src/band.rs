@@ -160,9 +160,9 @@ pub fn check_facing_by(
 /// The bound of NUMERICS.md, "Deform", between any two evaluations of one coordinate each: GPU against twin.
 pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f64; 3] {
     let magnitude = |value: f32| f64::from(value).abs();
-    let mut morphed = geometry.positions[vertex].map(magnitude);
+    let mut morphed = geometry.positions()[vertex].map(magnitude);
     let mut largest = morphed.into_iter().fold(1.0, f64::max);
-    let active = geometry.morph_targets.iter().zip(&pose.morph_weights);
+    let active = geometry.morph_targets().iter().zip(pose.morph_weights());
     let active: Vec<_> = active.filter(|&(_, &weight)| weight != 0.0).collect();
     for &(target, &weight) in &active {
         for (sum, offset) in morphed.iter_mut().zip(target[vertex].map(magnitude)) {
@@ -170,16 +170,13 @@ pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> 
             largest = largest.max(*sum).max(offset).max(magnitude(weight));
         }
     }
-    let influences: Vec<(u32, f32)> = match &geometry.influences {
+    let influences: Vec<(u32, f32)> = match geometry.influences() {
         None => vec![(0, 1.0)],
-        Some(of) => {
-            let range = of.offsets[vertex] as usize..of.offsets[vertex + 1] as usize;
-            range.map(|at| (of.joints[at], of.weights[at])).collect()
-        }
+        Some(of) => of.range(vertex).map(|at| (of.joints()[at], of.weights()[at])).collect(),
     };
     let mut sums = [0.0; 3];
     for &(joint, weight) in &influences {
-        for (sum, row) in sums.iter_mut().zip(pose.palette[joint as usize]) {
+        for (sum, row) in sums.iter_mut().zip(pose.palette()[joint as usize]) {
             let [x, y, z, w] = row.map(magnitude);
             let along = x * morphed[0] + y * morphed[1] + z * morphed[2] + w;
             *sum += magnitude(weight) * along;
@@ -189,7 +186,7 @@ pub fn deform_bound(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> 
         }
     }
     let (targets, joints) = (active.len() as i32, influences.len() as i32);
-    let operations = targets + 5 + if geometry.influences.is_some() { joints + 1 } else { 0 };
+    let operations = targets + 5 + if geometry.influences().is_some() { joints + 1 } else { 0 };
     let underflow = 32.0 * TAU * f64::from(joints.max(1) * (targets + 1)) * largest.powi(3);
     sums.map(|sum| 2.0 * (gamma(operations) * sum + underflow) * EVALUATED)
 }

@@ -4,6 +4,7 @@
 //! * [`stress`]: scenes that are hard on floating-point arithmetic; [`error_metrics`]: how wrong a method is on them;
 //! * [`oracle`], [`shadow_oracle`], [`band`]: brute force in big integers, and the error bounds of NUMERICS.md in `f64`;
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
+//! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
@@ -19,6 +20,7 @@ pub mod harness;
 pub mod models;
 pub mod on_gpu;
 pub mod oracle;
+pub mod poser;
 pub mod predicates;
 pub mod random;
 pub mod rays;

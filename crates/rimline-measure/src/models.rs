@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use rimline::model::Matrix3x4;
-use rimline::{Geometry, Influences, Instance, InstancePose, Model, Pose};
+use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Model, Pose};
 
 use super::random::Random;
 
@@ -32,27 +32,24 @@ pub fn random_geometry(
     let positions: Vec<_> = (0..vertices).map(|_| offset(1.5)).collect();
     let morph_targets = (0..targets).map(|_| (0..vertices).map(|_| offset(0.4)).collect()).collect();
     let influences = most_influences.map(|most| {
-        let mut influences = Influences { offsets: vec![0], ..Default::default() };
-        for _ in 0..vertices {
+        let (mut offsets, mut joints, mut all_weights) = (vec![0], Vec::new(), Vec::new());
+        for vertex in 0..vertices {
+            // Weights need not lie between 0 and 1, nor sum to 1.
+            let scale = [1.0, 1.0, 2.5, -0.75][vertex % 4];
             let count = random.below(most + 1);
             let weights: Vec<_> = (0..count).map(|_| random.between(0.0, 1.0)).collect();
             let sum: f32 = weights.iter().sum();
-            influences.joints.extend((0..count).map(|_| random.below(12) as u32));
-            influences.weights.extend(weights.iter().map(|weight| weight / sum));
-            influences.offsets.push(influences.joints.len() as u32);
+            joints.extend((0..count).map(|_| random.below(12) as u32));
+            all_weights.extend(weights.iter().map(|weight| scale * weight / sum));
+            offsets.push(joints.len() as u32);
         }
-        influences
+        Influences::new(offsets, joints, all_weights).expect("the offsets rise")
     });
     let mut source_vertices: Vec<u32> = (0..vertices as u32).map(|v| 3 * v + 1).collect();
     random.shuffle(&mut source_vertices);
-    Geometry {
-        name: None,
-        faces: (0..vertices as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
-        positions,
-        morph_targets,
-        influences,
-        source_vertices,
-    }
+    let faces = (0..vertices as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let options = GeometryOptions { name: None, morph_targets, influences, source_vertices: Some(source_vertices) };
+    Geometry::new(positions, faces, options).expect("one entry a vertex")
 }
 
 /// One geometry rigid, one skinned, one with morph targets, one with everything; some of them at several places.
@@ -64,25 +61,21 @@ pub fn random_model(random: &mut Random, vertices: usize) -> Model {
         random_geometry(random, vertices + 1, Some(9), 3),
         random_geometry(random, 3, Some(0), 1),
     ];
-    let instances = [3, 0, 1, 2, 3, 4, 0].map(|geometry| Instance { geometry, name: None });
-    Model { geometries, instances: instances.to_vec() }
+    let instances = [3, 0, 1, 2, 3, 4, 0].map(|geometry| Instance::new(geometry, None));
+    Model::new(geometries, instances.to_vec()).expect("there are five geometries")
 }
 
 /// Random matrices; morph weights zero, small, negative or large.
 pub fn random_pose(random: &mut Random, model: &Model) -> Pose {
-    let instances = model.instances.iter().map(|instance| {
-        let geometry = &model.geometries[instance.geometry];
+    let instances = model.placed_geometries().map(|geometry| {
         let palette = (0..geometry.joints_needed()).map(|_| random_matrix(random)).collect();
-        let weights = geometry.morph_targets.iter();
-        InstancePose {
-            palette,
-            morph_weights: weights
-                .map(|_| [0.0, -0.0, random.between(-1.0, 1.0), random.between(0.0, 9.0)][random.below(4)])
-                .collect(),
-            turned: false,
-        }
+        let weights = geometry.morph_targets().iter();
+        let weights = weights
+            .map(|_| [0.0, -0.0, random.between(-1.0, 1.0), random.between(0.0, 9.0)][random.below(4)])
+            .collect();
+        InstancePose::new(palette, weights).expect("all is finite").with_turned(false)
     });
-    Pose { instances: instances.collect(), mixed_determinants: 0 }
+    Pose::new(instances.collect())
 }
 
 /// A closed tube along x of five joints, each of which bends what comes after it, and its pose at a time.
@@ -91,15 +84,15 @@ pub fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
     const SEGMENTS: u32 = 16;
     const JOINTS: u32 = 5;
     const HALF: f32 = 1.4;
-    let mut influences = Influences { offsets: vec![0], ..Default::default() };
+    let (mut offsets, mut joints, mut weights) = (vec![0], Vec::new(), Vec::new());
     let mut positions = Vec::new();
     let mut vertex = |along: f32, radius: f32, turn: f32| {
         positions.push([HALF * (2.0 * along - 1.0), radius * turn.cos(), radius * turn.sin()]);
         let at = along * (JOINTS - 1) as f32;
         let joint = (at as u32).min(JOINTS - 2);
-        influences.joints.extend([joint, joint + 1]);
-        influences.weights.extend([1.0 - (at - joint as f32), at - joint as f32]);
-        influences.offsets.push(influences.joints.len() as u32);
+        joints.extend([joint, joint + 1]);
+        weights.extend([1.0 - (at - joint as f32), at - joint as f32]);
+        offsets.push(joints.len() as u32);
     };
     for ring in 0..RINGS {
         for segment in 0..SEGMENTS {
@@ -121,15 +114,9 @@ pub fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
         let end = (RINGS - 1) * SEGMENTS;
         faces.extend([[first, next, segment], [last, end + segment, end + next]]);
     }
-    let source_vertices = (0..positions.len() as u32).collect();
-    let geometry = Geometry {
-        name: None,
-        positions,
-        faces,
-        morph_targets: Vec::new(),
-        influences: Some(influences),
-        source_vertices,
-    };
+    let influences = Influences::new(offsets, joints, weights).expect("two joints a vertex");
+    let options = GeometryOptions { influences: Some(influences), ..GeometryOptions::default() };
+    let geometry = Geometry::new(positions, faces, options).expect("indices are in range");
     let pose = |time: f32| {
         let mut sum = Affine3A::IDENTITY;
         let palette = (0..JOINTS).map(|joint| {
@@ -138,8 +125,7 @@ pub fn bending_tube() -> (Model, impl Fn(f32) -> Pose) {
             sum *= Affine3A::from_translation(at) * Affine3A::from_quat(turn) * Affine3A::from_translation(-at);
             rows(sum)
         });
-        let instance = InstancePose { palette: palette.collect(), morph_weights: Vec::new(), turned: false };
-        Pose { instances: vec![instance], mixed_determinants: 0 }
+        Pose::new(vec![InstancePose::new(palette.collect(), Vec::new()).expect("all is finite")])
     };
-    (Model { geometries: vec![geometry], instances: vec![Instance { geometry: 0, name: None }] }, pose)
+    (Model::new(vec![geometry], vec![Instance::new(0, None)]).expect("there is one geometry"), pose)
 }

@@ -127,14 +127,13 @@ pub fn deformed(gpu: &Gpu, deformer: &Deformer, model: &Model, pose: &Pose) -> R
 
 /// Fails where a coordinate is further from the twin's than the bound; returns how many differ at all.
 pub fn check_deform(found: &[[f32; 3]], model: &Model, pose: &Pose) -> Result<usize, String> {
-    let twin = cpu::deform(model, pose, 0.0, None, Threads::all());
+    let twin = cpu::deform(model, pose, 0.0, None, Threads::all()).map_err(text)?;
     if found.len() != twin.len() {
         return Err(format!("{} vertices, expected {}", found.len(), twin.len()));
     }
     let (mut at, mut differ) = (0, 0);
-    for (instance, pose) in model.instances.iter().zip(&pose.instances) {
-        let geometry = &model.geometries[instance.geometry];
-        for vertex in 0..geometry.positions.len() {
+    for (geometry, pose) in model.placed_geometries().zip(pose.instances()) {
+        for vertex in 0..geometry.positions().len() {
             let bound = deform_bound(geometry, pose, vertex);
             for ((got, expected), bound) in found[at].into_iter().zip(twin[at]).zip(bound) {
                 let error = (f64::from(got) - f64::from(expected)).abs();

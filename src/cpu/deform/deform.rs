@@ -1,50 +1,53 @@
 //! Deform: morph, skin, displace, from mesh space to world space.
 
 use crate::cpu::common::parallel::Threads;
-use crate::model::{Geometry, InstancePose, Matrix3x4, Model, Pose};
+use crate::model::{Geometry, InstancePose, Model, Pose, PoseMismatch};
 
 /// The caller's displacement: world-space position after morph and skin, source vertex index, time in seconds.
 pub type Displace<'a> = &'a (dyn Fn([f32; 3], u32, f32) -> [f32; 3] + Sync);
 
-/// World-space positions of all instances, in the vertex order of [`Model::mesh`]. A pose's missing matrices count as
-/// zeros, missing morph weights too. `f32` arithmetic in the order of `wgsl/deform.wgsl`; see NUMERICS.md, "Deform".
+/// World-space positions of all instances, in the vertex order of [`Model::mesh`]. `f32` arithmetic in the order of
+/// `wgsl/deform/deform.wgsl`; see NUMERICS.md, "Deform".
+///
+/// # Errors
+/// [`PoseMismatch`] for a pose of another model.
 pub fn deform(
     model: &Model,
     pose: &Pose,
     time_s: f32,
     displace: Option<Displace<'_>>,
     threads: Threads,
-) -> Vec<[f32; 3]> {
+) -> Result<Vec<[f32; 3]>, PoseMismatch> {
+    model.check(pose)?;
     let mut positions = vec![[0.0; 3]; model.vertex_count()];
     let mut rest = positions.as_mut_slice();
-    for (instance, pose) in model.instances.iter().zip(&pose.instances) {
-        let geometry = &model.geometries[instance.geometry];
-        let (own, others) = rest.split_at_mut(geometry.positions.len());
+    for (geometry, pose) in model.placed_geometries().zip(pose.instances()) {
+        let (own, others) = rest.split_at_mut(geometry.positions().len());
         threads.share(own, |first, positions| {
             for (vertex, position) in (first..).zip(positions) {
                 *position = deform_vertex(geometry, pose, vertex);
                 if let Some(displace) = displace {
-                    *position = displace(*position, geometry.source_vertices[vertex], time_s);
+                    *position = displace(*position, geometry.source_vertices()[vertex], time_s);
                 }
             }
         });
         rest = others;
     }
-    positions
+    Ok(positions)
 }
 
 fn deform_vertex(geometry: &Geometry, pose: &InstancePose, vertex: usize) -> [f32; 3] {
-    let mut p = geometry.positions[vertex];
-    for (target, &weight) in geometry.morph_targets.iter().zip(&pose.morph_weights) {
+    let mut p = geometry.positions()[vertex];
+    for (target, &weight) in geometry.morph_targets().iter().zip(pose.morph_weights()) {
         if weight != 0.0 {
             p = add_scaled(p, weight, target[vertex]);
         }
     }
-    let Some(influences) = &geometry.influences else {
+    let Some(influences) = geometry.influences() else {
         return transform(pose, 0, p);
     };
     let range = influences.range(vertex);
-    let joints = influences.joints[range.clone()].iter().zip(&influences.weights[range]);
+    let joints = influences.joints()[range.clone()].iter().zip(&influences.weights()[range]);
     joints.fold([0.0; 3], |sum, (&joint, &weight)| add_scaled(sum, weight, transform(pose, joint, p)))
 }
 
@@ -53,7 +56,6 @@ fn add_scaled(sum: [f32; 3], weight: f32, v: [f32; 3]) -> [f32; 3] {
 }
 
 fn transform(pose: &InstancePose, joint: u32, p: [f32; 3]) -> [f32; 3] {
-    const ZERO: Matrix3x4 = [[0.0; 4]; 3];
-    let rows = pose.palette.get(joint as usize).unwrap_or(&ZERO);
-    rows.map(|[x, y, z, w]| x * p[0] + y * p[1] + z * p[2] + w)
+    // `Model::check` saw that the palette has every joint.
+    pose.palette()[joint as usize].map(|[x, y, z, w]| x * p[0] + y * p[1] + z * p[2] + w)
 }

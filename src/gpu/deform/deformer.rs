@@ -36,6 +36,22 @@ pub enum DeformError {
     /// The pose is not one of this model.
     #[error(transparent)]
     Pose(#[from] PoseMismatch),
+    /// A vertex is the sum of more terms than one invocation may add.
+    #[error(
+        "a vertex of instance {instance} has {influences} influences, and {targets} morph targets have a weight other than \
+         0; together they may be {limit}, because software devices end longer loops without a word. Give fewer, or deform \
+         on the CPU (`cpu::deform`)"
+    )]
+    TooManyTerms {
+        /// The instance's index.
+        instance: usize,
+        /// Morph targets whose weight is not 0; 0 where the influences alone are too many.
+        targets: u32,
+        /// The most influences that any of its vertices has.
+        influences: u32,
+        /// The most of both together.
+        limit: u32,
+    },
     /// The displacement declares resources, and no layout or bind group for them was given; or the other way round.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
     Resources,
@@ -47,6 +63,11 @@ pub enum DeformError {
         message: String,
     },
 }
+
+/// The most turns that the stage's loops take in one invocation, morph targets and influences together. llvmpipe (Mesa
+/// 22.3) ends an invocation's loops after 65,535 turns, all of them together and without a word; what is left is for a
+/// displacement's own.
+const MOST_TERMS: u32 = 60_000;
 
 const SLOTS: [Slot; 7] = [Uniform, Read, Read, Read, Read, Read, Write];
 
@@ -88,6 +109,9 @@ impl Deformer {
         }
         let split = DispatchLimits::new(&device.limits());
         let data = ModelData::new(model, &split)?;
+        for (instance, layout) in data.pose_layouts.iter().enumerate() {
+            check_terms(instance, 0, layout)?;
+        }
         let bytes = data.check(&split, options.memory_limit)?;
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
@@ -191,24 +215,37 @@ impl Deformer {
     }
 
     /// The pose as the shader reads it, and each instance's active morph targets.
-    fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), PoseMismatch> {
+    fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), DeformError> {
         let mut words = Vec::new();
         let mut target_counts = Vec::with_capacity(self.layouts.len());
-        if pose.instances.len() != self.layouts.len() {
-            return Err(PoseMismatch::Instances { given: pose.instances.len(), needed: self.layouts.len() });
+        if pose.instances().len() != self.layouts.len() {
+            let (given, needed) = (pose.instances().len(), self.layouts.len());
+            return Err(PoseMismatch::Instances { given, needed }.into());
         }
-        for (instance, (layout, pose)) in self.layouts.iter().zip(&pose.instances).enumerate() {
+        for (instance, (layout, pose)) in self.layouts.iter().zip(pose.instances()).enumerate() {
             layout.check(instance, pose)?;
             words.resize(layout.palette as usize, 0);
-            for row in pose.palette.iter().take(layout.joints as usize).flatten() {
+            for row in pose.palette().iter().take(layout.joints as usize).flatten() {
                 words.extend(row.map(f32::to_bits));
             }
             words.resize(layout.targets as usize, 0);
-            let active = (0..).zip(&pose.morph_weights).filter(|(_, weight)| **weight != 0.0);
+            let active = (0..).zip(pose.morph_weights()).filter(|(_, weight)| **weight != 0.0);
             let before = words.len();
             words.extend(active.flat_map(|(target, weight)| [target, weight.to_bits()]));
-            target_counts.push(((words.len() - before) / 2) as u32);
+            let targets = ((words.len() - before) / 2) as u32;
+            check_terms(instance, targets, layout)?;
+            target_counts.push(targets);
         }
         Ok((words, target_counts))
     }
+}
+
+/// Whether one invocation may take all terms of a vertex of instance `instance`, of whose morph targets `targets` are
+/// active.
+fn check_terms(instance: usize, targets: u32, layout: &PoseLayout) -> Result<(), DeformError> {
+    let influences = layout.influences;
+    if targets.saturating_add(influences) > MOST_TERMS {
+        return Err(DeformError::TooManyTerms { instance, targets, influences, limit: MOST_TERMS });
+    }
+    Ok(())
 }

@@ -8,7 +8,7 @@ use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::DeformChunk;
-use crate::model::{Geometry, InstancePose, Model, PoseMismatch};
+use crate::model::{Geometry, Influences, InstancePose, Model, PoseMismatch};
 
 /// Words of a 3×4 matrix.
 const MATRIX_WORDS: u64 = 12;
@@ -30,6 +30,8 @@ pub(super) struct PoseLayout {
     pub(super) joints: u32,
     pub(super) targets: u32,
     pub(super) target_count: u32,
+    /// The most influences that any vertex has.
+    pub(super) influences: u32,
 }
 
 /// One dispatch of the deform stage.
@@ -60,16 +62,15 @@ const LABELS: [&str; 4] = ["rest positions", "morph targets", "influences", "sou
 impl ModelData {
     pub(super) fn new(model: &Model, split: &DispatchLimits) -> Result<Self, MemoryError> {
         let mut bytes = [0; 4];
-        let mut geometries = Vec::with_capacity(model.geometries.len());
-        for geometry in &model.geometries {
+        let mut geometries = Vec::with_capacity(model.geometries().len());
+        for geometry in model.geometries() {
             geometries.push(chunk_geometry(geometry, split, &mut bytes)?);
         }
         let mut pose_words = 0_u64;
-        let mut pose_layouts = Vec::with_capacity(model.instances.len());
-        for instance in &model.instances {
-            let geometry = &model.geometries[instance.geometry];
+        let mut pose_layouts = Vec::with_capacity(model.instances().len());
+        for geometry in model.placed_geometries() {
             let joints = geometry.joints_needed() as u64;
-            let target_count = geometry.morph_targets.len() as u64;
+            let target_count = geometry.morph_targets().len() as u64;
             let (palette, targets) = (pose_words, pose_words + MATRIX_WORDS * joints);
             pose_words = targets + 2 * target_count;
             if pose_words * 4 > split.binding {
@@ -80,9 +81,10 @@ impl ModelData {
                 joints: joints as u32,
                 targets: targets as u32,
                 target_count: target_count as u32,
+                influences: geometry.influences().map_or(0, Influences::most_per_vertex) as u32,
             });
         }
-        let dispatches = model.instances.iter().map(|instance| geometries[instance.geometry].len() as u64);
+        let dispatches = model.instances().iter().map(|instance| geometries[instance.geometry()].len() as u64);
         Ok(Self {
             dispatches: dispatches.sum(),
             geometries,
@@ -105,8 +107,9 @@ impl ModelData {
 
     /// Rest positions, morph targets, influences and source vertices as buffers.
     pub(super) fn upload(&self, device: &wgpu::Device, model: &Model) -> [wgpu::Buffer; 4] {
-        let chunks =
-            || model.geometries.iter().zip(&self.geometries).flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)));
+        let chunks = || {
+            model.geometries().iter().zip(&self.geometries).flat_map(|(g, chunks)| chunks.iter().map(move |c| (g, c)))
+        };
         let make = |array: usize,
                     place: fn(&GeometryChunk) -> &Range<u64>,
                     words: fn(&Geometry, &Range<usize>) -> Vec<u32>| {
@@ -119,16 +122,16 @@ impl ModelData {
             filled(device, LABELS[array], bytemuck::cast_slice(&contents), BufferUsages::STORAGE)
         };
         [
-            make(0, |chunk| &chunk.rest, |g, v| bytemuck::cast_slice(&g.positions[v.clone()]).to_vec()),
+            make(0, |chunk| &chunk.rest, |g, v| bytemuck::cast_slice(&g.positions()[v.clone()]).to_vec()),
             make(
                 1,
                 |chunk| &chunk.morph,
                 |g, v| {
-                    g.morph_targets.iter().flat_map(|t| bytemuck::cast_slice(&t[v.clone()]).iter().copied()).collect()
+                    g.morph_targets().iter().flat_map(|t| bytemuck::cast_slice(&t[v.clone()]).iter().copied()).collect()
                 },
             ),
             make(2, |chunk| &chunk.skin, skin_words),
-            make(3, |chunk| &chunk.sources, |g, v| g.source_vertices[v.clone()].to_vec()),
+            make(3, |chunk| &chunk.sources, |g, v| g.source_vertices()[v.clone()].to_vec()),
         ]
     }
 
@@ -136,9 +139,9 @@ impl ModelData {
     pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Vec<PlannedDispatch> {
         let mut dispatches = Vec::new();
         let mut first_vertex = 0_u64;
-        for (index, (instance, pose)) in model.instances.iter().zip(&self.pose_layouts).enumerate() {
-            let geometry = &model.geometries[instance.geometry];
-            for chunk in &self.geometries[instance.geometry] {
+        for (index, (instance, pose)) in model.instances().iter().zip(&self.pose_layouts).enumerate() {
+            let geometry = &model.geometries()[instance.geometry()];
+            for chunk in &self.geometries[instance.geometry()] {
                 let begin = 12 * (first_vertex + chunk.vertices.start as u64);
                 let bound = split.align_down(begin);
                 dispatches.push(PlannedDispatch {
@@ -149,7 +152,7 @@ impl ModelData {
                         palette: pose.palette,
                         targets: pose.targets,
                         target_count: 0,
-                        skinned: u32::from(geometry.influences.is_some()),
+                        skinned: u32::from(geometry.influences().is_some()),
                         displaced: 0,
                         time: 0.0,
                     },
@@ -160,7 +163,7 @@ impl ModelData {
                     positions: bound..begin + 12 * chunk.vertices.len() as u64,
                 });
             }
-            first_vertex += geometry.positions.len() as u64;
+            first_vertex += geometry.positions().len() as u64;
         }
         dispatches
     }
@@ -173,12 +176,10 @@ fn chunk_geometry(
     ends: &mut [u64; 4],
 ) -> Result<Vec<GeometryChunk>, MemoryError> {
     // A dispatch also binds up to one alignment's worth of positions before its own.
-    let morph_bytes = 12 * geometry.morph_targets.len() as u64;
-    let most_influences = geometry.influences.as_ref().map_or(0, |influences| {
-        influences.offsets.windows(2).map(|pair| u64::from(pair[1] - pair[0])).max().unwrap_or(0)
-    });
+    let morph_bytes = 12 * geometry.morph_targets().len() as u64;
+    let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
-    let runs = split.chunks("vertices of a deforming mesh", geometry.positions.len(), bytes_per_vertex)?;
+    let runs = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
     let mut place = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
         // Never empty: a geometry without morph targets, say, is still bound, and past those that have some.
@@ -196,35 +197,27 @@ fn chunk_geometry(
 }
 
 fn skin_word_count(geometry: &Geometry, vertices: &Range<usize>) -> u64 {
-    geometry.influences.as_ref().map_or(0, |influences| {
-        let entries = influences.offsets[vertices.end] - influences.offsets[vertices.start];
+    geometry.influences().map_or(0, |influences| {
+        let entries = influences.offsets()[vertices.end] - influences.offsets()[vertices.start];
         vertices.len() as u64 + 1 + 2 * u64::from(entries)
     })
 }
 
 /// Where each vertex's influences begin, then joint and weight of each.
 fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
-    let Some(influences) = &geometry.influences else {
+    let Some(influences) = geometry.influences() else {
         return Vec::new();
     };
-    let first = influences.offsets[vertices.start];
-    let offsets = influences.offsets[vertices.start..=vertices.end].iter().map(|offset| offset - first);
-    let entries = first as usize..influences.offsets[vertices.end] as usize;
-    let pairs = influences.joints[entries.clone()].iter().zip(&influences.weights[entries]);
+    let first = influences.offsets()[vertices.start];
+    let offsets = influences.offsets()[vertices.start..=vertices.end].iter().map(|offset| offset - first);
+    let entries = first as usize..influences.offsets()[vertices.end] as usize;
+    let pairs = influences.joints()[entries.clone()].iter().zip(&influences.weights()[entries]);
     offsets.chain(pairs.flat_map(|(&joint, weight)| [joint, weight.to_bits()])).collect()
 }
 
 impl PoseLayout {
     /// The pose of instance `instance` has the matrices and weights that its geometry needs.
     pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseMismatch> {
-        let (given, needed) = (pose.palette.len(), self.joints as usize);
-        if given < needed {
-            return Err(PoseMismatch::Palette { instance, given, needed });
-        }
-        let (given, needed) = (pose.morph_weights.len(), self.target_count as usize);
-        if given != needed {
-            return Err(PoseMismatch::MorphWeights { instance, given, needed });
-        }
-        Ok(())
+        pose.check_counts(instance, self.joints as usize, self.target_count as usize)
     }
 }

@@ -11,6 +11,14 @@ use crate::stages::{CAP_FACES, SIDES, Stage};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
     /// The format of the depth-stencil attachment; it must have both.
+    ///
+    /// With reversed depth, `Depth32FloatStencil8` (an optional feature of devices) tells apart distances that differ by a
+    /// 2⁻²³th part, wherever the near plane is. With 24 bits, and with standard depth in either format, numbers next to
+    /// each other are `distance² / (2²⁴ · near)` apart. Then keep the near plane farther away than `farthest / (2²⁴ · pixel)`,
+    /// where `farthest` is the distance of the farthest shadows that are seen and `pixel` the size of a pixel at distance
+    /// 1: farther than an 18,000th of `farthest` for 1,080 rows and a field of view of 60°. With a nearer one shadows'
+    /// borders there are off by more than a pixel, and with one at a millionth shadows may be missing or spread over what is lit.
+    /// NUMERICS.md, "What depth must tell apart".
     pub depth_stencil: wgpu::TextureFormat,
     /// Which depth is near: the cameras'.
     pub depth: DepthDirection,
@@ -27,7 +35,8 @@ pub struct ShadowFormat {
 }
 
 impl Default for ShadowFormat {
-    /// `Depth32FloatStencil8` is an optional feature, so 24 bits; reversed, one sample, no colour, infinite far plane.
+    /// `Depth32FloatStencil8` is an optional feature, so 24 bits, which ask for a near plane that is not too near (see
+    /// [`Self::depth_stencil`]); reversed, one sample, no colour, infinite far plane.
     fn default() -> Self {
         Self {
             depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,

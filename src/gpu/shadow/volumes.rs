@@ -23,7 +23,9 @@ use crate::light::{self, check_shadow_lights};
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
-    /// Every face casts, also of a closed mesh, whose faces averted from the light suffice. Right, too, and slower.
+    /// Every face casts, also of a closed mesh with light and near rectangle outside of its box, whose faces averted from
+    /// the light suffice. Right, too, and slower. Needed for a closed caster that is not itself in the depth buffer, if
+    /// surfaces within it are seen. NUMERICS.md, "Which faces cast".
     pub every_face: bool,
     /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
     /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces; but never more than
@@ -66,7 +68,13 @@ impl Default for ShadowOptions {
 /// after the extraction's, and draws into the caller's render pass; nothing is read back.
 ///
 /// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
-/// the stencil is still 0. What casts must be in the depth buffer before.
+/// the stencil is still 0. What casts must be in the depth buffer before. How precise depth must be is said at
+/// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil).
+///
+/// Of a closed, consistently oriented caster the faces averted from the light cast, whichever way it is wound; where the
+/// light or the near rectangle may be within its box, and of any other caster, every face does. A light exactly on one of a
+/// caster's faces has no shadow of that caster to rely on, and one next to an edge an imprecise one: keep lights off
+/// surfaces, by a ten-thousandth of the caster's size or more.
 ///
 /// ```no_run
 /// use rimline::gpu::{

@@ -1,5 +1,6 @@
 //! The report's sections: which plots, of what. Here the one on extraction.
 
+mod classes;
 mod cost;
 mod error;
 mod lights;
@@ -57,7 +58,7 @@ fn lights_text(lights: usize) -> String {
 
 /// All plots that the rows are enough for.
 pub(super) fn extraction(results: &Results) -> Section {
-    let mut figures = vec![error::time_against_error(results), error::errors(results)];
+    let mut figures = vec![classes::classes(results), error::time_against_error(results), error::errors(results)];
     figures.extend(size::time_against_size(results));
     if results.rows.iter().any(|row| row.entry(PER_EDGE).is_some()) {
         figures.extend(size::speed_against_2003(results));

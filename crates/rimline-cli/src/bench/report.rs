@@ -54,12 +54,12 @@ impl Destination {
         }
         for figure in page.sections.iter().flat_map(|section| &section.figures) {
             if let Some(chart) = &figure.chart {
-                let svg = chart.svg(Target::File { title: &figure.title, origin: &origin });
-                Output::create(&file(figure.id))?.finish(|file| write_png(&svg, file))?;
+                let target = Target::File { title: &figure.title, origin: &origin };
+                Output::create(&file(figure.id))?.finish(|file| write_png(&chart.svg(target)?, file))?;
             }
         }
         let index = folder.join("index.html");
-        write(&index, page.html().as_bytes())?;
+        Output::create(&index)?.finish(|file| file.write_all(page.html()?.as_bytes()))?;
         note(&format!("the report is {}", index.display()));
         Ok(())
     }
@@ -121,11 +121,11 @@ fn page(results: &Results) -> Page {
     }
     Page {
         title: "Silhouettes and shadows: run time against error".to_owned(),
-        lead: "Which edges of a mesh are silhouettes, found by Rimline in exact arithmetic and by the methods before it; \
-               and the shadows whose volumes they bound. Of silhouettes, wrong is what differs from exact arithmetic on \
-               the positions as they lie in memory (integers on the CPU, which Rimline's tests hold against big \
-               integers by other hands); a loop is open where silhouettes do not close at a vertex, which tears \
-               a shadow volume."
+        lead: "Which edges of a mesh are silhouettes, and the shadows whose volumes they bound. Rimline decides in exact \
+               arithmetic, the methods before it in floating point. A bit is wrong where it differs from exact arithmetic \
+               on the positions as they lie in memory (integers on the CPU, which Rimline's tests hold against big \
+               integers by other hands). A loop is open at a vertex where silhouettes do not close, which tears a shadow \
+               volume."
             .to_owned(),
         facts,
         notices,

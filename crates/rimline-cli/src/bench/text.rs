@@ -65,8 +65,8 @@ pub(crate) fn row(row: &Row) -> String {
         "median ms",
         "quartiles",
         "runs",
-        "÷ 2003",
-        "÷ f32",
+        "2003 ÷ it",
+        "it ÷ f32",
         "facing",
         "silhouette",
         "open"
@@ -75,7 +75,8 @@ pub(crate) fn row(row: &Row) -> String {
         let id = entry.contestant.id;
         let Some(time) = entry.time() else { continue };
         let fast = if entry.contestant.is_gpu() { GPU_FAST } else { entry.contestant.compared_to[0] };
-        let ratio = |to: &str| row.ratio(id, to).map_or_else(String::new, |ratio| format!("{:.2}", ratio.median));
+        let ratio =
+            |of: &str, to: &str| row.ratio(of, to).map_or_else(String::new, |ratio| format!("{:.2}", ratio.median));
         let _ = writeln!(
             text,
             "  {:<36} {:>9}  {:>9} … {:<9} {:>4} {:>9} {:>8} {:>9} {:>10} {:>8}",
@@ -84,8 +85,8 @@ pub(crate) fn row(row: &Row) -> String {
             figures(time.quartiles.0),
             figures(time.quartiles.1),
             time.count,
-            ratio(PER_EDGE),
-            ratio(fast),
+            ratio(PER_EDGE, id),
+            ratio(id, fast),
             entry.score.wrong_facing_bits,
             entry.score.wrong_silhouette_bits,
             entry.score.unclosed_vertices
@@ -96,6 +97,11 @@ pub(crate) fn row(row: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
+    use rimline_measure::error_metrics::Score;
+
+    use super::super::measure::Sample;
+    use super::super::method::{CONTESTANTS, GPU_EXACT};
+    use super::super::results::{Entry, SubjectFacts};
     use super::*;
 
     #[test]
@@ -103,5 +109,30 @@ mod tests {
         assert_eq!([grouped(0), grouped(999), grouped(1_048_576)], ["0", "999", "1,048,576"]);
         assert_eq!([1.0, 0.5, 0.01, 20_000.0, 3e6].map(tick), ["1", "0.5", "0.01", "20 k", "3 M"]);
         assert_eq!([1234.6, 12.34, 1.2, 0.1234, 0.0].map(figures), ["1,235", "12.3", "1.20", "0.123", "0"]);
+    }
+
+    #[test]
+    fn speed_against_2003_is_larger_where_the_method_is_faster() {
+        let entry = |id: &str, wall_ms: f64| Entry {
+            contestant: CONTESTANTS.iter().find(|contestant| contestant.id == id).expect("it is there"),
+            samples: vec![Sample { wall_ms, ..Sample::default() }; 3],
+            score: Score::default(),
+            undecided_pairs: 0,
+        };
+        let subject = SubjectFacts {
+            name: "torus-4".to_owned(),
+            class: "ordinary",
+            vertices: 2,
+            faces: 4,
+            edges: 6,
+            is_closed: true,
+            topology_ms: 1.0,
+            topology_bytes: 96,
+        };
+        let entries = vec![entry(PER_EDGE, 6.0), entry(GPU_FAST, 2.0), entry(GPU_EXACT, 3.0)];
+        let text = row(&Row { subject, lights: 1, entries });
+        let exact = text.lines().last().expect("a line a method");
+        let ratios: Vec<&str> = exact.split_whitespace().rev().skip(3).take(2).collect();
+        assert_eq!(ratios, ["1.50", "2.00"], "from the right: exact ÷ f32, 2003 ÷ exact");
     }
 }

@@ -1,4 +1,12 @@
-//! Axes: from numbers to places, and where the ticks are.
+//! Axes: which numbers they show, and where the ticks are. plotters turns numbers into places.
+
+use std::ops::Range;
+
+use plotters::coord::combinators::{IntoLogRange, LogCoord};
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
+
+use super::svg::{SMALL, text_width};
 
 /// How numbers become places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,13 +57,26 @@ impl Axis {
         self
     }
 
-    /// 0 at the low end, 1 at the high one; numbers outside are taken as the end.
-    pub(crate) fn place(&self, value: f64) -> f64 {
-        let place = match self.scale {
-            Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+    /// The coordinate along a horizontal side of so many pixels: as many ticks as there is room for.
+    pub(super) fn across(&self, length: i32) -> Coordinate {
+        self.coordinate(length, |tick| text_width(&(self.format)(tick), SMALL) + 24)
+    }
+
+    /// The same for an upright side.
+    pub(super) fn upright(&self, length: i32) -> Coordinate {
+        self.coordinate(length, |_| 56)
+    }
+
+    fn coordinate(&self, length: i32, room: impl Fn(f64) -> i32) -> Coordinate {
+        let bare = Coordinate { axis: self.clone(), ticks: Vec::new() };
+        let fit = |ticks: &Vec<f64>| {
+            ticks.windows(2).all(|pair| {
+                let between = bare.map(&pair[1], (0, length)) - bare.map(&pair[0], (0, length));
+                between >= i32::midpoint(room(pair[0]), room(pair[1]))
+            })
         };
-        if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) }
+        let ticks = (1..=10).rev().map(|most| self.ticks(most)).find(fit).unwrap_or_default();
+        Coordinate { ticks, ..bare }
     }
 
     /// Round numbers in the range, lowest first, at most about `most`.
@@ -100,6 +121,57 @@ impl Axis {
     }
 }
 
+/// plotters' coordinate of an axis, with its ticks. plotters' own ticks of a logarithm are whole decades, too few for the
+/// spans of these plots.
+#[derive(Clone, Debug)]
+pub(super) struct Coordinate {
+    axis: Axis,
+    ticks: Vec<f64>,
+}
+
+impl Coordinate {
+    /// Rows of a list, the first one at the top, without ticks.
+    pub(super) fn rows(length: i32) -> Self {
+        let axis = Axis {
+            title: String::new(),
+            scale: Scale::Linear,
+            format: |_| String::new(),
+            low: f64::from(length),
+            high: 0.0,
+        };
+        Self { axis, ticks: Vec::new() }
+    }
+}
+
+impl Ranged for Coordinate {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    /// Numbers outside are taken as the end, and what is no number as the low one.
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let Axis { scale, low, high, .. } = self.axis;
+        let value = if value.is_nan() { low } else { value.clamp(low.min(high), low.max(high)) };
+        match scale {
+            Scale::Linear => RangedCoordf64::from(low..high).map(&value, limit),
+            Scale::Log => LogCoord::from((low..high).log_scale()).map(&value, limit),
+        }
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.axis.low..self.axis.high
+    }
+}
+
+impl ValueFormatter<f64> for Coordinate {
+    fn format_ext(&self, value: &f64) -> String {
+        (self.axis.format)(*value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,10 +184,28 @@ mod tests {
     fn places_keep_the_order_and_stay_inside() {
         for scale in [Scale::Linear, Scale::Log] {
             let axis = axis(scale, &[0.001, 5.0, 70.0]);
-            assert!(axis.place(0.001) < axis.place(5.0) && axis.place(5.0) < axis.place(70.0));
+            let coordinate = axis.across(1000);
+            let place = |value: f64| coordinate.map(&value, (0, 1000));
+            assert!(place(0.001) < place(5.0) && place(5.0) < place(70.0));
             for value in [f64::NAN, -1.0, 0.0, 1e9, f64::INFINITY] {
-                assert!((0.0..=1.0).contains(&axis.place(value)), "{value}");
+                assert!((0..=1000).contains(&place(value)), "{value}");
             }
+        }
+    }
+
+    #[test]
+    fn ticks_have_room_for_their_names() {
+        let axis = Axis::over("", Scale::Log, |value| format!("{value} nanoseconds"), [0.8, 3.0, 900.0]);
+        for length in [40, 200, 700, 1900] {
+            let coordinate = axis.across(length);
+            let ends = coordinate.ticks.iter().map(|tick| {
+                let half = text_width(&(axis.format)(*tick), SMALL) / 2;
+                let place = coordinate.map(tick, (0, length));
+                [place - half, place + half]
+            });
+            let ends: Vec<[i32; 2]> = ends.collect();
+            assert!(ends.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{length}: {ends:?}");
+            assert_eq!(ends.len() > 1, length > 40 + 160, "{length}: {ends:?}");
         }
     }
 

@@ -1,19 +1,22 @@
-//! Plots as SVG: curves and points in a plane, rows of bars, and tables of small plots. One drawing serves the report's page, where colours are
-//! CSS variables, and its PNG files, where they are fixed. What is plotted comes from elsewhere; nothing here knows of
-//! silhouettes.
+//! Plots: curves and points in a plane, rows of bars, and tables of small plots. plotters draws them as SVG, in the same
+//! colours for the report's page, whose style sheet gives them those of a dark ground, and for its PNG files. What is
+//! plotted comes from elsewhere; nothing here knows of silhouettes.
 
 mod axis;
 mod bars;
+mod labels;
 mod panels;
 mod raster;
 mod svg;
 mod xy;
 
+use std::io;
+
 pub(crate) use axis::{Axis, Scale};
 pub(crate) use bars::{Bars, BarsKind, Group, Value};
 pub(crate) use panels::{Panel, PanelRow, Panels};
 pub(crate) use raster::write_png;
-pub(crate) use svg::{PALETTE, escape};
+pub(crate) use svg::{PALETTE, ROLES, escape};
 pub(crate) use xy::{Curve, Plane, Point, ZeroBand};
 
 /// A plot of any kind.
@@ -45,18 +48,25 @@ pub(crate) struct Key {
 pub(crate) enum Target<'a> {
     /// The page, whose text says what the plot is.
     Page,
+    /// The page on a narrow screen: the same plot drawn for that width, in letters of the same size.
+    Phone,
     /// A file by itself, with a heading and a line below that says where the figures are from.
     File { title: &'a str, origin: &'a str },
 }
 
+impl Target<'_> {
+    fn is_narrow(self) -> bool {
+        matches!(self, Self::Phone)
+    }
+}
+
 impl Chart {
     /// The drawing.
-    pub(crate) fn svg(&self, target: Target<'_>) -> String {
+    pub(crate) fn svg(&self, target: Target<'_>) -> io::Result<String> {
         match self {
             Self::Plane(plane) => plane.draw(target),
             Self::Bars(bars) => bars.draw(target),
             Self::Panels(panels) => panels.draw(target),
         }
-        .finish()
     }
 }

@@ -1,7 +1,11 @@
 //! Small plots side by side on the same axes, to be compared along rows and columns.
 
+use std::io;
+
 use super::axis::Axis;
-use super::svg::{Anchor, Ink, Label, Svg};
+use super::svg::{
+    Area, Drawn, Ink, LINE, Label, Legend, MIDDLE, NAME, NUMBERS, Plotted, Tips, lines, mark, path, width, wrapped,
+};
 use super::{Key, Target};
 
 /// A table of small plots.
@@ -31,83 +35,110 @@ pub(crate) struct Panel {
     pub(crate) curves: Vec<Vec<[f64; 2]>>,
 }
 
-const WIDTH: f64 = 960.0;
-const LEFT: f64 = 92.0;
-const RIGHT: f64 = 16.0;
-const GAP: f64 = 14.0;
-const HEIGHT: f64 = 170.0;
-const MARK: f64 = 3.2;
-const SMALL: f64 = 12.0;
+const GAP: i32 = 36;
+const HEIGHT: i32 = 340;
+const MARK: f64 = 6.4;
+/// The name of a row of panels, and of a panel.
+const NAMES: i32 = 44;
 
-impl Panels {
-    pub(super) fn draw(&self, target: Target<'_>) -> Svg {
-        let legend = |svg: &mut Svg| svg.legend(&self.keys, LEFT, 6.0, WIDTH - RIGHT) + 8.0;
-        let top = legend(&mut Svg::new(WIDTH, 0.0, target)) + 24.0;
-        let bottom = top + self.rows.len() as f64 * (HEIGHT + GAP) - GAP;
-        let mut svg = Svg::new(WIDTH, bottom + 54.0, target);
-        legend(&mut svg);
-        let columns = self.columns.len().max(1) as f64;
-        let width = (WIDTH - LEFT - RIGHT - (columns - 1.0) * GAP) / columns;
-        let left_of = |column: usize| LEFT + column as f64 * (width + GAP);
-        let plain = Label { x: 0.0, y: 0.0, size: SMALL, anchor: Anchor::Middle, ink: Ink::Muted, bold: false };
-        for (column, name) in self.columns.iter().enumerate() {
-            let x = left_of(column) + 0.5 * width;
-            svg.text(Label { x, y: top - 10.0, size: 13.0, ink: Ink::Text, bold: true, ..plain }, name);
-        }
-        for (row, PanelRow { name, panels }) in self.rows.iter().enumerate() {
-            let above = top + row as f64 * (HEIGHT + GAP);
-            svg.upright_text(42.0, above + 0.5 * HEIGHT, 13.0, name);
-            for tick in self.y.ticks(6) {
-                let y = above + HEIGHT * (1.0 - self.y.place(tick)) + 4.0;
-                svg.text(Label { x: LEFT - 6.0, y, anchor: Anchor::End, ..plain }, &(self.y.format)(tick));
-            }
-            for (column, panel) in panels.iter().enumerate() {
-                self.draw_panel(&mut svg, panel, [left_of(column), above], width);
-            }
-        }
-        for column in 0..self.columns.len() {
-            for tick in self.x.ticks(5) {
-                let x = left_of(column) + self.x.place(tick) * width;
-                svg.text(Label { x, y: bottom + 18.0, ..plain }, &(self.x.format)(tick));
-            }
-        }
-        let title = Label { x: f64::midpoint(LEFT, WIDTH - RIGHT), y: bottom + 42.0, size: 13.0, ..plain };
-        svg.text(Label { ink: Ink::Text, ..title }, &self.x.title);
-        svg.upright_text(18.0, f64::midpoint(top, bottom), 13.0, &self.y.title);
-        svg
+/// A table of panels as it fits the width: fewer side by side on a narrow one.
+struct Layout {
+    /// Where text begins.
+    margin: i32,
+    left: i32,
+    top: i32,
+    /// Of a panel.
+    width: i32,
+    side_by_side: usize,
+}
+
+impl Layout {
+    fn new(columns: usize, target: Target<'_>, top: i32) -> Self {
+        let narrow = target.is_narrow();
+        let side_by_side = if narrow { columns.clamp(1, 2) } else { columns.max(1) };
+        let (margin, left) = if narrow { (8, 84) } else { (36, 152) };
+        let count = side_by_side as i32;
+        let width = (width(target) - left - 24 - (count - 1) * GAP) / count;
+        Self { margin, left, top, width, side_by_side }
     }
 
-    fn draw_panel(&self, svg: &mut Svg, panel: &Panel, [left, top]: [f64; 2], width: f64) {
-        let bottom = top + HEIGHT;
-        let at = |[x, y]: [f64; 2]| [left + self.x.place(x) * width, bottom - self.y.place(y) * HEIGHT];
-        for tick in self.y.ticks(6) {
-            let [_, y] = at([0.0, tick]);
-            svg.line([left, y], [left + width, y], Ink::Grid, 1.0, "");
-        }
-        for tick in self.x.ticks(5) {
-            let [x, _] = at([tick, 1.0]);
-            svg.line([x, top], [x, bottom], Ink::Grid, 1.0, "");
-        }
+    /// A row's height: its name, and lines of panels with theirs.
+    fn row(&self, columns: usize) -> i32 {
+        NAMES + columns.max(1).div_ceil(self.side_by_side) as i32 * (NAMES + HEIGHT + NUMBERS)
+    }
+
+    /// The upper left corner of a panel.
+    fn corner(&self, row: usize, column: usize, columns: usize) -> (i32, i32) {
+        let (line, place) = (column / self.side_by_side, column % self.side_by_side);
+        let x = self.left + place as i32 * (self.width + GAP);
+        let top = self.top + row as i32 * self.row(columns) + NAMES;
+        (x, top + line as i32 * (NAMES + HEIGHT + NUMBERS) + NAMES)
+    }
+}
+
+impl Panels {
+    pub(super) fn draw(&self, target: Target<'_>) -> io::Result<String> {
+        let margin = Layout::new(self.columns.len(), target, 0).margin;
+        let legend = Legend::new(&self.keys, margin, width(target) - 32);
+        let above = wrapped(&format!("Upwards: {}. Across: {}.", self.y.title, self.x.title), 26.0, width(target) - 40);
+        let top = legend.height + above.len() as i32 * LINE + 12;
+        let layout = Layout::new(self.columns.len(), target, top);
+        let height = top + self.rows.len() as i32 * layout.row(self.columns.len());
+        super::svg::drawing(target, height, |area, tips| {
+            legend.draw(area)?;
+            lines(area, NAME, (margin, legend.height + 12), &above)?;
+            for (row, PanelRow { name, panels }) in self.rows.iter().enumerate() {
+                let (_, y) = layout.corner(row, 0, self.columns.len());
+                Label { bold: true, ..NAME }.draw(area, (margin, y - NAMES - 20), name)?;
+                for (column, panel) in panels.iter().enumerate() {
+                    let corner = layout.corner(row, column, self.columns.len());
+                    let title = Label { anchor: MIDDLE, ..NAME };
+                    let name = self.columns.get(column).map_or("", String::as_str);
+                    title.draw(area, (corner.0 + layout.width / 2, corner.1 - 22), name)?;
+                    let is_first = column % layout.side_by_side == 0;
+                    self.draw_panel(
+                        area,
+                        panel,
+                        corner,
+                        [layout.width, if is_first { layout.left - 8 } else { 0 }],
+                        tips,
+                    )?;
+                }
+            }
+            Ok(())
+        })
+    }
+
+    fn draw_panel(
+        &self,
+        area: &Area<'_>,
+        panel: &Panel,
+        corner: (i32, i32),
+        [width, left]: [i32; 2],
+        tips: &mut Tips,
+    ) -> Drawn {
+        let coordinates = [self.x.across(width), self.y.upright(HEIGHT)];
+        let plotted = Plotted::new(area, corner, [width, HEIGHT], coordinates, [left, NUMBERS])?;
         if let Some(mark) = self.mark {
-            let [_, y] = at([0.0, mark]);
-            svg.line([left, y], [left + width, y], Ink::Muted, 1.5, "6 4");
+            let (_, y) = plotted.at(0.0, mark);
+            path(area, &[(corner.0, y), (corner.0 + width, y)], Ink::Muted.stroke(3), Some([12, 8]))?;
         }
-        svg.line([left, bottom], [left + width, bottom], Ink::Muted, 1.0, "");
         for (key, curve) in self.keys.iter().zip(&panel.curves) {
-            let places: Vec<[f64; 2]> = curve.iter().map(|&point| at(point)).collect();
-            svg.polyline(&places, Ink::Key(key.colour), 1.6, if key.hollow { "7 4" } else { "" });
-            for (place, [x, y]) in places.into_iter().zip(curve) {
-                let tip = format!("{}, {}: {}", key.name, (self.x.format)(*x), (self.y.format)(*y));
-                svg.mark(place, key, MARK, &tip);
+            let places: Vec<(i32, i32)> = curve.iter().map(|&[x, y]| plotted.at(x, y)).collect();
+            path(area, &places, Ink::Key(key.colour).stroke(3), key.hollow.then_some([14, 8]))?;
+            for (at, [x, y]) in places.into_iter().zip(curve) {
+                mark(area, at, key, MARK)?;
+                tips.at(at, &format!("{}, {}: {}", key.name, (self.x.format)(*x), (self.y.format)(*y)));
             }
         }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::{Chart, Scale};
+    use crate::chart::{Chart, PALETTE, Scale};
 
     #[test]
     fn every_point_has_its_mark_and_missing_panels_are_left_out() {
@@ -122,12 +153,14 @@ mod tests {
             rows: vec![PanelRow { name: "row".to_owned(), panels: vec![panel] }],
             mark: Some(1.0),
         });
-        for target in [Target::Page, Target::File { title: "title", origin: "origin" }] {
-            let svg = chart.svg(target);
-            // Two in the legend.
-            assert_eq!(svg.matches("<circle").count(), 5);
-            assert_eq!(svg.matches("<polyline").count(), 2);
-            assert!(["here", "there", "row", "frame", "time"].iter().all(|text| svg.contains(&format!(">{text}<"))));
+        for target in [Target::Page, Target::Phone, Target::File { title: "title", origin: "origin" }] {
+            let svg = chart.svg(target).expect("it goes to memory");
+            // Two in the legend, each with its rim.
+            assert_eq!(svg.matches("<circle").count(), 2 * 5);
+            assert!(svg.matches(&format!("stroke=\"#{:06X}\" stroke-width=\"3\"", PALETTE[0].0)).count() == 1);
+            assert!(["here", "row"].iter().all(|text| svg.contains(&format!(">\n{text}\n<"))));
+            assert!(svg.contains("Upwards: time. Across: frame."));
+            assert!(!svg.contains("there"));
         }
     }
 }

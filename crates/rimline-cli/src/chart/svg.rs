@@ -1,26 +1,48 @@
-//! SVG, written down shape by shape.
+//! The drawing that every plot begins with: plotters' SVG backend, colours, text, marks and the legend.
+//!
+//! Lengths are halves of a CSS pixel, since plotters places shapes on whole numbers; they are the pixels of the PNG file.
 
 use std::fmt::Write as _;
+use std::io;
 
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::Coordinate;
 use super::{Key, Target};
 use crate::shown::Text;
 
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<io::Error>>;
+
 /// Colours of keys, told apart by people who do not see all colours (Okabe and Ito, "Color Universal Design", 2008),
 /// for a light and for a dark ground; the dark ones are lifted where the original would sink.
-pub(crate) const PALETTE: [(&str, &str); 8] = [
-    ("#D55E00", "#E8793A"),
-    ("#B97700", "#E69F00"),
-    ("#0072B2", "#4BA3E0"),
-    ("#3A93C9", "#8CCBF0"),
-    ("#00805F", "#2FC397"),
-    ("#B0568C", "#D98BB9"),
-    ("#5B5B5B", "#B4B4B4"),
-    ("#8A7B00", "#E0D34A"),
+pub(crate) const PALETTE: [(u32, u32); 8] = [
+    (0xD5_5E00, 0xE8_793A),
+    (0xB9_7700, 0xE6_9F00),
+    (0x00_72B2, 0x4B_A3E0),
+    (0x3A_93C9, 0x8C_CBF0),
+    (0x00_805F, 0x2F_C397),
+    (0xB0_568C, 0xD9_8BB9),
+    (0x5B_5B5B, 0xB4_B4B4),
+    (0x8A_7B00, 0xE0_D34A),
 ];
 
-/// A colour by its role.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Ink {
+/// The other colours on a light ground, by the names of the page's CSS variables.
+pub(crate) const ROLES: [(&str, u32); 6] = [
+    ("text", 0x1B_1F24),
+    ("muted", 0x59_636E),
+    ("grid", 0xDD_E2E7),
+    ("ground", 0xFF_FFFF),
+    ("band", 0xED_F5F0),
+    ("link", 0xB9_C2CB),
+];
+
+/// A colour by its role; the first ones in the order of [`ROLES`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ink {
     Text,
     Muted,
     Grid,
@@ -30,217 +52,216 @@ pub(crate) enum Ink {
     Key(usize),
 }
 
-/// Where a text's given point is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Anchor {
-    Start,
-    Middle,
-    End,
+impl Ink {
+    pub(super) fn rgb(self) -> RGBColor {
+        let role = match self {
+            Self::Text => 0,
+            Self::Muted => 1,
+            Self::Grid => 2,
+            Self::Ground => 3,
+            Self::Band => 4,
+            Self::Link => 5,
+            Self::Key(index) => return rgb(PALETTE[index % PALETTE.len()].0),
+        };
+        rgb(ROLES[role].1)
+    }
+
+    pub(super) fn stroke(self, width: u32) -> ShapeStyle {
+        self.rgb().stroke_width(width)
+    }
 }
 
-/// A text's place and look.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Label {
-    pub(crate) x: f64,
-    /// Of the baseline.
-    pub(crate) y: f64,
-    pub(crate) size: f64,
-    pub(crate) anchor: Anchor,
-    pub(crate) ink: Ink,
-    pub(crate) bold: bool,
+fn rgb(hex: u32) -> RGBColor {
+    RGBColor((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
-/// A drawing under way.
-#[derive(Debug)]
-pub(crate) struct Svg {
-    width: f64,
-    height: f64,
-    on_page: bool,
-    /// Moves everything down, for a heading.
-    top: f64,
-    body: String,
+/// Font sizes.
+pub(super) const SMALL: f64 = 24.0;
+pub(super) const NORMAL: f64 = 26.0;
+/// A bar or line of text in a list.
+pub(super) const LINE: i32 = 34;
+
+/// Where a text's given point is; vertically it is the middle.
+pub(super) const START: HPos = HPos::Left;
+pub(super) const MIDDLE: HPos = HPos::Center;
+pub(super) const END: HPos = HPos::Right;
+
+/// A text's look.
+#[derive(Clone, Copy)]
+pub(super) struct Label {
+    pub(super) size: f64,
+    pub(super) ink: Ink,
+    pub(super) bold: bool,
+    pub(super) anchor: HPos,
 }
 
-/// Heights that a file's heading and its line below take.
-const HEADING: f64 = 46.0;
-const ORIGIN: f64 = 30.0;
+pub(super) const TICK: Label = Label { size: SMALL, ink: Ink::Muted, bold: false, anchor: MIDDLE };
+pub(super) const NAME: Label = Label { size: NORMAL, ink: Ink::Text, bold: false, anchor: START };
 
-impl Svg {
-    /// An empty drawing of this size, heading and last line of a file not counted.
-    pub(crate) fn new(width: f64, height: f64, target: Target<'_>) -> Self {
-        let mut svg = Self { width, height, on_page: true, top: 0.0, body: String::new() };
-        if let Target::File { title, origin } = target {
-            svg.on_page = false;
-            let heading = Label { x: 18.0, y: 32.0, size: 19.0, anchor: Anchor::Start, ink: Ink::Text, bold: true };
-            svg.text(heading, title);
-            let y = HEADING + height + 16.0;
-            svg.text(Label { y, size: 12.0, ink: Ink::Muted, bold: false, ..heading }, origin);
-            svg.top = HEADING;
-            svg.height += HEADING + ORIGIN;
+impl Label {
+    /// `font-size` in the SVG is plotters' size ÷ 1.24.
+    pub(super) fn style(self) -> TextStyle<'static> {
+        let weight = if self.bold { FontStyle::Bold } else { FontStyle::Normal };
+        let font = FontDesc::new(FontFamily::Name("Ubuntu"), self.size * 1.24, weight);
+        let (color, pos) = (self.ink.rgb().to_backend_color(), Pos::new(self.anchor, VPos::Center));
+        TextStyle { color, pos, ..TextStyle::from(font) }
+    }
+
+    pub(super) fn draw(self, area: &Area<'_>, at: (i32, i32), text: &str) -> Drawn {
+        if text.is_empty() { Ok(()) } else { area.draw(&Text::new(text.to_owned(), at, self.style())) }
+    }
+}
+
+/// How wide a plot is drawn: for a page on a wide screen and for files, or for a phone.
+pub(super) fn width(target: Target<'_>) -> i32 {
+    if target.is_narrow() { 692 } else { 1920 }
+}
+
+/// What pointers are told: places in the drawing with their texts.
+#[derive(Debug, Default)]
+pub(super) struct Tips(Vec<([i32; 4], String)>);
+
+impl Tips {
+    pub(super) fn at(&mut self, (x, y): (i32, i32), tip: &str) {
+        self.over((x - 16, y - 16), (x + 16, y + 16), tip);
+    }
+
+    pub(super) fn over(&mut self, low: (i32, i32), high: (i32, i32), tip: &str) {
+        self.0.push(([low.0, low.1, high.0, high.1], tip.to_owned()));
+    }
+
+    /// Transparent shapes on top of everything; plotters has no titles.
+    fn svg(&self) -> String {
+        let mut svg = String::new();
+        for ([left, top, right, bottom], tip) in self.0.iter().filter(|(_, tip)| !tip.is_empty()) {
+            let (width, height) = (right - left, bottom - top);
+            let _ = writeln!(
+                svg,
+                "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"none\" \
+                 pointer-events=\"all\"><title>{}</title></rect>",
+                escape(tip)
+            );
         }
         svg
     }
+}
 
-    fn colour(&self, ink: Ink) -> String {
-        let fixed = |name: &str, value: &str| if self.on_page { format!("var(--{name})") } else { value.to_owned() };
-        match ink {
-            Ink::Text => fixed("text", "#1B1F24"),
-            Ink::Muted => fixed("muted", "#59636E"),
-            Ink::Grid => fixed("grid", "#DDE2E7"),
-            Ink::Ground => fixed("ground", "#FFFFFF"),
-            Ink::Link => fixed("link", "#B9C2CB"),
-            Ink::Band => fixed("band", "#EDF5F0"),
-            Ink::Key(index) => {
-                let index = index % PALETTE.len();
-                fixed(&format!("key{index}"), PALETTE[index].0)
+/// A drawing of this height, heading and last line of a file not counted. `paint` gets the area between those.
+pub(super) fn drawing(
+    target: Target<'_>,
+    height: i32,
+    paint: impl FnOnce(&Area<'_>, &mut Tips) -> Drawn,
+) -> io::Result<String> {
+    const HEADING: i32 = 92;
+    const ORIGIN: i32 = 60;
+    let mut svg = String::new();
+    let mut tips = Tips::default();
+    let width = width(target);
+    let paint_all = |svg: &mut String, tips: &mut Tips| -> Drawn {
+        let Target::File { title, origin } = target else {
+            let root = SVGBackend::with_string(svg, (width as u32, height as u32)).into_drawing_area();
+            paint(&root, tips)?;
+            return root.present();
+        };
+        let size = (width as u32, (height + HEADING + ORIGIN) as u32);
+        let root = SVGBackend::with_string(svg, size).into_drawing_area();
+        root.fill(&Ink::Ground.rgb())?;
+        Label { size: 38.0, bold: true, ..NAME }.draw(&root, (36, 54), title)?;
+        Label { anchor: START, ..TICK }.draw(&root, (36, HEADING + height + 24), origin)?;
+        paint(&root.margin(HEADING, ORIGIN, 0, 0), tips)?;
+        root.present()
+    };
+    paint_all(&mut svg, &mut tips).map_err(io::Error::other)?;
+    if let Target::File { .. } = target {
+        return Ok(svg.replacen(">\n", &format!(">\n<style>{}</style>\n", weights()), 1));
+    }
+    // HTML knows what an svg element is, and its style gives it a width.
+    let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
+    Ok(if let Target::Page = target { svg.replacen("</svg>", &format!("{}</svg>", tips.svg()), 1) } else { svg })
+}
+
+/// The files' only font has one weight, a thin one; an outline in a text's colour makes it bolder.
+fn weights() -> String {
+    let mut css = "text { stroke-width: 0.3px } text[font-weight=\"bold\"] { stroke-width: 1px }".to_owned();
+    for hex in ROLES.iter().map(|role| role.1).chain(PALETTE.map(|colours| colours.0)) {
+        let _ = write!(css, " text[fill=\"#{hex:06X}\"] {{ stroke: #{hex:06X} }}");
+    }
+    css
+}
+
+/// A key's mark.
+pub(super) fn mark(area: &Area<'_>, (x, y): (i32, i32), key: &Key, size: f64) -> Drawn {
+    let ink = Ink::Key(key.colour);
+    let corners: &[[f64; 2]] = match key.shape % 5 {
+        0 => {
+            let radius = size.round() as i32;
+            if key.hollow {
+                return area.draw(&Circle::new((x, y), radius, ink.stroke(4)));
             }
+            area.draw(&Circle::new((x, y), radius + 2, Ink::Ground.rgb().filled()))?;
+            return area.draw(&Circle::new((x, y), radius, ink.rgb().filled()));
         }
+        1 => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
+        2 => &[[0.0, -1.25], [1.15, 0.85], [-1.15, 0.85]],
+        3 => &[[0.0, -1.35], [1.35, 0.0], [0.0, 1.35], [-1.35, 0.0]],
+        _ => &[[0.0, 1.25], [1.15, -0.85], [-1.15, -0.85]],
+    };
+    let outline = |size: f64| -> Vec<(i32, i32)> {
+        let at = |[dx, dy]: [f64; 2]| (x + (dx * size).round() as i32, y + (dy * size).round() as i32);
+        corners.iter().map(|&corner| at(corner)).collect()
+    };
+    if key.hollow {
+        return closed(area, outline(size), ink.stroke(4));
     }
+    area.draw(&Polygon::new(outline(size + 3.0), Ink::Ground.rgb().filled()))?;
+    area.draw(&Polygon::new(outline(size), ink.rgb().filled()))
+}
 
-    pub(crate) fn text(&mut self, label: Label, text: &str) {
-        let Label { x, y, size, anchor, ink, bold } = label;
-        let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
-        };
-        let colour = self.colour(ink);
-        // The files' only font has one weight; a thin outline in its colour makes it bolder.
-        let weight = match (bold, self.on_page) {
-            (true, true) => " font-weight=\"600\"".to_owned(),
-            (true, false) => format!(" stroke=\"{colour}\" stroke-width=\"{:.2}\"", size * 0.036),
-            (false, true) => String::new(),
-            (false, false) => format!(" stroke=\"{colour}\" stroke-width=\"{:.2}\"", size * 0.012),
-        };
-        let y = y + self.top;
-        let _ = writeln!(
-            self.body,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{colour}\"{weight}>{}</text>",
-            escape(text)
-        );
-    }
+/// The outline of a polygon.
+pub(super) fn closed(area: &Area<'_>, mut corners: Vec<(i32, i32)>, style: ShapeStyle) -> Drawn {
+    corners.extend(corners.first().copied().into_iter().chain(corners.get(1).copied()).collect::<Vec<_>>());
+    area.draw(&PathElement::new(corners, style))
+}
 
-    /// A text that runs upwards, its middle at a point.
-    pub(crate) fn upright_text(&mut self, x: f64, y: f64, size: f64, text: &str) {
-        let y = y + self.top;
-        let top = std::mem::take(&mut self.top);
-        let _ = write!(self.body, "<g transform=\"translate({x:.1} {y:.1}) rotate(-90)\">");
-        self.text(Label { x: 0.0, y: 0.0, size, anchor: Anchor::Middle, ink: Ink::Text, bold: false }, text);
-        self.body.push_str("</g>\n");
-        self.top = top;
-    }
-
-    pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], ink: Ink, width: f64, dash: &str) {
-        let (colour, top) = (self.colour(ink), self.top);
-        let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
-        let _ = writeln!(
-            self.body,
-            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>",
-            from[0],
-            from[1] + top,
-            to[0],
-            to[1] + top
-        );
-    }
-
-    pub(crate) fn polyline(&mut self, points: &[[f64; 2]], ink: Ink, width: f64, dash: &str) {
-        let (colour, top) = (self.colour(ink), self.top);
-        let dash = if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") };
-        let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{:.1}", y + top)).collect();
-        let _ = writeln!(
-            self.body,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{dash}/>",
-            points.join(" ")
-        );
-    }
-
-    /// A filled rectangle with what a pointer on it is told.
-    pub(crate) fn rectangle(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], ink: Ink, tip: &str) {
-        let (colour, y) = (self.colour(ink), y + self.top);
-        let _ = writeln!(
-            self.body,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{height:.1}\" fill=\"{colour}\">{}</rect>",
-            width.max(0.0),
-            title(tip)
-        );
-    }
-
-    /// A key's bar: filled, or an outline.
-    pub(crate) fn bar(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], key: &Key, tip: &str) {
-        if !key.hollow {
-            return self.rectangle([x, y], [width, height], Ink::Key(key.colour), tip);
-        }
-        let [colour, ground] = [Ink::Key(key.colour), Ink::Ground].map(|ink| self.colour(ink));
-        let (x, y, width, height) = (x + 1.0, y + 1.0 + self.top, (width - 2.0).max(0.5), height - 2.0);
-        let _ = writeln!(
-            self.body,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{ground}\" \
-             stroke=\"{colour}\" stroke-width=\"2\">{}</rect>",
-            title(tip)
-        );
-    }
-
-    /// A key's mark with what a pointer on it is told.
-    pub(crate) fn mark(&mut self, [x, y]: [f64; 2], key: &Key, size: f64, tip: &str) {
-        let (colour, y) = (self.colour(Ink::Key(key.colour)), y + self.top);
-        let look = if key.hollow {
-            // Not filled, so that a mark beneath it shows; a pointer finds its inside all the same.
-            format!("fill=\"none\" pointer-events=\"all\" stroke=\"{colour}\" stroke-width=\"2\"")
-        } else {
-            format!("fill=\"{colour}\" stroke=\"{}\" stroke-width=\"1\"", self.colour(Ink::Ground))
-        };
-        let path = |corners: &[[f64; 2]]| {
-            let corners: Vec<String> =
-                corners.iter().map(|[dx, dy]| format!("{:.1},{:.1}", x + dx * size, y + dy * size)).collect();
-            format!("<polygon points=\"{}\" {look}>{}</polygon>", corners.join(" "), title(tip))
-        };
-        let shape = match key.shape % 5 {
-            0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size:.1}\" {look}>{}</circle>", title(tip)),
-            1 => path(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]]),
-            2 => path(&[[0.0, -1.25], [1.15, 0.85], [-1.15, 0.85]]),
-            3 => path(&[[0.0, -1.35], [1.35, 0.0], [0.0, 1.35], [-1.35, 0.0]]),
-            _ => path(&[[0.0, 1.25], [1.15, -0.85], [-1.15, -0.85]]),
-        };
-        self.body.push_str(&shape);
-        self.body.push('\n');
-    }
-
-    /// A row of keys with their names, broken into lines. Returns the height it took.
-    pub(crate) fn legend(&mut self, keys: &[Key], left: f64, top: f64, right: f64) -> f64 {
-        const LINE: f64 = 22.0;
-        let (mut x, mut y) = (left, top + 11.0);
-        for key in keys {
-            let width = 20.0 + text_width(&key.name, 13.0) + 20.0;
-            if x + width - 20.0 > right && x > left {
-                (x, y) = (left, y + LINE);
-            }
-            self.mark([x + 6.0, y], key, 5.5, "");
-            let label =
-                Label { x: x + 18.0, y: y + 4.5, size: 13.0, anchor: Anchor::Start, ink: Ink::Text, bold: false };
-            self.text(label, &key.name);
-            x += width;
-        }
-        y - top + 11.0
-    }
-
-    pub(crate) fn finish(self) -> String {
-        let Self { width, height, on_page, body, .. } = self;
-        let ground = if on_page {
-            String::new()
-        } else {
-            "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n".to_owned()
-        };
-        // HTML knows what an svg element is; a file by itself has to say so.
-        let (font, space) = if on_page { ("inherit", "") } else { ("Ubuntu", "xmlns=\"http://www.w3.org/2000/svg\" ") };
-        format!(
-            "<svg {space}viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-             height=\"{height:.0}\" font-family=\"{font}\">\n{ground}{body}</svg>\n"
-        )
+/// A path that is dashed or not.
+pub(super) fn path(area: &Area<'_>, points: &[(i32, i32)], style: ShapeStyle, dash: Option<[i32; 2]>) -> Drawn {
+    match dash {
+        Some([dash, gap]) => area.draw(&DashedPathElement::new(points.iter().copied(), dash, gap, style)),
+        None => area.draw(&PathElement::new(points.to_vec(), style)),
     }
 }
 
-fn title(tip: &str) -> String {
-    if tip.is_empty() { String::new() } else { format!("<title>{}</title>", escape(tip)) }
+/// Keys with their names in rows.
+pub(super) struct Legend<'a> {
+    places: Vec<((i32, i32), &'a Key)>,
+    /// What it takes, with the space below it.
+    pub(super) height: i32,
+}
+
+impl<'a> Legend<'a> {
+    pub(super) fn new(keys: impl IntoIterator<Item = &'a Key>, left: i32, right: i32) -> Self {
+        const STEP: i32 = 44;
+        let (mut x, mut y) = (left, 30);
+        let mut places = Vec::new();
+        for key in keys {
+            let width = 40 + text_width(&key.name, NORMAL) + 40;
+            if x + width - 40 > right && x > left {
+                (x, y) = (left, y + STEP);
+            }
+            places.push(((x, y), key));
+            x += width;
+        }
+        let height = if places.is_empty() { 0 } else { y + 40 };
+        Self { places, height }
+    }
+
+    pub(super) fn draw(&self, area: &Area<'_>) -> Drawn {
+        for &((x, y), key) in &self.places {
+            mark(area, (x + 12, y), key, 11.0)?;
+            NAME.draw(area, (x + 36, y), &key.name)?;
+        }
+        Ok(())
+    }
 }
 
 /// Text as it stands in XML and HTML.
@@ -249,12 +270,78 @@ pub(crate) fn escape(text: &str) -> String {
 }
 
 /// About how wide a text is, a little more rather than less; fonts differ.
-pub(crate) fn text_width(text: &str, size: f64) -> f64 {
+pub(super) fn text_width(text: &str, size: f64) -> i32 {
     let of = |c: char| match c {
         'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' | '(' | ')' | '-' => 0.34,
         'm' | 'w' | 'M' | 'W' | '—' | '…' => 0.92,
         'A'..='Z' => 0.7,
         _ => 0.61,
     };
-    size * text.chars().map(of).sum::<f64>()
+    (size * text.chars().map(of).sum::<f64>()).ceil() as i32
+}
+
+/// The parts of a text that is broken between words where it is wider than `width`.
+pub(super) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line} {word}"), size) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Axes with a grid, whose places are asked for.
+pub(super) struct Plotted<'a> {
+    chart: ChartContext<'a, SVGBackend<'a>, Cartesian2d<Coordinate, Coordinate>>,
+    base: (i32, i32),
+}
+
+/// Height of a horizontal axis' numbers.
+pub(super) const NUMBERS: i32 = 62;
+
+impl<'a> Plotted<'a> {
+    /// The grid over a part of `area`, numbers of the y axis in `left` pixels of it and those of the x axis below where
+    /// `has_numbers` says so. `corner` is the grid's upper left corner.
+    pub(super) fn new(
+        area: &Area<'a>,
+        corner: (i32, i32),
+        [width, height]: [i32; 2],
+        [x, y]: [Coordinate; 2],
+        [left, below]: [i32; 2],
+    ) -> Drawn<Self> {
+        let part = area.clone().shrink((corner.0 - left, corner.1), (width + left, height + below));
+        let mut chart =
+            ChartBuilder::on(&part).y_label_area_size(left).x_label_area_size(below).build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(Ink::Grid.stroke(2))
+            .axis_style(Ink::Muted.stroke(2))
+            .label_style(TICK.style())
+            .set_all_tick_mark_size(8)
+            .draw()?;
+        Ok(Self { chart, base: area.get_base_pixel() })
+    }
+
+    /// Where a pair of numbers is in the area.
+    pub(super) fn at(&self, x: f64, y: f64) -> (i32, i32) {
+        let (x, y) = self.chart.backend_coord(&(x, y));
+        (x - self.base.0, y - self.base.1)
+    }
+}
+
+/// Lines of text below each other, the first one at a point.
+pub(super) fn lines(area: &Area<'_>, label: Label, (x, y): (i32, i32), texts: &[String]) -> Drawn {
+    (0..).zip(texts).try_for_each(|(line, text)| label.draw(area, (x, y + line * LINE), text))
+}
+
+/// A text that runs upwards, its middle at a point.
+pub(super) fn upright(area: &Area<'_>, at: (i32, i32), text: &str) -> Drawn {
+    let style = Label { anchor: MIDDLE, ..NAME }.style().transform(FontTransform::Rotate270);
+    area.draw(&Text::new(text.to_owned(), at, style))
 }

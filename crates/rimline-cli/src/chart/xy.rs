@@ -1,7 +1,15 @@
 //! A plane with two axes: curves from point to point, or points alone.
 
-use super::axis::Axis;
-use super::svg::{Anchor, Ink, Label, Svg, text_width};
+use std::io;
+
+use plotters::prelude::*;
+
+use super::axis::{Axis, Coordinate};
+use super::labels::{Extent, Room, spread};
+use super::svg::{
+    Area, Drawn, END, Ink, LINE, Label, Legend, MIDDLE, NAME, NUMBERS, Plotted, SMALL, START, TICK, Tips, lines, mark,
+    path, text_width, upright, width, wrapped,
+};
 use super::{Key, Target};
 
 /// Curves or points over two axes.
@@ -47,168 +55,199 @@ pub(crate) struct ZeroBand {
     pub(crate) title: String,
 }
 
-const WIDTH: f64 = 960.0;
-const LEFT: f64 = 86.0;
-const PLOT: f64 = 380.0;
-const LANE: f64 = 17.0;
-const MARK: f64 = 5.5;
-const SMALL: f64 = 12.0;
-/// Of a point's label.
-const HEIGHT: f64 = 13.0;
+const MARK: f64 = 11.0;
+/// Between the plane and the strip of zeros.
+const STRIP: i32 = 24;
 /// How much wider bold text is.
 const BOLD: f64 = 1.2;
+const DASH: [i32; 2] = [14, 8];
 
-/// Left, top, right and bottom of something that must not be covered.
-type Extent = [f64; 4];
+/// Where everything lies.
+struct Layout {
+    narrow: bool,
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+    /// Below the strip of zeros.
+    floor: i32,
+    titles: [Vec<String>; 2],
+}
 
-/// Where the axes lie.
-struct Frame {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
+/// The layout with its coordinates drawn.
+struct Frame<'a> {
+    layout: Layout,
+    plane: Plotted<'a>,
+    strip: Option<Plotted<'a>>,
 }
 
 impl Plane {
-    fn keys(&self) -> Vec<Key> {
-        self.curves.iter().map(|curve| curve.key.clone()).collect()
-    }
-
-    pub(super) fn draw(&self, target: Target<'_>) -> Svg {
-        let margin = if self.joined {
-            self.curves.iter().map(|curve| text_width(&curve.key.name, 13.0)).fold(0.0, f64::max) * BOLD + 26.0
-        } else {
-            24.0
+    /// What the legend names; nothing where names stand at the curves' ends.
+    fn keys(&self, narrow: bool) -> Vec<Key> {
+        let named = |curve: &Curve| match curve.remark.as_str() {
+            "" => curve.key.clone(),
+            remark => Key { name: format!("{}: {remark}", curve.key.name), ..curve.key.clone() },
         };
-        let lanes = if self.zero.is_some() { 12.0 + LANE * self.curves.len() as f64 } else { 0.0 };
-        // The legend's height shows only once it is drawn.
-        let legend =
-            |svg: &mut Svg| if self.joined { 12.0 } else { svg.legend(&self.keys(), LEFT, 6.0, WIDTH - 20.0) + 14.0 };
-        let top = legend(&mut Svg::new(WIDTH, 0.0, target));
-        let frame = Frame { left: LEFT, right: WIDTH - margin.min(420.0), top, bottom: top + PLOT };
-        let mut svg = Svg::new(WIDTH, frame.bottom + lanes + 54.0, target);
-        legend(&mut svg);
-        self.draw_axes(&mut svg, &frame, frame.bottom + lanes);
-        if !self.joined {
-            for (_, places) in self.labelled(&frame) {
-                svg.polyline(&places, Ink::Link, 1.5, "");
-            }
-        }
-        let taken = self.draw_points(&mut svg, &frame);
-        if self.joined {
-            self.draw_end_labels(&mut svg, &frame);
-        } else {
-            self.draw_point_labels(&mut svg, &frame, taken);
-        }
-        svg
+        if self.joined && !narrow { Vec::new() } else { self.curves.iter().map(named).collect() }
     }
 
-    fn is_in_band(&self, point: &Point) -> bool {
+    fn layout(&self, target: Target<'_>, legend: &Legend<'_>) -> Layout {
+        let narrow = target.is_narrow();
+        let names = self.curves.iter().map(|curve| text_width(&curve.key.name, 26.0));
+        let margin = match (narrow, self.joined) {
+            (true, _) => 28,
+            (false, false) => 48,
+            (false, true) => ((f64::from(names.fold(0, i32::max)) * BOLD) as i32 + 52).min(840),
+        };
+        let (left, right) = (if narrow { 104 } else { 172 }, width(target) - margin);
+        // A narrow plane has no room for a title beside it.
+        let above = if narrow { wrapped(&self.y.title, SMALL, right) } else { Vec::new() };
+        let below = wrapped(&self.x.title, 26.0, right - left);
+        let top = legend.height + above.len() as i32 * LINE + 24;
+        let bottom = top + if narrow { 600 } else { 760 };
+        let strip = if self.zero.is_some() { STRIP + LINE * self.curves.len() as i32 } else { 0 };
+        Layout { narrow, left, right, top, bottom, floor: bottom + strip, titles: [above, below] }
+    }
+
+    pub(super) fn draw(&self, target: Target<'_>) -> io::Result<String> {
+        let keys = self.keys(target.is_narrow());
+        let legend = Legend::new(&keys, if target.is_narrow() { 8 } else { 172 }, width(target) - 40);
+        let layout = self.layout(target, &legend);
+        let height = layout.floor + NUMBERS + layout.titles[1].len() as i32 * LINE + 16;
+        super::svg::drawing(target, height, |area, tips| {
+            legend.draw(area)?;
+            let frame = self.draw_axes(area, layout)?;
+            let mut room = Room::default();
+            if !self.joined {
+                for (_, places) in self.labelled(&frame) {
+                    room.take_line(&places);
+                    path(area, &places, Ink::Link.stroke(3), None)?;
+                }
+            }
+            self.draw_points(area, &frame, &mut room, tips)?;
+            self.draw_mark(area, &frame, &mut room)?;
+            match (self.joined, frame.layout.narrow) {
+                (true, false) => self.draw_end_labels(area, &frame),
+                (true, true) => Ok(()),
+                (false, _) => self.draw_point_labels(area, &frame, &mut room),
+            }
+        })
+    }
+
+    fn is_in_strip(&self, point: &Point) -> bool {
         self.zero.is_some() && point.y <= 0.0
     }
 
-    fn place(&self, frame: &Frame, curve: usize, x: f64, y: f64) -> [f64; 2] {
-        let across = frame.left + self.x.place(x) * (frame.right - frame.left);
-        let up = if self.zero.is_some() && y <= 0.0 {
-            frame.bottom + 12.0 + LANE * (curve as f64 + 0.5)
-        } else {
-            frame.bottom - self.y.place(y) * (frame.bottom - frame.top)
+    fn draw_axes<'a>(&self, area: &Area<'a>, layout: Layout) -> Drawn<Frame<'a>> {
+        let Layout { narrow, left, right, top, bottom, floor, .. } = layout;
+        let size = [right - left, bottom - top];
+        let (x, y) = (self.x.across(size[0]), self.y.upright(size[1]));
+        let numbers = if self.zero.is_some() { 0 } else { NUMBERS };
+        let plane = Plotted::new(area, (left, top), size, [x.clone(), y], [left - 8, numbers])?;
+        let strip = match &self.zero {
+            None => None,
+            Some(zero) => {
+                let corner = (left, bottom + STRIP);
+                let ground = Rectangle::new([corner, (right, floor)], Ink::Band.rgb().filled());
+                area.draw(&ground)?;
+                let size = [right - left, floor - bottom - STRIP];
+                let title = wrapped(&zero.title, SMALL, left - 24);
+                let middle = i32::midpoint(corner.1, floor) - title.len() as i32 * LINE / 2;
+                let big = Label { size: 30.0, ink: Ink::Text, bold: true, anchor: END };
+                big.draw(area, (left - 16, middle), "0")?;
+                lines(area, Label { anchor: END, ..TICK }, (left - 16, middle + LINE), &title)?;
+                let rows = Coordinate::rows(self.curves.len() as i32);
+                Some(Plotted::new(area, corner, size, [x, rows], [0, NUMBERS])?)
+            }
         };
-        [across, up]
+        let [above, below] = &layout.titles;
+        if !narrow {
+            upright(area, (36, i32::midpoint(top, bottom)), &self.y.title)?;
+        }
+        lines(area, Label { size: SMALL, ..NAME }, (8, top - above.len() as i32 * LINE - 4), above)?;
+        let middle = i32::midpoint(left, right);
+        lines(area, Label { anchor: MIDDLE, ..NAME }, (middle, floor + NUMBERS + 8), below)?;
+        Ok(Frame { layout, plane, strip })
     }
 
-    fn draw_axes(&self, svg: &mut Svg, frame: &Frame, floor: f64) {
-        let Frame { left, right, top, bottom } = *frame;
-        let small = Label { x: 0.0, y: 0.0, size: SMALL, anchor: Anchor::End, ink: Ink::Muted, bold: false };
-        if let Some(zero) = &self.zero {
-            svg.rectangle([left, bottom + 12.0], [right - left, floor - bottom - 12.0], Ink::Band, "");
-            let y = f64::midpoint(bottom + 12.0, floor);
-            svg.text(Label { x: left - 8.0, y: y - 2.0, ink: Ink::Text, bold: true, size: 15.0, ..small }, "0");
-            svg.text(Label { x: left - 8.0, y: y + 13.0, ..small }, &zero.title);
+    /// Where a point of a curve is.
+    fn place(frame: &Frame<'_>, curve: usize, x: f64, y: f64) -> (i32, i32) {
+        match &frame.strip {
+            Some(strip) if y <= 0.0 => strip.at(x, curve as f64 + 0.5),
+            _ => frame.plane.at(x, y),
         }
-        for tick in self.y.ticks(9) {
-            let y = bottom - self.y.place(tick) * (bottom - top);
-            svg.line([left, y], [right, y], Ink::Grid, 1.0, "");
-            svg.text(Label { x: left - 8.0, y: y + 4.0, ..small }, &(self.y.format)(tick));
-        }
-        for tick in self.x.ticks(10) {
-            let x = left + self.x.place(tick) * (right - left);
-            svg.line([x, top], [x, floor], Ink::Grid, 1.0, "");
-            svg.text(Label { x, y: floor + 18.0, anchor: Anchor::Middle, ..small }, &(self.x.format)(tick));
-        }
-        svg.line([left, floor], [right, floor], Ink::Muted, 1.0, "");
-        if let Some((value, name)) = &self.mark {
-            let y = bottom - self.y.place(*value) * (bottom - top);
-            svg.line([left, y], [right, y], Ink::Muted, 1.5, "6 4");
-            svg.text(Label { x: right - 8.0, y: y - 6.0, anchor: Anchor::End, ..small }, name);
-        }
-        let title = Label { size: 13.0, ink: Ink::Text, anchor: Anchor::Middle, ..small };
-        svg.text(Label { x: f64::midpoint(left, right), y: floor + 42.0, ..title }, &self.x.title);
-        svg.upright_text(20.0, f64::midpoint(top, bottom), 13.0, &self.y.title);
     }
 
-    /// Draws what is no text, and says where marks are.
-    fn draw_points(&self, svg: &mut Svg, frame: &Frame) -> Vec<Extent> {
-        let mut taken = Vec::new();
+    /// A dashed line with its name, where that covers nothing.
+    fn draw_mark(&self, area: &Area<'_>, frame: &Frame<'_>, room: &mut Room) -> Drawn {
+        let Some((value, name)) = &self.mark else { return Ok(()) };
+        let Layout { left, right, top, bottom, .. } = frame.layout;
+        let (_, y) = frame.plane.at(1.0, *value);
+        path(area, &[(left, y), (right, y)], Ink::Muted.stroke(3), Some([12, 8]))?;
+        let room_right = right - text_width(name, SMALL) - 12;
+        let starts = (left + 12..room_right.max(left + 13)).rev().step_by(20).flat_map(|x| [(x, y - 22), (x, y + 22)]);
+        match room.find(name, SMALL, [left, top, right, bottom], starts) {
+            Some(at) => Label { anchor: START, ..TICK }.draw(area, at, name),
+            None => Ok(()),
+        }
+    }
+
+    /// Draws what is no text.
+    fn draw_points(&self, area: &Area<'_>, frame: &Frame<'_>, room: &mut Room, tips: &mut Tips) -> Drawn {
         for (index, Curve { key, points, .. }) in self.curves.iter().enumerate() {
             let ink = Ink::Key(key.colour);
-            let places: Vec<[f64; 2]> = points.iter().map(|point| self.place(frame, index, point.x, point.y)).collect();
+            let places: Vec<(i32, i32)> =
+                points.iter().map(|point| Self::place(frame, index, point.x, point.y)).collect();
             if self.joined {
-                svg.polyline(&places, ink, 2.0, if key.hollow { "7 4" } else { "" });
+                path(area, &places, ink.stroke(4), key.hollow.then_some(DASH))?;
+                room.take_line(&places);
             }
-            for (point, &[x, y]) in points.iter().zip(&places) {
+            for (point, &(x, _)) in points.iter().zip(&places) {
                 if let Some((low, high)) = point.spread {
-                    let [[_, low], [_, high]] = [low, high].map(|value| self.place(frame, index, point.x, value));
-                    if low - high > 2.0 * MARK {
-                        svg.line([x, low], [x, high], ink, 1.5, "");
+                    let [(_, low), (_, high)] = [low, high].map(|value| Self::place(frame, index, point.x, value));
+                    if f64::from(low - high) > 2.0 * MARK {
+                        path(area, &[(x, low), (x, high)], ink.stroke(3), None)?;
+                        room.take_line(&[(x, low), (x, high)]);
                     }
                 }
-                svg.mark([x, y], key, MARK, &point.tip);
-                taken.push([x - MARK, y - MARK, x + MARK, y + MARK]);
+            }
+            for (point, &at) in points.iter().zip(&places) {
+                mark(area, at, key, MARK)?;
+                room.take_mark(at, 14);
+                tips.at(at, &point.tip);
             }
         }
-        taken
+        Ok(())
     }
 
     /// Names at the curves' ends, moved apart where they would touch.
-    fn draw_end_labels(&self, svg: &mut Svg, frame: &Frame) {
+    fn draw_end_labels(&self, area: &Area<'_>, frame: &Frame<'_>) -> Drawn {
         let has_remarks = self.curves.iter().any(|curve| !curve.remark.is_empty());
-        let step = if has_remarks { 34.0 } else { 18.0 };
-        let mut ends: Vec<(f64, f64, usize)> = Vec::new();
-        for (index, curve) in self.curves.iter().enumerate() {
-            if let Some(last) = curve.points.last() {
-                let [x, y] = self.place(frame, index, last.x, last.y);
-                ends.push((y, x, index));
-            }
-        }
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut heights: Vec<f64> = ends.iter().map(|end| end.0).collect();
-        for at in 1..heights.len() {
-            heights[at] = heights[at].max(heights[at - 1] + step);
-        }
-        // What was pushed below the frame goes up again.
-        let mut lowest = frame.bottom + 6.0;
-        for height in heights.iter_mut().rev() {
-            *height = height.min(lowest);
-            lowest = *height - step;
-        }
-        for ((y, x, index), height) in ends.into_iter().zip(heights) {
-            let curve = &self.curves[index];
+        let step = if has_remarks { 68 } else { 36 };
+        let ends = self.curves.iter().enumerate().filter_map(|(index, curve)| {
+            let last = curve.points.last()?;
+            Some((Self::place(frame, index, last.x, last.y), curve))
+        });
+        let mut ends: Vec<((i32, i32), &Curve)> = ends.collect();
+        ends.sort_by_key(|((_, y), _)| *y);
+        let mut heights: Vec<i32> = ends.iter().map(|((_, y), _)| *y).collect();
+        spread(&mut heights, step, frame.layout.bottom + 12);
+        for (((x, y), curve), height) in ends.into_iter().zip(heights) {
             let ink = Ink::Key(curve.key.colour);
-            let begin = frame.right + 14.0;
-            svg.line([x + MARK + 1.0, y], [begin - 3.0, height], ink, 1.0, "");
-            let label = Label { x: begin, y: height + 4.5, size: 13.0, anchor: Anchor::Start, ink, bold: true };
-            svg.text(label, &curve.key.name);
-            svg.text(Label { y: height + 19.0, size: SMALL, ink: Ink::Muted, bold: false, ..label }, &curve.remark);
+            let begin = frame.layout.right + 28;
+            path(area, &[(x + 14, y), (begin - 6, height)], ink.stroke(2), None)?;
+            Label { ink, bold: true, ..NAME }.draw(area, (begin, height), &curve.key.name)?;
+            Label { anchor: START, ..TICK }.draw(area, (begin, height + 31), &curve.remark)?;
         }
+        Ok(())
     }
 
     /// Points of equal labels, from left to right.
-    fn labelled(&self, frame: &Frame) -> Vec<(&str, Vec<[f64; 2]>)> {
-        let mut labelled: Vec<(&str, Vec<[f64; 2]>)> = Vec::new();
+    fn labelled(&self, frame: &Frame<'_>) -> Vec<(&str, Vec<(i32, i32)>)> {
+        let mut labelled: Vec<(&str, Vec<(i32, i32)>)> = Vec::new();
         for (index, curve) in self.curves.iter().enumerate() {
-            for point in curve.points.iter().filter(|point| !point.label.is_empty() && !self.is_in_band(point)) {
-                let place = self.place(frame, index, point.x, point.y);
+            for point in curve.points.iter().filter(|point| !point.label.is_empty() && !self.is_in_strip(point)) {
+                let place = Self::place(frame, index, point.x, point.y);
                 match labelled.iter_mut().find(|(label, _)| *label == point.label) {
                     Some((_, places)) => places.push(place),
                     None => labelled.push((&point.label, vec![place])),
@@ -216,67 +255,50 @@ impl Plane {
             }
         }
         for (_, places) in &mut labelled {
-            places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            places.sort_by_key(|place| place.0);
         }
         labelled
     }
 
     /// Each label once, beside one of its points, the last if there is room, where it covers nothing; without any room
     /// it is left to the table.
-    fn draw_point_labels(&self, svg: &mut Svg, frame: &Frame, mut taken: Vec<Extent>) {
+    fn draw_point_labels(&self, area: &Area<'_>, frame: &Frame<'_>, room: &mut Room) -> Drawn {
+        let Layout { left, right, top, bottom, floor, .. } = frame.layout;
+        let extent: Extent = [left, top - 16, right, bottom + STRIP];
+        let label = Label { ink: Ink::Text, anchor: START, ..TICK };
         for (text, points) in self.labelled(frame) {
             let width = text_width(text, SMALL);
-            let beside = |&[x, y]: &[f64; 2]| {
+            let beside = |&(x, y): &(i32, i32)| {
+                let [behind, before] = [x - 20 - width, x + 20];
                 [
-                    [x + 10.0, y - 6.5],
-                    [x + 6.0, y - 20.0],
-                    [x + 6.0, y + 7.0],
-                    [x - 10.0 - width, y - 6.5],
-                    [x - 6.0 - width, y - 20.0],
-                    [x - 6.0 - width, y + 7.0],
+                    (before, y),
+                    (before - 6, y - 28),
+                    (before - 6, y + 28),
+                    (behind, y),
+                    (behind, y - 28),
+                    (behind, y + 28),
                 ]
             };
-            let places = points.iter().rev().flat_map(beside);
-            let free = places.map(|[x, y]| [x, y, x + width, y + HEIGHT]).find(|place| {
-                let is_inside = place[0] > frame.left && place[2] < frame.right && place[1] > frame.top - 8.0;
-                is_inside && !taken.iter().any(|other| overlap(place, other))
-            });
-            if let Some(place) = free {
-                // Lines behind it stay off the letters.
-                svg.rectangle([place[0] - 2.0, place[1]], [width * 0.95, HEIGHT], Ink::Ground, "");
-                let (x, y, anchor) = (place[0], place[1] + 10.5, Anchor::Start);
-                svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Text, bold: false }, text);
-                taken.push(place);
+            if let Some(at) = room.find(text, SMALL, extent, points.iter().rev().flat_map(beside)) {
+                label.draw(area, at, text)?;
             }
         }
-        self.draw_band_labels(svg, frame, taken);
-    }
-
-    /// Beside a point without error its label, where there is room on its curve's line; the last ones first, since the
-    /// others mostly lie close together.
-    fn draw_band_labels(&self, svg: &mut Svg, frame: &Frame, mut taken: Vec<Extent>) {
+        // Beside a point without error its label, where there is room on its curve's line; the last ones first, since the
+        // others mostly lie close together.
+        let extent = [left, bottom, right, floor + 16];
         for (index, curve) in self.curves.iter().enumerate() {
-            let points = curve.points.iter().filter(|point| !point.label.is_empty() && self.is_in_band(point));
-            let mut places: Vec<(f64, &str)> = Vec::new();
-            for point in points {
-                places.push((self.place(frame, index, point.x, 0.0)[0], &point.label));
-            }
-            places.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let y = self.place(frame, index, 1.0, 0.0)[1] - 0.5 * HEIGHT;
-            for (x, text) in places {
-                let width = text_width(text, SMALL);
-                let beside = [x + 9.0, x - 9.0 - width].map(|x| [x, y, x + width, y + HEIGHT]);
-                let free = beside.into_iter().find(|place| {
-                    let is_inside = place[0] > frame.left && place[2] < frame.right;
-                    is_inside && !taken.iter().any(|other| overlap(place, other))
-                });
-                if let Some(place) = free {
-                    let (x, y, anchor) = (place[0], y + 10.5, Anchor::Start);
-                    svg.text(Label { x, y, size: SMALL, anchor, ink: Ink::Muted, bold: false }, text);
-                    taken.push(place);
+            let points = curve.points.iter().filter(|point| !point.label.is_empty() && self.is_in_strip(point));
+            let mut places: Vec<((i32, i32), &str)> =
+                points.map(|point| (Self::place(frame, index, point.x, 0.0), point.label.as_str())).collect();
+            places.sort_by_key(|((x, _), _)| -x);
+            for ((x, y), text) in places {
+                let starts = [(x + 20, y), (x - 20 - text_width(text, SMALL), y)];
+                if let Some(at) = room.find(text, SMALL, extent, starts) {
+                    Label { ink: Ink::Muted, ..label }.draw(area, at, text)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// The slope of the line through a curve's points in the logarithms, by least squares; the power by which y grows
@@ -293,10 +315,6 @@ impl Plane {
         }
         (below > 0.0).then(|| above / below)
     }
-}
-
-fn overlap(a: &Extent, b: &Extent) -> bool {
-    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
 #[cfg(test)]
@@ -329,9 +347,12 @@ mod tests {
             mark: None,
             zero: Some(ZeroBand { title: "none".into() }),
         };
-        let svg = plane.draw(Target::Page).finish();
-        assert_eq!(svg.matches("<circle").count(), 21, "twenty points and the legend");
-        assert_eq!(svg.matches(">same place<").count(), 3, "once above zero, and at zero on either side of the mark");
-        assert!(svg.contains("a &lt;b&gt; &amp; c"));
+        for target in [Target::Page, Target::Phone] {
+            let svg = plane.draw(target).expect("it goes to memory");
+            let coloured = svg.matches("<circle").count();
+            assert_eq!(coloured, 2 * 21, "twenty points and the legend, each with its rim");
+            assert_eq!(svg.matches("same place\n").count(), 3, "above zero, and at zero on either side of the mark");
+            assert!(svg.contains("a &lt;b&gt; &amp; c"));
+        }
     }
 }

@@ -2,10 +2,9 @@
 
 use std::borrow::Cow;
 
-use rimline::Light;
-use rimline::Predicate;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, PoseMismatch, Predicate};
 
 use super::Found;
 use crate::input::{Scene, Shape};
@@ -17,12 +16,12 @@ pub(super) fn extract<'a>(
     method: Method,
     predicate: Predicate,
     times: &mut Times,
-) -> Found<'a> {
+) -> Result<Found<'a>, PoseMismatch> {
     let (mesh, threads) = (&scene.mesh, Threads::all());
     let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
         Shape::World(positions) => Cow::Borrowed(positions),
         Shape::Posed { model, pose } => {
-            Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads)))
+            Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads))?)
         }
     };
     let faces = mesh.faces();
@@ -37,5 +36,5 @@ pub(super) fn extract<'a>(
         }
         Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
     };
-    Found { positions, facing, masks, counts }
+    Ok(Found { positions, facing, masks, counts })
 }

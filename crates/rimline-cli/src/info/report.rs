@@ -1,7 +1,7 @@
 //! What there is to say of a mesh, gathered once for text and JSON.
 
 use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, Survey, WeldCounts};
-use rimline::{Geometry, Mesh, MeshError};
+use rimline::{Geometry, Influences, Mesh, MeshError};
 
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
@@ -23,22 +23,18 @@ pub(super) struct MeshReport {
 
 impl MeshReport {
     pub(super) fn of_geometry(geometry: &Geometry, vertices: WeldCounts) -> Result<Self, MeshError> {
-        if geometry.faces.is_empty() {
+        if geometry.faces().is_empty() {
             // A mesh of lines or points alone; no instance shows it.
-            let name = geometry.name.clone();
+            let name = geometry.name().map(str::to_owned);
             return Ok(Self { name, vertices, ..Self::default() });
         }
-        let mesh = Mesh::from_faces(geometry.positions.len(), geometry.faces.clone())?;
-        let joints = geometry
-            .influences
-            .as_ref()
-            .map(|influences| influences.offsets.windows(2).map(|pair| pair[1] - pair[0]).max());
+        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec())?;
         Ok(Self {
-            name: geometry.name.clone(),
+            name: geometry.name().map(str::to_owned),
             vertices,
-            morph_targets: geometry.morph_targets.len(),
-            joints_per_vertex: joints.flatten().unwrap_or(0) as usize,
-            ..Self::of_mesh(&mesh, &geometry.positions)
+            morph_targets: geometry.morph_targets().len(),
+            joints_per_vertex: geometry.influences().map_or(0, Influences::most_per_vertex),
+            ..Self::of_mesh(&mesh, geometry.positions())
         })
     }
 
@@ -107,15 +103,15 @@ pub(super) fn kind_name(kind: EdgeKind) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use rimline::GeometryOptions;
+
     use super::*;
 
     #[test]
     fn an_open_mesh_says_why() {
-        let geometry = Geometry {
-            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            faces: vec![[0, 1, 2], [0, 1, 3]],
-            ..Geometry::default()
-        };
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let geometry = Geometry::new(positions, vec![[0, 1, 2], [0, 1, 3]], GeometryOptions::default())
+            .expect("the indices are in range");
         let report = MeshReport::of_geometry(&geometry, WeldCounts::default()).expect("it is a mesh");
         let why = report.why_open().expect("it is open");
         assert_eq!(why, "4 edges have a face on one side only, 1 edge joins faces that are turned against each other");

@@ -5,6 +5,7 @@ use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilFaceState};
 
 use super::caster::Caster;
+use super::depth::depth_format;
 use super::painter::depth_state;
 use super::pictures::LINEAR;
 use super::studio::{Studio, Subject};
@@ -23,6 +24,7 @@ impl Glass {
     pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>) -> Self {
         let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
+        let format = depth_format(&gpu.device);
         let pipeline = |name, topology| {
             studio.kit.pipeline(&Pass {
                 name,
@@ -34,7 +36,7 @@ impl Glass {
                 blend: Some(BlendState::ALPHA_BLENDING),
                 samples: LINEAR.samples,
                 write: ColorWrites::ALL,
-                depth: Some(depth_state(false, CompareFunction::Greater, StencilFaceState::IGNORE)),
+                depth: Some(depth_state(format, false, CompareFunction::Greater, StencilFaceState::IGNORE)),
                 constants: &[],
             })
         };

@@ -4,7 +4,8 @@ use rimline::gpu::ShadowPipelines;
 use rimline::{Counting, wgpu};
 use wgpu::{TextureFormat, TextureUsages};
 
-use super::painter::{DEPTH, Onto, Painter, Target};
+use super::depth::depth_format;
+use super::painter::{Onto, Painter, Target};
 use super::studio::{Attachments, Studio, Subject, draw_volumes};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -25,7 +26,7 @@ impl Masks {
     pub(crate) fn new(gpu: &Gpu, studio: &Studio<'_>, counting: Counting) -> Result<Self, GpuError> {
         let finished = studio.kit.target("mask", studio.size, MASK.format, MASK.samples, TextureUsages::COPY_SRC);
         let color = finished.create_view(&wgpu::TextureViewDescriptor::default());
-        let depth = studio.target("depth", DEPTH, MASK.samples, TextureUsages::empty());
+        let depth = studio.target("depth", depth_format(&gpu.device), MASK.samples, TextureUsages::empty());
         Ok(Self {
             pipelines: Studio::pipelines(gpu, MASK, counting)?,
             attachments: Attachments { color, depth },

@@ -7,9 +7,8 @@ use wgpu::{
 };
 
 use super::caster::Caster;
+use super::depth::depth_format;
 use crate::render::kit::{Kit, Pass};
-
-pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
 /// Which pixels a painter draws onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +85,7 @@ impl Painter {
                 blend,
                 samples: target.samples,
                 write,
-                depth: Some(onto.state()),
+                depth: Some(onto.state(depth_format(kit.device))),
                 constants: &[],
             })
         };
@@ -113,7 +112,7 @@ impl Painter {
 }
 
 impl Onto {
-    pub(crate) fn state(self) -> wgpu::DepthStencilState {
+    pub(crate) fn state(self, format: TextureFormat) -> wgpu::DepthStencilState {
         let (compare, stencil, pass_op) = match self {
             Self::Nearest => (CompareFunction::Greater, CompareFunction::Always, StencilOperation::Keep),
             Self::Lit => (CompareFunction::Equal, CompareFunction::Equal, StencilOperation::IncrementClamp),
@@ -125,18 +124,19 @@ impl Onto {
             depth_fail_op: StencilOperation::Keep,
             pass_op,
         };
-        depth_state(self == Self::Nearest, compare, face)
+        depth_state(format, self == Self::Nearest, compare, face)
     }
 }
 
 /// A state of the depth-stencil attachment.
 pub(super) fn depth_state(
+    format: TextureFormat,
     write: bool,
     compare: CompareFunction,
     face: wgpu::StencilFaceState,
 ) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
-        format: DEPTH,
+        format,
         depth_write_enabled: Some(write),
         depth_compare: Some(compare),
         stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0xff },

@@ -4,6 +4,7 @@ use rimline::gpu::ShadowPipelines;
 use rimline::{Counting, wgpu};
 use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
 
+use super::depth::depth_format;
 use super::glass::Glass;
 use super::painter::{ADD, MULTIPLY, Onto, Painter, Target, depth_state};
 use super::studio::{Attachments, Studio, Subject, draw_volumes};
@@ -66,7 +67,7 @@ impl Pictures {
                 constants,
             })
         };
-        let behind = depth_state(false, CompareFunction::Always, StencilFaceState::IGNORE);
+        let behind = depth_state(depth_format(kit.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
         let group = kit.group(&layout, &[wgpu::BindingResource::TextureView(&resolved)]);
         let shade = match mode {
             ModeArg::Additive => None,

@@ -8,6 +8,7 @@ use rimline::{Displacement, Light, MAX_LIGHTS};
 
 use super::body::{Body, animations};
 use super::caster::Caster;
+use super::depth::{Seen, depth_format};
 use super::frame::{Frame, shadow_camera, unit};
 use super::lamps::{Lamp, LampData, Stage};
 use super::studio::{Studio, Subject};
@@ -126,6 +127,22 @@ impl<'a> Set<'a> {
     /// Moves everything to another moment; the camera stays.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
+    }
+
+    /// Tells the user where depth is too coarse for the shadows that are seen.
+    pub(crate) fn warn_of_depth(&self, gpu: &Gpu) {
+        let Bounds { min, max } = self.stage.bounds;
+        let corner = |number: usize| Vec3::from([0, 1, 2].map(|axis| [min, max][number >> axis & 1][axis]));
+        let ahead = |number| (corner(number) - self.camera.eye).dot(self.camera.forward);
+        let farthest = (0..8).map(ahead).fold(0.0, f32::max);
+        // Shadows on the ground are about as far beyond the models as those are large.
+        let seen = Seen { near: self.camera.near, farthest: farthest + self.stage.extent, pixel: self.pixel() };
+        seen.warn(depth_format(&gpu.device));
+    }
+
+    /// How large a pixel is at a distance of 1.
+    fn pixel(&self) -> f32 {
+        2.0 / (self.camera.scale[1] * self.args.view.size[1] as f32)
     }
 
     pub(crate) fn ranged(&self) -> Vec<Light> {

@@ -5,9 +5,10 @@ use rimline::{Counting, wgpu};
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
 use super::caster::Caster;
+use super::depth::depth_format;
 use super::frame::Frame;
 use super::lamps::LampData;
-use super::painter::{DEPTH, Layouts, Onto, Painter, Target};
+use super::painter::{Layouts, Onto, Painter, Target};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::kit::Kit;
@@ -85,7 +86,7 @@ impl<'a> Studio<'a> {
 
     pub(super) fn pipelines(gpu: &Gpu, target: Target, counting: Counting) -> Result<ShadowPipelines, GpuError> {
         let format = ShadowFormat {
-            depth_stencil: DEPTH,
+            depth_stencil: depth_format(&gpu.device),
             samples: target.samples,
             colors: vec![Some(target.format)],
             ..ShadowFormat::default()
@@ -115,7 +116,7 @@ impl Attachments {
         let none = TextureUsages::empty();
         Self {
             color: studio.target("color", target.format, target.samples, none | TextureUsages::COPY_SRC),
-            depth: studio.target("depth", DEPTH, target.samples, none),
+            depth: studio.target("depth", depth_format(studio.kit.device), target.samples, none),
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Geometry, Light, Mesh};
+use rimline::{Geometry, GeometryOptions, Light, Mesh};
 use rimline_measure::stress;
 
 use super::lights::{COUNT as LIGHTS, hard_lights};
@@ -98,7 +98,7 @@ impl Maker<'_> {
         let Scene { mesh, shape } = input.scene(animation, time_s, false)?;
         let positions = match &shape {
             Shape::World(positions) => positions.to_vec(),
-            Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all()),
+            Shape::Posed { model, pose } => cpu::deform(model, pose, time_s, None, Threads::all())?,
         };
         let lights = hard_lights(&positions, mesh.faces());
         self.write(name, &positions, mesh, &lights)
@@ -107,14 +107,12 @@ impl Maker<'_> {
     fn scene(&self, scene: stress::Scene) -> Result<(), Failure> {
         let (lights, name) = (scene.lights(LIGHTS), of_scene(scene.name));
         let stress::Scene { positions, faces, .. } = scene;
-        let source_vertices = (0..positions.len() as u32).collect();
-        let geometry = Geometry { positions, faces, source_vertices, ..Geometry::default() };
-        let (Geometry { positions, faces, .. }, _) = geometry.welded(Weld::Position);
-        let mesh = Mesh::from_faces(positions.len(), faces).map_err(|error| {
-            // No file holds it yet; the one that it was to become names it.
-            Failure::input(&target(self.folder, &name))(error.into())
-        })?;
-        self.write(&name, &positions, mesh, &lights)
+        // No file holds it yet; the one that it was to become names it.
+        let refused = |error: InputError| Failure::input(&target(self.folder, &name))(error);
+        let geometry = Geometry::new(positions, faces, GeometryOptions::default());
+        let (geometry, _) = geometry.map_err(|error| refused(error.into()))?.welded(Weld::Position);
+        let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec());
+        self.write(&name, geometry.positions(), mesh.map_err(|error| refused(error.into()))?, &lights)
     }
 
     fn write(&self, name: &str, positions: &[[f32; 3]], mesh: Mesh, lights: &[Light]) -> Result<(), Failure> {

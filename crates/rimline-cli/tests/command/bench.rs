@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::run::{folder, is_empty, rimline};
 use super::schema::validate;
-use super::{Outcome, Test, ensure};
+use super::{Outcome, Test, ensure, plot_labels};
 
 pub(crate) const TESTS: &[Test] = &[
     ("bench::report_and_data_are_as_described", report),
@@ -119,7 +119,16 @@ fn check_report(folder: &Path) -> Result<String, String> {
         let [width, height] = picture_size(&folder.join(format!("{id}.png")))?;
         ensure!(width == 1920 && height > 300, "{id}: {width} by {height}");
         ensure!(plot.contains("<table>"), "{id} has no table");
+        // One drawing for wide screens and one for phones, whose letters are as large.
+        let drawings: Vec<&str> = plot.split_inclusive("</svg>").filter(|part| part.contains("<svg")).collect();
+        for (drawing, part) in drawings.iter().zip(["class=\"wide\"", "class=\"narrow\""]) {
+            ensure!(drawing.contains(part), "{id} has no {part}");
+            let svg = drawing.split_once("<svg").map_or("", |(_, svg)| svg);
+            plot_labels::check(svg).map_err(|error| format!("{id}, {part}: {error}"))?;
+        }
+        ensure!(drawings.len() == 2, "{} drawings of {id}", drawings.len());
     }
+    ensure!(html.contains("name=\"viewport\" content=\"width=device-width"), "a phone would show it in small");
     for element in ["html", "body", "main", "section", "figure", "svg", "table", "details", "dl"] {
         let [opened, closed] = [format!("<{element}"), format!("</{element}>")].map(|tag| html.matches(&*tag).count());
         ensure!(opened == closed, "{opened} of {element} begin, {closed} end");
@@ -158,6 +167,13 @@ fn report() -> Outcome {
         }
     }
     let html = check_report(&report)?;
+    for (class, what) in
+        [("ordinary", "Smooth closed meshes"), ("translation", "far from the origin"), ("plate", "Flat plates")]
+    {
+        let row = format!("<th scope=\"row\">{class}</th><td>");
+        let text = html.split_once(&row).and_then(|(_, rest)| rest.split_once("</td>")).map_or("", |(text, _)| text);
+        ensure!(text.contains(what), "the class {class} is not explained: {text}");
+    }
     ensure!(!html.contains("was stopped"), "a complete run says that it was stopped");
     // A report may be made again in the same place.
     let line = "bench --device cpu --meshes none --scenes three-sheets --scene-faces 60 --lights 2 --rounds 1 --report";

@@ -19,6 +19,7 @@ mod outputs;
 #[cfg(unix)]
 mod outputs_unix;
 mod own_gltf;
+mod plot_labels;
 mod query;
 mod run;
 mod schema;
@@ -55,6 +56,7 @@ fn main() {
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,
+        plot_labels::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,

@@ -13,6 +13,7 @@ use rimline_measure::files::GOOD_FILES;
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadow::masks_of_a_cube_over_the_ground", cube),
+    ("shadow::a_near_plane_next_to_the_eye_does_no_harm", next_to_the_eye),
     ("shadow::methods_agree_but_z_pass_within_a_volume", methods),
     ("shadow::masks_of_lights_with_an_area_are_shares", area),
     ("shadow::two_files_shade_each_other", two_files),
@@ -150,6 +151,31 @@ fn methods() -> Outcome {
     let (auto, pass) = (mask("auto", inside)?, mask("z-pass", inside)?);
     let different = auto.bytes.iter().zip(&pass.bytes).filter(|(a, b)| a != b).count();
     ensure!(different > 500, "z-pass differs at {different} pixels only");
+    Ok(())
+}
+
+/// In 24 bits of depth everything beyond some distance was as far away as everything else.
+fn next_to_the_eye() -> Outcome {
+    let folder = with_cube()?;
+    let mask = |method: &str, near: &str| {
+        let line = format!("shadow @cube.npz {VIEW} --method {method} --near {near} --mask @{method}{near}");
+        run(folder.path(), &line).expect(0, &[])?;
+        Image::mask(&folder.path().join(format!("{method}{near}.0.png")))
+    };
+    for method in ["auto", "zp+", "z-fail"] {
+        let far = mask(method, "1")?;
+        ensure!(far.count(0) > 400 && far.count(255) > 5000, "{method}: {} dark, {} lit", far.count(0), far.count(255));
+        // 10⁻⁶ and 10⁻¹² of the distance, and as near as there are numbers for.
+        for near in ["1e-5", "1e-11", "1e-30"] {
+            let different = far.bytes.iter().zip(&mask(method, near)?.bytes).filter(|(a, b)| a != b).count();
+            ensure!(different <= 4, "{method}: with the near plane at {near}, {different} pixels differ");
+        }
+    }
+    // The comparison can fail.
+    let other = run(folder.path(), &format!("shadow @cube.npz {} --mask @other", VIEW.replace("0,9,0", "1,9,0")));
+    other.expect(0, &[])?;
+    let (one, other) = (mask("auto", "1")?, Image::mask(&folder.path().join("other.0.png"))?);
+    ensure!(one.bytes != other.bytes, "another light, the same mask");
     Ok(())
 }
 

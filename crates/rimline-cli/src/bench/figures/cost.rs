@@ -14,7 +14,7 @@ pub(super) fn cost_of_exactness(results: &Results) -> Figure {
     let lights = usual_lights(results);
     let rows: Vec<&Row> = results.rows.iter().filter(|row| row.lights == lights).collect();
     let head = ["Mesh or scene", "GPU", "quartiles", "CPU, all threads", "quartiles", "pairs settled in integers"];
-    let mut table = Table { head: head.map(str::to_owned).into(), rows: Vec::new() };
+    let mut table = Table { head: head.map(str::to_owned).into(), rows: Vec::new(), is_prose: false };
     let (mut groups, mut all, mut class) = (Vec::new(), Vec::new(), "");
     for row in rows {
         let gpu = row.ratio(GPU_EXACT, GPU_FAST);

@@ -97,7 +97,7 @@ pub(super) fn time_against_error(results: &Results) -> Figure {
         mark: None,
         zero: Some(ZeroBand { title: "none wrong".to_owned() }),
     });
-    let mut table = Table { head: vec!["Method, scenes".to_owned()], rows: Vec::new() };
+    let mut table = Table { head: vec!["Method, scenes".to_owned()], rows: Vec::new(), is_prose: false };
     table.head.extend(
         ["ns a face and light", "wrong in a million", "wrong silhouette bits", "open vertices"].map(str::to_owned),
     );
@@ -153,7 +153,7 @@ pub(super) fn errors(results: &Results) -> Figure {
         lead: "Wrong facing bits / wrong silhouette bits / open vertices; one 0 where there is none of them."
             .to_owned(),
         chart: None,
-        table: Table { head, rows },
+        table: Table { head, rows, is_prose: false },
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn time_against_lights(results: &Results, all: &[usize]) -> Option<Fi
     let takes_all = |id: &str| rows.iter().all(|row| row.entry(id).is_some());
     let contestants = || results.contestants().filter(|contestant| takes_all(contestant.id));
     let shown: Vec<_> = contestants().filter(|contestant| !one_thread(contestant.id)).collect();
-    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new() };
+    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new(), is_prose: false };
     table.head.extend(rows.iter().map(|row| lights_text(row.lights)));
     for contestant in contestants() {
         let times = rows.iter().map(|row| row.entry(contestant.id).and_then(Entry::time));

@@ -57,7 +57,7 @@ fn model(row: &ShadowRow) -> String {
 /// One point a method and path.
 fn time_against_error(results: &ShadowResults) -> Figure {
     let head = ["Method, path", "stencil ms a frame", "wrong pixels a frame", "wrong pixels", "frames looked at"];
-    let mut table = Table { head: head.map(str::to_owned).into(), rows: Vec::new() };
+    let mut table = Table { head: head.map(str::to_owned).into(), rows: Vec::new(), is_prose: false };
     let (mut curves, mut x, mut y) = (Vec::new(), Vec::new(), Vec::new());
     for method in &METHODS {
         let mut points = Vec::new();
@@ -125,7 +125,7 @@ fn costs(results: &ShadowResults, part: Part) -> Figure {
     };
     let mut head = vec!["Model, path".to_owned(), "z-pass, ms a frame".to_owned()];
     head.extend(compared().flat_map(|method| [format!("{} ÷ z-pass", method.name), "quartiles".to_owned()]));
-    let mut table = Table { head, rows: Vec::new() };
+    let mut table = Table { head, rows: Vec::new(), is_prose: false };
     let (mut groups, mut all, mut last) = (Vec::new(), Vec::new(), "");
     for row in &results.rows {
         let mut values = Vec::new();
@@ -199,7 +199,7 @@ fn along_paths(results: &ShadowResults) -> Figure {
     let mut rows: Vec<PanelRow> = Vec::new();
     let mut head = vec!["Model, path, method".to_owned()];
     head.extend((0..results.frames).map(|frame| (frame + 1).to_string()));
-    let mut table = Table { head, rows: Vec::new() };
+    let mut table = Table { head, rows: Vec::new(), is_prose: false };
     let mut all = Vec::new();
     for row in &results.rows {
         let mut panel = Panel::default();

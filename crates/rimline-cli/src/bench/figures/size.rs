@@ -18,7 +18,7 @@ pub(super) fn time_against_size(results: &Results) -> Option<Figure> {
         return None;
     }
     let mut curves = Vec::new();
-    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new() };
+    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new(), is_prose: false };
     table.head.extend(rows.iter().map(|row| format!("{} faces", grouped(row.subject.faces))));
     table.head.push("slope".to_owned());
     for contestant in results.contestants() {
@@ -74,8 +74,9 @@ pub(super) fn time_against_size(results: &Results) -> Option<Figure> {
 /// How many times faster than the 2003 method the exact one is, a curve a number of lights.
 pub(super) fn speed_against_2003(results: &Results) -> Option<Figure> {
     let mut curves = Vec::new();
-    let head = ["Lights, faces", "exact", "quartiles", "f32 local form"].map(str::to_owned).into();
-    let mut table = Table { head, rows: Vec::new() };
+    let head = ["Lights, faces", "face masks, f32", "face masks, exact", "quartiles", "exact ÷ f32"];
+    let head = head.map(str::to_owned).into();
+    let mut table = Table { head, rows: Vec::new(), is_prose: false };
     for (index, lights) in light_counts(results).into_iter().enumerate() {
         let mut points = Vec::new();
         for row in ordinary(results, lights) {
@@ -91,7 +92,9 @@ pub(super) fn speed_against_2003(results: &Results) -> Option<Figure> {
                 label: String::new(),
                 tip: format!("{name}: {} times as fast ({quartiles})", figures(exact.median)),
             });
-            table.rows.push(vec![name, times_text(exact.median), quartiles, times_text(fast.median)]);
+            let cost =
+                row.ratio(GPU_EXACT, GPU_FAST).map_or_else(|| "–".to_owned(), |cost| format!("{:.2}", cost.median));
+            table.rows.push(vec![name, times_text(fast.median), times_text(exact.median), quartiles, cost]);
         }
         let key = Key { name: lights_text(lights), colour: [3, 4, 0, 5, 6][index % 5], shape: index, hollow: false };
         let remark = points.last().map_or_else(String::new, |last| times_text(last.y));
@@ -119,8 +122,11 @@ pub(super) fn speed_against_2003(results: &Results) -> Option<Figure> {
     Some(Figure {
         id: "speed_against_2003",
         title: "Exact face masks against the per-edge method of 2003, same GPU".to_owned(),
-        lead: "Above the dashed line Rimline's exact extraction is the faster one. Medians of each round's ratio."
-            .to_owned(),
+        lead:
+            "Time of the 2003 method ÷ time of Rimline's, so larger is better: above the dashed line Rimline's exact \
+               extraction is the faster one. Medians of each round's ratio. In the table's last column, what exactness \
+               costs, smaller is better."
+                .to_owned(),
         chart: Some(chart),
         table,
     })

@@ -59,7 +59,7 @@ fn figure(
 ) -> Figure {
     let sum = |stages: &[(&str, f64)]| stages.iter().map(|stage| stage.1).sum::<f64>();
     let longest = parts.iter().map(|(_, stages)| sum(stages));
-    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new() };
+    let mut table = Table { head: vec!["Method".to_owned()], rows: Vec::new(), is_prose: false };
     table.head.extend(names.iter().map(|name| format!("{name}, ms")));
     table.head.push("all, ms".to_owned());
     let groups = parts.iter().map(|(method, stages)| {

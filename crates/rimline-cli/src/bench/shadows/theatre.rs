@@ -18,7 +18,7 @@ use crate::gpu_error::GpuError;
 use crate::render::camera::Camera;
 use crate::render::kit::{Kit, Pass};
 use crate::shadow::frame::shadow_camera;
-use crate::shadow::painter::{ADD, DEPTH, Onto};
+use crate::shadow::painter::{ADD, Onto};
 
 /// What is drawn: the caster, and the room that receives.
 pub(super) struct Stage<'a> {
@@ -50,6 +50,8 @@ struct Frame {
 }
 
 const COLOR: TextureFormat = TextureFormat::Rgba8Unorm;
+/// What every device has.
+const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// The passes that draw, as the timer has them.
 const PASSES: [&str; 3] = ["depth", "stencil", "light"];
 
@@ -93,7 +95,7 @@ impl<'a> Theatre<'a> {
                 blend,
                 samples: 1,
                 write: ColorWrites::ALL,
-                depth: Some(onto.state()),
+                depth: Some(onto.state(DEPTH)),
                 constants: &[],
             })
         };

@@ -1,0 +1,70 @@
+//! Which depth shadows are counted with, and what it can tell apart.
+
+use rimline::wgpu;
+use wgpu::TextureFormat;
+
+use crate::output::note;
+
+/// Floating point where the device has it: with reversed depth that tells the same part of any distance apart, however
+/// near the near plane is (NUMERICS.md, "What depth must tell apart").
+pub(crate) fn depth_format(device: &wgpu::Device) -> TextureFormat {
+    let finest = TextureFormat::Depth32FloatStencil8;
+    if device.features().contains(finest.required_features()) { finest } else { TextureFormat::Depth24PlusStencil8 }
+}
+
+/// What depth has to hold. All lengths have the models' unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    /// The near plane's distance.
+    pub(crate) near: f32,
+    /// That of the farthest surface with a shadow.
+    pub(crate) farthest: f32,
+    /// The size of a pixel at a distance of 1.
+    pub(crate) pixel: f32,
+}
+
+impl Seen {
+    /// The nearest near plane with which 24 bits tell distances half a pixel apart: two numbers next to each other are
+    /// `distance² / (2²⁴ near)` apart.
+    fn nearest(self) -> f32 {
+        self.farthest / (16_777_216.0 * 0.5 * self.pixel)
+    }
+
+    /// What to tell the user, if depth in this format is too coarse.
+    fn warning(self, format: TextureFormat) -> Option<String> {
+        let (Self { near, farthest, .. }, nearest) = (self, self.nearest());
+        (format == TextureFormat::Depth24PlusStencil8 && near < nearest).then(|| {
+            format!(
+                "depth has 24 bits on this device, too few for a near plane at {near} and shadows {farthest} away, which may be \
+                 wrong; set --near to {nearest} or more, or take a device with DEPTH32FLOAT_STENCIL8 (`rimline devices`)"
+            )
+        })
+    }
+
+    pub(crate) fn warn(self, format: TextureFormat) {
+        if let Some(warning) = self.warning(format) {
+            note(&warning);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coarse_depth_is_told_with_what_to_set() {
+        let bits = TextureFormat::Depth24PlusStencil8;
+        let seen = |near| Seen { near, farthest: 10.0, pixel: 1.0 / 1024.0 };
+        // 10 · 2¹⁰ · 2 / 2²⁴.
+        let nearest = 10.0 / 8192.0;
+        assert_eq!(seen(1.0).nearest(), nearest);
+        assert_eq!(seen(nearest).warning(bits), None);
+        let warning = seen(1e-5).warning(bits).expect("10⁻⁶ of the distance is too near");
+        assert!(warning.contains("0.00001 and") && warning.contains(&format!("--near to {nearest}")), "{warning}");
+        assert_eq!(seen(1e-5).warning(TextureFormat::Depth32FloatStencil8), None);
+        // Steps are half a pixel there.
+        let step = |distance: f32, near: f32| distance * distance / (16_777_216.0 * near);
+        assert_eq!(step(10.0, nearest), 0.5 * 10.0 / 1024.0);
+    }
+}

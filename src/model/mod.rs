@@ -1,0 +1,129 @@
+//! Deformable models: geometries, their instances, and a pose, whatever file they came from.
+//!
+//! Every part is checked when it is made, so whatever takes one can rely on it.
+
+mod error;
+mod geometry;
+mod pose;
+
+pub use error::{ModelError, PoseMismatch};
+pub use geometry::{Geometry, GeometryOptions, Influences};
+pub use pose::{InstancePose, Matrix3x4, Pose};
+
+use crate::mesh::{MAX_FACES, Mesh, MeshError};
+
+/// One geometry at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    geometry: usize,
+    name: Option<String>,
+}
+
+impl Instance {
+    /// An instance of the geometry of this index in [`Model::geometries`], and its name, if it has one.
+    pub fn new(geometry: usize, name: Option<String>) -> Self {
+        Self { geometry, name }
+    }
+
+    /// Index into [`Model::geometries`].
+    pub fn geometry(&self) -> usize {
+        self.geometry
+    }
+
+    /// The node's name in the file.
+    pub fn name(&self) -> Option<&str> {
+        self.name.as_deref()
+    }
+}
+
+/// Geometries and the instances that place them. All instances together make one [`Mesh`], in their order, vertices
+/// and faces concatenated; vertices are welded within an instance, never across.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Model {
+    geometries: Vec<Geometry>,
+    instances: Vec<Instance>,
+    vertex_count: usize,
+}
+
+impl Model {
+    /// The distinct meshes, and where they stand. A geometry may have any number of instances, none too.
+    ///
+    /// # Errors
+    /// [`ModelError`] for an instance of a geometry that is not there, or more vertices than `u32` indices can name.
+    pub fn new(geometries: Vec<Geometry>, instances: Vec<Instance>) -> Result<Self, ModelError> {
+        let mut vertex_count = 0_usize;
+        for (index, instance) in instances.iter().enumerate() {
+            let Some(geometry) = geometries.get(instance.geometry) else {
+                return Err(ModelError::InstanceGeometry {
+                    instance: index,
+                    geometry: instance.geometry,
+                    geometries: geometries.len(),
+                });
+            };
+            vertex_count = vertex_count.saturating_add(geometry.positions().len());
+        }
+        if vertex_count >= u32::MAX as usize {
+            return Err(ModelError::TooManyVertices { vertices: vertex_count });
+        }
+        Ok(Self { geometries, instances, vertex_count })
+    }
+
+    /// The distinct meshes.
+    pub fn geometries(&self) -> &[Geometry] {
+        &self.geometries
+    }
+
+    /// Where they stand.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
+    }
+
+    /// The geometry of each instance, in the order of [`Model::instances`].
+    pub fn placed_geometries(&self) -> impl ExactSizeIterator<Item = &Geometry> {
+        self.instances.iter().map(|instance| &self.geometries[instance.geometry])
+    }
+
+    /// Vertices of all instances together.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Whether `pose` has an instance for each of this model's, with the matrices and weights that its geometry needs.
+    ///
+    /// # Errors
+    /// [`PoseMismatch`] for the first instance that does not fit.
+    pub fn check(&self, pose: &Pose) -> Result<(), PoseMismatch> {
+        let (given, needed) = (pose.instances().len(), self.instances.len());
+        if given != needed {
+            return Err(PoseMismatch::Instances { given, needed });
+        }
+        let mut instances = pose.instances().iter().zip(self.placed_geometries()).enumerate();
+        instances.try_for_each(|(instance, (pose, geometry))| pose.check(instance, geometry))
+    }
+
+    /// The mesh that all instances make in this pose: instances in order, vertices and faces concatenated, the faces
+    /// of mirrored instances turned. Only [`InstancePose::turned`] of the pose matters, so the mesh stays valid for
+    /// other poses until that changes.
+    ///
+    /// # Errors
+    /// [`MeshError`] as for [`Mesh::from_faces`], and for a pose of another model.
+    pub fn mesh(&self, pose: &Pose) -> Result<Mesh, MeshError> {
+        self.check(pose)?;
+        // Counted first, so that instances of a large geometry are refused before they fill the memory.
+        let count = self.placed_geometries().fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len()));
+        if count > MAX_FACES {
+            return Err(MeshError::TooManyFaces { faces: count });
+        }
+        let mut faces = Vec::with_capacity(count);
+        let mut first_vertex = 0;
+        for (geometry, pose) in self.placed_geometries().zip(pose.instances()) {
+            faces.extend(geometry.faces().iter().map(|&face| {
+                // No sum overflows: all instances' vertices together are fewer than `u32::MAX`.
+                let [a, b, c] = face.map(|v| v + first_vertex);
+                if pose.turned() { [a, c, b] } else { [a, b, c] }
+            }));
+            first_vertex += geometry.positions().len() as u32;
+        }
+        Mesh::from_faces(self.vertex_count, faces)
+    }
+}

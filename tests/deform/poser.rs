@@ -1,0 +1,127 @@
+//! Deform on the GPU and on the CPU against the plain `f64` poser, which knows nothing of either: random models, and
+//! every good model file at several times of each of its animations.
+
+use std::path::Path;
+
+use libtest_mimic::{Failed, Trial};
+use rimline::Model;
+use rimline::gltf::Asset;
+use rimline::gpu::{Deformer, DeformerOptions};
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{self, Threads};
+
+use rimline_measure::device::Gpu;
+use rimline_measure::files::GOOD_FILES;
+use rimline_measure::harness::Test;
+use rimline_measure::models::{random_model, random_pose};
+use rimline_measure::on_gpu::deformed;
+use rimline_measure::poser::{self, Posed, gltf::File};
+use rimline_measure::random::Random;
+use rimline_measure::{assets, is_long, must_fail};
+
+pub(crate) const TESTS: &[Test] = &[("deform_equals_the_poser_on_random_models", random_models)];
+
+/// A test a file, ignored where the folder is not there.
+pub(crate) fn trials() -> Vec<Trial> {
+    let folder = assets();
+    let trial = |file: &'static str| {
+        let path = folder.as_ref().map(|folder| folder.join(file));
+        let run = move || path.map_or(Ok(()), |path| check(&path)).map_err(Failed::from);
+        Trial::test(format!("deform_equals_the_poser_on {file}"), run)
+            .with_kind("gpu")
+            .with_ignored_flag(folder.is_none())
+    };
+    GOOD_FILES.into_iter().map(trial).collect()
+}
+
+fn text<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}
+
+/// A coordinate that is not zero throughout, moved by twice its tolerance.
+fn control(found: &[[f32; 3]], expected: &[Posed]) -> Result<(), String> {
+    let coordinates = || (0..expected.len()).flat_map(|vertex| [0, 1, 2].map(|axis| (vertex, axis)));
+    let (vertex, axis) = coordinates()
+        .find(|&(vertex, axis)| expected[vertex].tolerance[axis] > 1e-30)
+        .ok_or("every vertex is at the origin")?;
+    let mut moved = found.to_vec();
+    moved[vertex][axis] = (expected[vertex].position[axis] + 2.0 * expected[vertex].tolerance[axis]) as f32;
+    must_fail("a moved vertex", &poser::compare("control", &moved, expected))
+}
+
+fn random_models() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 261;
+    println!("seeds from {first}");
+    for seed in first..if is_long() { first + 40 } else { first + 4 } {
+        let mut random = Random::new(seed);
+        let model = random_model(&mut random, [600, 1, 256, 1111][seed as usize % 4]);
+        let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+        for _ in 0..3 {
+            let pose = random_pose(&mut random, &model);
+            let expected = poser::of_model(&model, &pose);
+            let on_gpu = deformed(gpu, &deformer, &model, &pose)?;
+            let twin = cpu::deform(&model, &pose, 0.0, None, Threads::all()).map_err(text)?;
+            let gpu_error = poser::compare(&format!("seed {seed}, GPU"), &on_gpu, &expected)?;
+            let cpu_error = poser::compare(&format!("seed {seed}, CPU"), &twin, &expected)?;
+            println!("seed {seed}: {gpu_error:.3} and {cpu_error:.3} of the tolerance");
+            control(&on_gpu, &expected)?;
+        }
+    }
+    Ok(())
+}
+
+/// At both ends of, before and within each animation; and the file as it stands.
+fn moments(asset: &Asset) -> Vec<(Option<usize>, f32)> {
+    let parts = [-0.5, 0.0, 0.13, 0.5, 0.71, 1.0];
+    let animations = asset.animations().iter().enumerate();
+    let times = animations.flat_map(|(index, of)| parts.map(|part| (Some(index), part * of.duration_s)));
+    std::iter::once((None, 0.0)).chain(times).collect()
+}
+
+/// Positions of the corners of all faces.
+fn corners(model: &Model, positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let (mut corners, mut first) = (Vec::new(), 0);
+    for geometry in model.placed_geometries() {
+        corners.extend(geometry.faces().as_flattened().iter().map(|&vertex| positions[first + vertex as usize]));
+        first += geometry.positions().len();
+    }
+    corners
+}
+
+/// The largest extent of all corners along an axis, and the largest distance from their place.
+fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
+    let (mut size, mut error) = (0.0_f64, 0.0_f64);
+    for axis in 0..3 {
+        let places = || expected.iter().map(|posed| posed.position[axis]);
+        size = size.max(places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min));
+        let errors = found.iter().zip(places()).map(|(found, place)| (f64::from(found[axis]) - place).abs());
+        error = errors.fold(error, f64::max);
+    }
+    (size, error)
+}
+
+fn check(path: &Path) -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let asset = Asset::open(path, Weld::Data).map_err(text)?;
+    let (model, file) = (asset.model(), File::open(path)?);
+    let deformer = Deformer::new(&gpu.pipelines, model, DeformerOptions::default()).map_err(text)?;
+    let (mut most, mut relative) = (0.0_f64, 0.0_f64);
+    for (moment, (animation, time_s)) in moments(&asset).into_iter().enumerate() {
+        let pose = asset.pose(animation, time_s).map_err(text)?;
+        let expected = file.corners(animation, time_s);
+        let on_gpu = corners(model, &deformed(gpu, &deformer, model, &pose)?);
+        let twin = corners(model, &cpu::deform(model, &pose, 0.0, None, Threads::all()).map_err(text)?);
+        for (device, found) in [("GPU", &on_gpu), ("CPU", &twin)] {
+            let what = format!("animation {animation:?} at {time_s} s, {device}");
+            most = most.max(poser::compare(&what, found, &expected)?);
+            let (size, error) = size_and_error(found, &expected);
+            relative = relative.max(error / size);
+        }
+        if moment == 0 {
+            control(&on_gpu, &expected)?;
+        }
+    }
+    println!("{}: {most:.3} of the tolerance, {relative:.1e} of the size", path.display());
+    Ok(())
+}
