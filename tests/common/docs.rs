@@ -1,0 +1,133 @@
+//! The documents: links lead to files and headings that are there, and paths that the text names exist.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders that a path in backticks begins with, from the root of the repository.
+const FOLDERS: [&str; 9] = ["src/", "wgsl/", "tests/", "crates/", "docs/", "examples/", "benches/", "xtask/", ".ci/"];
+
+#[test]
+fn links_and_paths_lead_somewhere() {
+    let (root, documents) = (root(), documents());
+    assert!(documents.len() >= 5, "only {} documents found: {documents:?}", documents.len());
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for document in &documents {
+        let text = read(document);
+        let folder = document.parent().expect("a file lies in a folder");
+        let (links, paths) = (links(&text), paths(&text));
+        checked += links.len() + paths.len();
+        wrong.extend(links.iter().filter_map(|link| broken_link(link, document, folder).err()));
+        wrong.extend(
+            paths
+                .iter()
+                .filter(|path| !root.join(path).exists())
+                .map(|path| format!("{}: `{path}` is not in the repository", shown(document))),
+        );
+    }
+    assert!(checked > 100, "only {checked} links and paths found");
+    assert!(wrong.is_empty(), "{} of {checked}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Negative controls: what is broken is noticed, and what is no link is none.
+#[test]
+fn broken_links_are_noticed() {
+    let readme = root().join("README.md");
+    let check = |link: &str| broken_link(link, &readme, root());
+    for good in ["NUMERICS.md", "docs/", "#rimline", "NUMERICS.md#the-tie-rule"] {
+        assert_eq!(check(good), Ok(()), "{good}");
+    }
+    for bad in ["NUMERICS.txt", "#rimlines", "NUMERICS.md#the-tie-rules", "docs/nothing.png"] {
+        assert!(check(bad).is_err(), "{bad}");
+    }
+    let text = "[a](x.md) `src/lib.rs` ![b](docs/b.png)\n```text\n[c](y.md) `src/c.rs`\n```\n\
+                [d](https://d.example) `wgsl/SUBJECT/NAME.wgsl` `src/lib.rs::item` <img src=\"docs/e.png\">";
+    assert_eq!(links(text), ["x.md", "docs/b.png", "docs/e.png"]);
+    assert_eq!(paths(text).into_iter().collect::<Vec<_>>(), ["src/lib.rs"]);
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A document by its place in the repository.
+fn shown(document: &Path) -> std::path::Display<'_> {
+    document.strip_prefix(root()).unwrap_or(document).display()
+}
+
+fn read(file: &Path) -> String {
+    fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
+/// The Markdown files at the root, in `docs` and of each crate.
+fn documents() -> Vec<PathBuf> {
+    let mut folders = vec![root().to_owned(), root().join("docs")];
+    folders.extend(entries(&root().join("crates")));
+    let mut documents: Vec<_> = folders.iter().flat_map(|folder| entries(folder)).collect();
+    documents.retain(|file| file.extension().is_some_and(|extension| extension == "md"));
+    documents
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<_> = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    entries
+}
+
+/// The text without its fenced blocks.
+fn prose(text: &str) -> String {
+    let mut is_code = false;
+    let lines = text.lines().filter(|line| {
+        let is_fence = line.starts_with("```");
+        is_code ^= is_fence;
+        !is_code && !is_fence
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Targets of links and pictures, but for those in the web.
+fn links(text: &str) -> Vec<String> {
+    let prose = prose(text);
+    let marked = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let tagged = prose.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let is_local = |link: &&str| !link.contains("://") && !link.starts_with("mailto:");
+    marked.chain(tagged).filter(is_local).map(str::to_owned).collect()
+}
+
+/// Paths in backticks; those with a placeholder in capitals are none.
+fn paths(text: &str) -> BTreeSet<String> {
+    let prose = prose(text);
+    let is_path = |code: &&str| {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
+        FOLDERS.iter().any(|folder| code.starts_with(folder))
+            && code.chars().all(is_plain)
+            && !code.split(['/', '.']).any(|part| part.len() > 1 && part.chars().all(|c| c.is_ascii_uppercase()))
+    };
+    prose.split('`').skip(1).step_by(2).filter(is_path).map(str::to_owned).collect()
+}
+
+fn broken_link(link: &str, document: &Path, folder: &Path) -> Result<(), String> {
+    let (file, heading) = link.split_once('#').map_or((link, None), |(file, heading)| (file, Some(heading)));
+    let target = if file.is_empty() { document.to_owned() } else { folder.join(file) };
+    if !target.exists() {
+        return Err(format!("{}: the link `{link}` leads to no file", shown(document)));
+    }
+    match heading {
+        Some(heading) if !headings(&read(&target)).contains(heading) => {
+            Err(format!("{}: the link `{link}` leads to no heading", shown(document)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The names that GitHub and others give to headings.
+fn headings(text: &str) -> BTreeSet<String> {
+    let prose = prose(text);
+    let titles = prose.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
+    let named = titles.map(|title| {
+        let kept = title.to_lowercase();
+        kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>().replace(' ', "-")
+    });
+    named.collect()
+}
