@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use super::archive::{array, write_zip};
 use super::npz_input::tetrahedron;
@@ -214,7 +214,12 @@ fn standard_output() -> Outcome {
     let log = folder.path().join("log");
     fs::write(&log, "before ").map_err(text)?;
     let append = File::options().append(true).open(&log).map_err(text)?;
-    let status = Command::new(env!("CARGO_BIN_EXE_rimline")).args(&line).stdout(append).status().map_err(text)?;
+    let status = Command::new(env!("CARGO_BIN_EXE_rimline"))
+        .args(&line)
+        .stdout(append)
+        .stderr(Stdio::null())
+        .status()
+        .map_err(text)?;
     ensure!(status.success(), "{status}");
     ensure!(fs::read(&log).map_err(text)? == [b"before ", &bytes[..]].concat(), "the file has not the result alone");
     Ok(())
