@@ -69,6 +69,7 @@ pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose, PoseMismatch,
+    PosedMeshError,
 };
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 

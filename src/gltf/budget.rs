@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::GltfError;
 use super::document::Node;
-use super::instances::Placement;
+use super::placement::Placement;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
 /// What loading one input may take, in bytes. A charge is never given back, so charges bound the peak, and the time, too.

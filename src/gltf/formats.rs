@@ -3,9 +3,18 @@
 use gltf::json::accessor::ComponentType::{F32, I8, I16, U8, U16, U32};
 use gltf::json::accessor::Type;
 
-use super::reader::Format;
-
 pub(super) const POSITION: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
+/// Which accessors fit a use.
+#[derive(Clone, Copy)]
+pub(super) struct Format {
+    pub(super) kind: Type,
+    pub(super) components: &'static [Component],
+    pub(super) text: &'static str,
+}
+
+/// A component type, and whether it must be, must not be, or may be normalised.
+pub(super) type Component = (ComponentType, Option<bool>);
+
 /// With `KHR_mesh_quantization`; targets too.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: Type::Vec3,
@@ -39,5 +48,5 @@ pub(super) const ROTATIONS: Format =
 pub(super) const MORPH_WEIGHTS: Format =
     Format { kind: Type::Scalar, components: NORMALIZED, text: "Scalar of F32 or a normalised I8, U8, I16 or U16" };
 
-const NORMALIZED: &[super::reader::Component] =
+const NORMALIZED: &[Component] =
     &[(F32, None), (I8, Some(true)), (U8, Some(true)), (I16, Some(true)), (U16, Some(true))];

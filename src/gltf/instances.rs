@@ -6,30 +6,13 @@ use super::document::{Document, Instancing, Node, Trs};
 use super::formats;
 use super::geometry::{self, Merged};
 use super::graph::Graph;
-use super::parse_scene::unit;
+use super::placement::{Frame, Placement};
 use super::reader::Reader;
 use super::skin::LoadedSkin;
+use super::transforms::unit;
 use super::{GltfError, SceneLight};
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, Instance, Model};
-
-/// What moves an instance.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Frame {
-    /// The node's world matrix times this one.
-    Node(DAffine3),
-    /// The joints of a skin; the node's own matrix counts for nothing.
-    Skin(usize),
-}
-
-/// Where an instance of the model comes from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
-    pub(super) mesh: usize,
-    /// `None`: a mesh that no node names, in a file without scenes.
-    pub(super) node: Option<usize>,
-    pub(super) frame: Frame,
-}
 
 /// A model with what its poses and reports need.
 #[derive(Debug)]

@@ -35,14 +35,17 @@ mod geometry;
 mod graph;
 mod instances;
 mod json;
+mod lengths;
 mod named_files;
 mod options;
 mod parse;
 mod parse_mesh;
 mod parse_scene;
+mod placement;
 mod pose;
 mod reader;
 mod skin;
+mod transforms;
 mod triangles;
 mod vertices;
 

@@ -9,22 +9,10 @@ use super::GltfError;
 use super::budget::Budget;
 use super::document::{Accessor, Buffer, Document, Sparse, View};
 use super::json::{Json, whole, wrong};
+use super::lengths::Lengths;
 use super::{extensions, parse_mesh, parse_scene};
 
 const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
-
-/// Lengths of the lists that indices point into.
-#[derive(Clone, Copy)]
-pub(super) struct Lengths {
-    pub(super) buffers: usize,
-    pub(super) views: usize,
-    pub(super) accessors: usize,
-    pub(super) meshes: usize,
-    pub(super) skins: usize,
-    pub(super) nodes: usize,
-    pub(super) scenes: usize,
-    pub(super) lights: usize,
-}
 
 /// Reads a document and checks its version, required extensions, and every index that matters here.
 pub(super) fn document(value: &Value, budget: &Budget) -> Result<Document, GltfError> {

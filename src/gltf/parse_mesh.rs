@@ -5,7 +5,7 @@ use gltf::json::mesh::Mode;
 use super::GltfError;
 use super::document::{InfluenceSet, Mesh, Primitive, Skin};
 use super::json::Json;
-use super::parse::Lengths;
+use super::lengths::Lengths;
 
 pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError> {
     let primitives =

@@ -8,17 +8,7 @@ use super::budget::Budget;
 use super::document::{Accessor, Document, Sparse};
 use super::error::{AccessorProblem, GltfError};
 use super::extensions;
-
-/// Which accessors fit a use.
-#[derive(Clone, Copy)]
-pub(super) struct Format {
-    pub(super) kind: Type,
-    pub(super) components: &'static [Component],
-    pub(super) text: &'static str,
-}
-
-/// A component type, and whether it must be, must not be, or may be normalised.
-pub(super) type Component = (ComponentType, Option<bool>);
+use super::formats::Format;
 
 /// Reads a document's accessors.
 pub(super) struct Reader<'a> {

@@ -5,8 +5,8 @@ use glam::DAffine3;
 use super::GltfError;
 use super::document::Skin;
 use super::formats;
-use super::parse_scene::affine;
 use super::reader::Reader;
+use super::transforms::affine;
 
 /// A skin.
 #[derive(Debug)]

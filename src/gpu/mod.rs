@@ -15,9 +15,11 @@ pub use common::readback::{ReadError, read_back, read_back_async, read_back_vec,
 pub use common::requirements::DeviceError;
 pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
-pub use extract::extraction::{DrawError, Extraction, StaleExtraction};
-pub use extract::extractor::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions};
-pub use extract::include::{IncludeError, include_wgsl, results_bind_group_layout};
+pub use extract::errors::{DrawError, EncodeError, ExtractorError, IncludeError, StaleExtraction};
+pub use extract::extraction::Extraction;
+pub use extract::extractor::Extractor;
+pub use extract::include::{include_wgsl, results_bind_group_layout};
+pub use extract::options::{ExtractorOptions, ListOptions};
 pub use extract::results::Results;
 pub use query::shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
 pub use shadow::{

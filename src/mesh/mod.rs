@@ -177,7 +177,4 @@ pub enum MeshError {
         /// Vertices there are.
         vertices: usize,
     },
-    /// The pose is not one of the model ([`Model::mesh`](crate::Model::mesh)).
-    #[error(transparent)]
-    Pose(#[from] crate::model::PoseMismatch),
 }

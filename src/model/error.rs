@@ -1,5 +1,7 @@
 //! Why a model, a part of one, or a pose is refused.
 
+use crate::mesh::MeshError;
+
 /// Why a [`Geometry`](super::Geometry), [`Influences`](super::Influences), a [`Model`](super::Model) or an
 /// [`InstancePose`](super::InstancePose) cannot be made of what was given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -165,4 +167,16 @@ pub enum PoseMismatch {
         /// Targets of the geometry.
         needed: usize,
     },
+}
+
+/// Why a pose of a model makes no mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PosedMeshError {
+    /// The pose is not one of the model.
+    #[error(transparent)]
+    Pose(#[from] PoseMismatch),
+    /// All instances together are no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
 }

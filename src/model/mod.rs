@@ -6,7 +6,7 @@ mod error;
 mod geometry;
 mod pose;
 
-pub use error::{ModelError, PoseMismatch};
+pub use error::{ModelError, PoseMismatch, PosedMeshError};
 pub use geometry::{Geometry, GeometryOptions, Influences};
 pub use pose::{InstancePose, Matrix3x4, Pose};
 
@@ -106,13 +106,13 @@ impl Model {
     /// other poses until that changes.
     ///
     /// # Errors
-    /// [`MeshError`] as for [`Mesh::from_faces`], and for a pose of another model.
-    pub fn mesh(&self, pose: &Pose) -> Result<Mesh, MeshError> {
+    /// [`PosedMeshError`] as for [`Mesh::from_faces`], and for a pose of another model.
+    pub fn mesh(&self, pose: &Pose) -> Result<Mesh, PosedMeshError> {
         self.check(pose)?;
         // Counted first, so that instances of a large geometry are refused before they fill the memory.
         let count = self.placed_geometries().fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len()));
         if count > MAX_FACES {
-            return Err(MeshError::TooManyFaces { faces: count });
+            return Err(MeshError::TooManyFaces { faces: count }.into());
         }
         let mut faces = Vec::with_capacity(count);
         let mut first_vertex = 0;
@@ -124,6 +124,6 @@ impl Model {
             }));
             first_vertex += geometry.positions().len() as u32;
         }
-        Mesh::from_faces(self.vertex_count, faces)
+        Ok(Mesh::from_faces(self.vertex_count, faces)?)
     }
 }

@@ -4,6 +4,7 @@ use rimline::model::ModelError;
 use rimline::reference::cpu::{self, Threads};
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, Pose, PoseMismatch,
+    PosedMeshError,
 };
 
 const POSITIONS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -146,7 +147,7 @@ fn a_pose_of_another_model_is_refused() {
     };
     let all = |pose: &Pose| {
         let checked = model.check(pose).err();
-        assert_eq!(model.mesh(pose).err(), checked.map(MeshError::Pose));
+        assert_eq!(model.mesh(pose).err(), checked.map(PosedMeshError::Pose));
         assert_eq!(cpu::deform(&model, pose, 0.0, None, Threads::ONE).err(), checked);
         checked
     };
@@ -166,6 +167,6 @@ fn a_joint_of_the_highest_number_is_no_overflow() {
     let model = Model::new(vec![geometry(&[[0, 1, 2]], options).expect("a triangle")], vec![Instance::new(0, None)]);
     let pose = Pose::new(vec![InstancePose::new(vec![IDENTITY], Vec::new()).expect("finite")]);
     let refused = model.expect("one geometry").mesh(&pose).expect_err("too few matrices");
-    assert!(matches!(refused, MeshError::Pose(PoseMismatch::Palette { given: 1, .. })), "{refused:?}");
+    assert!(matches!(refused, PosedMeshError::Pose(PoseMismatch::Palette { given: 1, .. })), "{refused:?}");
     assert_eq!(Mesh::from_faces(0, Vec::new()).err(), Some(MeshError::NoFaces));
 }

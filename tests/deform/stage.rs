@@ -3,7 +3,7 @@
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
 use rimline::model::PoseMismatch;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose};
+use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose, PosedMeshError};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -204,7 +204,7 @@ fn refused() -> Result<(), String> {
             same("pose", &[error], &[Some(DeformError::Pose(expected))])
         })?;
         same("on the CPU", &[cpu::deform(&model, &wrong, 0.0, None, Threads::ONE).err()], &[Some(expected)])?;
-        same("mesh", &[model.mesh(&wrong).err()], &[Some(MeshError::Pose(expected))])?;
+        same("mesh", &[model.mesh(&wrong).err()], &[Some(PosedMeshError::Pose(expected))])?;
     }
     same("positions stay", &gpu.read(deformer.positions().buffer, before.len())?, &before)?;
     let limited = DeformerOptions { memory_limit: Some(1000), ..Default::default() };

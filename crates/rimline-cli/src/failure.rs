@@ -76,6 +76,8 @@ pub(crate) enum InputError {
     Npz(#[from] NpzError),
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    #[error(transparent)]
+    PosedMesh(#[from] rimline::PosedMeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
     #[error(transparent)]

@@ -7,7 +7,7 @@ use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{self, Thread};
 
 use super::memory::any_error;
-use super::readback::ReadError;
+use super::read_error::ReadError;
 
 /// What the mapping's callback and the future share.
 #[derive(Default)]

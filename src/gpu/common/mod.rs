@@ -7,6 +7,7 @@ pub(crate) mod memory;
 pub(crate) mod pass;
 pub(crate) mod pipelines;
 pub(crate) mod positions;
+pub(crate) mod read_error;
 pub(crate) mod readback;
 pub(crate) mod requirements;
 pub(crate) mod timer;

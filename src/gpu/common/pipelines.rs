@@ -9,7 +9,7 @@ use super::memory::any_error;
 use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
 use crate::displace::{Displacement, plain_deform_wgsl};
-use crate::gpu::shadow::VolumeKey;
+use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
 
 /// The pipelines of one device, each compiled when it is first needed and then shared: by all that is made with the same

@@ -3,7 +3,7 @@
 use wgpu::BindingResource;
 
 use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
-use super::extractor::ExtractorOptions;
+use super::options::ExtractorOptions;
 use crate::gpu::common::dispatch_limits::{Windows, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};

@@ -2,7 +2,7 @@
 
 use wgpu::BufferUsages;
 
-use super::extractor::ExtractorOptions;
+use super::options::ExtractorOptions;
 use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};

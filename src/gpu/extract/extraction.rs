@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::buffers::{Buffers, Shape};
-use super::include::IncludeError;
+use super::errors::{DrawError, IncludeError, StaleExtraction};
 use super::results::Results;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
@@ -117,34 +117,6 @@ pub struct Extraction {
     pub(crate) place: Place,
     lights: Arc<[Light]>,
     encode: u64,
-}
-
-/// An extraction whose results were overwritten.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
-     the last encode returned"
-)]
-pub struct StaleExtraction;
-
-/// Why a light's silhouette cannot be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DrawError {
-    /// A later encode overwrote the results.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
-    /// The extraction has fewer lights.
-    #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
-    NoSuchLight {
-        /// The light asked for.
-        light: usize,
-        /// Lights there are.
-        lights: usize,
-    },
-    /// The extractor makes no lists.
-    #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
-    NoLists,
 }
 
 impl Extraction {

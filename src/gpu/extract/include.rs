@@ -1,6 +1,7 @@
 //! The WGSL include: results read in the caller's own shaders.
 
-use super::extraction::{Shared, StaleExtraction};
+use super::errors::IncludeError;
+use super::extraction::Shared;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
 use crate::gpu::common::positions::{self, PositionBuffer, PositionError};
@@ -41,35 +42,6 @@ pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindG
             count: None,
         })
         .collect()
-}
-
-/// Why the include's bind group cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum IncludeError {
-    /// The device is lost.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
-    #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
-    NoLists,
-    /// The extraction has fewer batches of lights.
-    #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
-    NoSuchBatch {
-        /// The batch asked for.
-        batch: usize,
-        /// Batches there are.
-        batches: usize,
-    },
-    /// A later encode overwrote the results.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// An array takes more than one binding, and the include reads each from one.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
 }
 
 impl Shared {

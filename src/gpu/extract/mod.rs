@@ -2,7 +2,9 @@
 
 mod bind_groups;
 pub(crate) mod buffers;
+pub(crate) mod errors;
 pub(crate) mod extraction;
 pub(crate) mod extractor;
 pub(crate) mod include;
+pub(crate) mod options;
 pub(crate) mod results;

@@ -15,7 +15,8 @@ use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionErro
 use crate::gpu::common::requirements::{DeviceError, Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::gpu::extract::extraction::{Extraction, StaleExtraction};
+use crate::gpu::extract::errors::StaleExtraction;
+use crate::gpu::extract::extraction::Extraction;
 use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
 use crate::light::{LightError, check_room, check_shadow_lights};
 use crate::mesh::MeshId;

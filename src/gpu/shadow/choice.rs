@@ -1,7 +1,7 @@
 //! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`.
 
 use super::buffers::Buffers;
-use super::volumes::ShadowOptions;
+use super::options::ShadowOptions;
 use crate::Counting;
 use crate::gpu::common::dispatch_limits::binding;
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};

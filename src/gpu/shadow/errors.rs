@@ -3,8 +3,8 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::extract::extraction::StaleExtraction;
-use crate::gpu::extract::include::IncludeError;
+use crate::gpu::extract::errors::IncludeError;
+use crate::gpu::extract::errors::StaleExtraction;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
 

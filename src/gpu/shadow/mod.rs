@@ -4,12 +4,15 @@ mod buffers;
 mod choice;
 mod draws;
 mod errors;
+pub(crate) mod format;
 mod frame;
+mod options;
 mod pipelines;
 mod volumes;
 
 pub use errors::{ShadowDrawError, ShadowEncodeError, ShadowVolumesError};
+pub use format::{ShadowFormat, ShadowFormatError};
 pub use frame::ShadowFrame;
-pub(crate) use pipelines::VolumeKey;
-pub use pipelines::{ShadowFormat, ShadowFormatError, ShadowPipelines};
-pub use volumes::{ShadowOptions, ShadowVolumes};
+pub use options::ShadowOptions;
+pub use pipelines::ShadowPipelines;
+pub use volumes::ShadowVolumes;
