@@ -153,11 +153,11 @@ impl ShadowPipelines {
             check(pipelines.device(), format, is_fail(counting))?;
             let device = pipelines.device().clone();
             any_error(&device, || Self::with(pipelines, format, counting))
-                .unwrap_or_else(|message| Err(ShadowFormatError::Refused { message }))
+                .map_err(|message| ShadowFormatError::Refused { message })
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
+    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
         let is_paper = counting == Counting::ZpPlusPaper;
         let is_fail = is_fail(counting);
         let uniform = |dynamic| wgpu::BindingType::Buffer {
@@ -182,7 +182,7 @@ impl ShadowPipelines {
         let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
-        Ok(Self {
+        Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, count, false),
             hole: caps.pipeline("hole_side", 0, count, false),
@@ -193,7 +193,7 @@ impl ShadowPipelines {
             caps: is_fail.then(|| [far(0), far(1)]),
             layouts: Layouts { frame, results, cap_data },
             shared,
-        })
+        }
     }
 
     /// What these pipelines are of.
