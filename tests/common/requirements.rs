@@ -39,10 +39,9 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
     let other = |error: &dyn std::fmt::Display| Err(format!("{subject:?}: {error}"));
     match subject {
         Subject::Extract => match Extractor::new(pipelines, &mesh, ExtractorOptions::default()) {
-            Ok(_) => Ok(None),
+            // What this mesh needs is not what every mesh needs.
+            Ok(_) | Err(ExtractorError::Memory(_)) => Ok(None),
             Err(ExtractorError::Device(error)) => Ok(Some(error)),
-            // What the mesh needs is not what every mesh needs.
-            Err(ExtractorError::Memory(_)) => Ok(None),
             Err(error) => other(&error),
         },
         Subject::Shadow => match ShadowPipelines::new(pipelines, &ShadowFormat::default(), Counting::Auto) {
@@ -51,17 +50,15 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
             Err(error) => other(&error),
         },
         Subject::Query => match ShadowQuery::new(pipelines, &mesh, ShadowQueryOptions::default()) {
-            Ok(_) => Ok(None),
+            Ok(_) | Err(ShadowQueryError::Memory(_)) => Ok(None),
             Err(ShadowQueryError::Device(error)) => Ok(Some(error)),
-            Err(ShadowQueryError::Memory(_)) => Ok(None),
             Err(error) => other(&error),
         },
         Subject::Deform => {
             let model = random_model(&mut Random::new(91), 50);
             match Deformer::new(pipelines, &model, DeformerOptions::default()) {
-                Ok(_) => Ok(None),
+                Ok(_) | Err(DeformError::Memory(_)) => Ok(None),
                 Err(DeformError::Device(error)) => Ok(Some(error)),
-                Err(DeformError::Memory(_)) => Ok(None),
                 Err(error) => other(&error),
             }
         }

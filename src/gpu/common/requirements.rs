@@ -114,7 +114,7 @@ macro_rules! need {
 /// with the mesh are [`super::memory::MemoryError`]'s. In the order of [`Subject`]: extract, shadow, query, deform.
 pub(crate) const AT_LEAST: [Need; 16] = [
     // First, since a device without compute shaders has 0 of it.
-    need!(max_compute_workgroups_per_dimension, [1, 32, 1, 1]),
+    need!(max_compute_workgroups_per_dimension, [1, 32, 32, 1]),
     need!(max_compute_invocations_per_workgroup, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_y, [1; 4]),

@@ -75,11 +75,11 @@ impl ShadowPipelines {
             check(pipelines.device(), format, counting.may_fail())?;
             let device = pipelines.device().clone();
             any_error(&device, || Self::with(pipelines, format, counting))
-                .unwrap_or_else(|message| Err(ShadowFormatError::Refused { message }))
+                .map_err(|message| ShadowFormatError::Refused { message })
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Result<Self, ShadowFormatError> {
+    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
         let is_paper = counting.is_paper();
         let is_fail = counting.may_fail();
         let uniform = |dynamic| wgpu::BindingType::Buffer {
@@ -104,7 +104,7 @@ impl ShadowPipelines {
         let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
-        Ok(Self {
+        Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, count, false),
             hole: caps.pipeline("hole_side", 0, count, false),
@@ -115,7 +115,7 @@ impl ShadowPipelines {
             caps: is_fail.then(|| [far(0), far(1)]),
             layouts: Layouts { frame, results, cap_data },
             shared,
-        })
+        }
     }
 
     /// What these pipelines are of.

@@ -83,6 +83,12 @@ fn workgroup_bytes(module: &Module, info: &naga::valid::ModuleInfo, entry_point:
         .sum()
 }
 
+/// Two stages of shadow volumes take a workgroup a light of a word, and a query takes 64 points of a word of lights, as many
+/// invocations a workgroup. What else is too much for one dispatch is cut, or takes turns.
+fn workgroups(subject: Subject) -> u64 {
+    if matches!(subject, Subject::Shadow | Subject::Query) { 32 } else { 1 }
+}
+
 /// What every stage of a subject needs together.
 fn needed(wanted: Subject) -> Found {
     let mut found = Found::new();
@@ -99,8 +105,7 @@ fn needed(wanted: Subject) -> Found {
     raise(&mut found, "max_storage_buffer_binding_size", 256);
     let largest = found["max_uniform_buffer_binding_size"].max(found["max_storage_buffer_binding_size"]);
     found.insert("max_buffer_size", largest);
-    // Two stages of shadow volumes take a workgroup a light of a word; all others take turns.
-    found.insert("max_compute_workgroups_per_dimension", if wanted == Subject::Shadow { 32 } else { 1 });
+    found.insert("max_compute_workgroups_per_dimension", workgroups(wanted));
     found
 }
 
@@ -150,8 +155,7 @@ fn default_limits_serve_and_lower_ones_do_not() {
         let too_few = DeviceError::Limit { subject: name, limit, needed, there: 4 };
         assert_eq!(check(wgpu::Limits::downlevel_defaults()), Err(too_few));
         let limit = "max_compute_workgroups_per_dimension";
-        let needed = if subject == Subject::Shadow { 32 } else { 1 };
-        let none = DeviceError::Limit { subject: name, limit, needed, there: 0 };
+        let none = DeviceError::Limit { subject: name, limit, needed: workgroups(subject), there: 0 };
         assert_eq!(check(wgpu::Limits::downlevel_webgl2_defaults()), Err(none));
     }
 }
