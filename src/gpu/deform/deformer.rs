@@ -18,7 +18,8 @@ use crate::model::{Model, Pose, PoseMismatch};
 /// What a [`Deformer`] does besides morph and skin.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeformerOptions<'a> {
-    /// The caller's displacement.
+    /// The caller's displacement. Its own loops may take 5,000 turns a vertex; software devices end longer ones without a
+    /// word.
     pub displacement: Option<&'a Displacement>,
     /// The layout of the bind group that the displacement's resources are in, if it has any. Models that share
     /// [`Pipelines`] share those of one layout, not those of equal ones.
@@ -96,7 +97,8 @@ impl Deformer {
     /// or the [`Pipelines`] that many models share.
     ///
     /// # Errors
-    /// [`DeformError`] when the model does not fit the device, or the displacement's layout is missing.
+    /// [`DeformError`] when the model does not fit the device, a vertex has more than 60,000 influences, or the
+    /// displacement's layout is missing.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         model: &Model,
@@ -191,7 +193,8 @@ impl Deformer {
     /// the layout that the deformer was made with.
     ///
     /// # Errors
-    /// [`DeformError`] when the pose is of another model or `resources` is missing; nothing is recorded then.
+    /// [`DeformError`] when the pose is of another model, has more active morph targets than a vertex may be the sum of
+    /// ([`DeformError::TooManyTerms`]), or `resources` is missing; nothing is recorded then.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
