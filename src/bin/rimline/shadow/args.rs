@@ -99,6 +99,11 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
     pub(crate) samples: Option<usize>,
 
+    /// Give every pixel the same samples, to measure: a place's light is then the share of samples that reach it, and soft
+    /// shadows show a step for each. Without it neighbouring pixels take different ones, of 16 times as many
+    #[arg(long, requires = "area")]
+    pub(crate) one_pattern: bool,
+
     /// Draw the shadow volumes, too, translucent and with their edges
     #[arg(long)]
     pub(crate) volumes: bool,

@@ -4,6 +4,7 @@ use rimline::glam::{Mat4, Vec3, Vec4};
 use rimline::shadow::{DepthDirection, ShadowCamera};
 
 use super::lamps::{Lamp, Stage};
+use super::part::Part;
 use crate::render::camera::Camera;
 
 /// As in `scene.wgsl`.
@@ -26,7 +27,8 @@ pub(crate) struct Frame {
     size: [f32; 2],
     centre: [f32; 2],
     per_unit: f32,
-    reserved: [f32; 3],
+    pitch: f32,
+    first: [f32; 2],
 }
 
 /// Ambient light: of all lights' together, and what the ground throws back.
@@ -34,7 +36,7 @@ const AMBIENT: f32 = 0.27;
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 impl Frame {
-    pub(crate) fn new(camera: &Camera, size: [u32; 2], stage: &Stage, lamps: &[Lamp]) -> Self {
+    pub(crate) fn new(camera: &Camera, size: [u32; 2], part: &Part, stage: &Stage, lamps: &[Lamp]) -> Self {
         let total: Vec3 = lamps.iter().map(|lamp| Vec3::from(lamp.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
@@ -50,7 +52,7 @@ impl Frame {
             share * Vec3::from(lamp.color)
         };
         let backdrop = GROUND * (ambient + lamps.iter().map(lit).sum::<Vec3>());
-        let mut view_projection = shadow_camera(camera).view_projection;
+        let mut view_projection = part_camera(camera, part).view_projection;
         view_projection.w_axis *= unit.recip();
         Self {
             view_projection: view_projection.to_cols_array_2d(),
@@ -69,7 +71,8 @@ impl Frame {
             size: size.map(|pixels| pixels as f32),
             centre: [x - camera.eye.x, z - camera.eye.z].map(in_units),
             per_unit: unit.recip(),
-            reserved: [0.0; 3],
+            pitch: part.pitch,
+            first: part.first,
         }
     }
 
@@ -103,6 +106,12 @@ pub(crate) fn shadow_camera(camera: &Camera) -> ShadowCamera {
         origin: camera.eye,
         depth: DepthDirection::Reversed,
     }
+}
+
+/// The same for a part of the picture.
+pub(super) fn part_camera(camera: &Camera, part: &Part) -> ShadowCamera {
+    let whole = shadow_camera(camera);
+    ShadowCamera { view_projection: part.clip * whole.view_projection, ..whole }
 }
 
 #[cfg(test)]

@@ -4,8 +4,7 @@ use rimline::gpu::{Results, include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilFaceState};
 
-use super::painter::depth_state;
-use super::pictures::LINEAR;
+use super::painter::{Target, depth_state};
 use super::studio::{Studio, Subject};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -19,7 +18,7 @@ pub(super) struct Glass {
 }
 
 impl Glass {
-    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>) -> Self {
+    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>, target: Target) -> Self {
         let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
         let pipeline = |name, topology| {
@@ -29,9 +28,9 @@ impl Glass {
                 source: &source,
                 groups: &[&studio.layouts.lamp, &layout],
                 topology,
-                format: LINEAR.format,
+                format: target.format,
                 blend: Some(BlendState::ALPHA_BLENDING),
-                samples: LINEAR.samples,
+                samples: target.samples,
                 write: ColorWrites::ALL,
                 depth: Some(depth_state(false, CompareFunction::Greater, StencilFaceState::IGNORE)),
                 constants: &[],

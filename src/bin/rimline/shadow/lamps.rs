@@ -26,6 +26,7 @@ pub(crate) struct Lamp {
     pub(crate) cone: Option<SpotCone>,
     /// The light itself, or those that stand for its area.
     pub(crate) samples: Vec<Light>,
+    area: Option<AreaLight>,
 }
 
 /// As in `scene.wgsl`.
@@ -81,6 +82,7 @@ impl Lamp {
                 exponent: 1.0,
                 cone: None,
                 samples: vec![light],
+                area: None,
             });
         }
         if let Some(area) = args.area {
@@ -107,6 +109,7 @@ impl Lamp {
             exponent: spec.exponent.unwrap_or(1.0),
             cone: own.and_then(|own| own.cone),
             samples: vec![light],
+            area: None,
         }
     }
 
@@ -125,7 +128,16 @@ impl Lamp {
             }
         };
         let normal = normal.normalize_or_zero().as_vec3().into();
-        self.samples = AreaLight { light: self.light, shape, normal }.samples(count);
+        let area = AreaLight { light: self.light, shape, normal };
+        self.samples = area.samples(count);
+        self.area = Some(area);
+    }
+
+    /// Takes the samples of one of so many patterns.
+    pub(crate) fn take_pattern(&mut self, pattern: usize, patterns: usize) {
+        if let Some(area) = &self.area {
+            self.samples = area.pattern(self.samples.len(), pattern, patterns);
+        }
     }
 
     fn place(&self) -> DVec3 {

@@ -9,8 +9,9 @@ use rimline::{Displacement, MAX_LIGHTS};
 
 use super::body::{Body, animations};
 use super::caster::Caster;
-use super::frame::{Frame, shadow_camera, unit};
+use super::frame::{Frame, part_camera, unit};
 use super::lamps::{Lamp, LampData, Stage};
+use super::part::{PARTS, Part};
 use super::studio::{Studio, Subject};
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
@@ -88,6 +89,7 @@ pub(crate) struct Set<'a> {
     pub(crate) stage: Stage,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) camera: Camera,
+    part: Part,
 }
 
 impl<'a> Set<'a> {
@@ -116,7 +118,7 @@ impl<'a> Set<'a> {
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        Ok(Self { args, bodies, stage, lamps, camera })
+        Ok(Self { args, bodies, stage, lamps, camera, part: Part::WHOLE })
     }
 
     /// Moves everything to another moment; the camera stays.
@@ -133,7 +135,7 @@ impl<'a> Set<'a> {
     }
 
     pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.stage, &self.lamps)
+        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.lamps)
     }
 
     pub(crate) fn lamp_data(&self) -> Vec<LampData> {
@@ -149,6 +151,18 @@ impl<'a> Set<'a> {
         Subject { casters, bodies: &self.bodies, samples: self.samples(), has_ground }
     }
 
+    /// Pixels take turns with patterns of samples.
+    pub(crate) fn is_in_parts(&self) -> bool {
+        self.args.area.is_some() && !self.args.one_pattern
+    }
+
+    /// Takes a part's view and samples, or those of the whole.
+    pub(crate) fn take_part(&mut self, part: Option<usize>) {
+        self.part = part.map_or(Part::WHOLE, |part| Part::of(self.args.view.size, part));
+        let (pattern, patterns) = part.map_or((0, 1), |part| (part, PARTS));
+        self.lamps.iter_mut().for_each(|lamp| lamp.take_pattern(pattern, patterns));
+    }
+
     /// Records what the casters need for the moment at hand.
     pub(crate) fn encode(
         &self,
@@ -158,10 +172,24 @@ impl<'a> Set<'a> {
         casters: &mut [Caster],
         mut timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
-        studio.set(gpu, &self.frame(), &self.lamp_data());
-        let (camera, lights) = (shadow_camera(&self.camera), self.ranged());
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.place(gpu, &studio.kit, studio.geometry_layout(), body);
+        }
+        self.encode_lights(gpu, encoder, studio, casters, timer.as_deref_mut())
+    }
+
+    /// The same for bodies that are where they were.
+    pub(crate) fn encode_lights(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut rimline::wgpu::CommandEncoder,
+        studio: &Studio<'_>,
+        casters: &mut [Caster],
+        mut timer: Option<&mut rimline::gpu::StageTimer>,
+    ) -> Result<(), GpuError> {
+        studio.set(gpu, &self.frame(), &self.lamp_data());
+        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.encode(encoder, body, &camera, &lights, timer.as_deref_mut())?;
         }
         Ok(())
