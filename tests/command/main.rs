@@ -18,6 +18,7 @@ mod query;
 mod run;
 mod schema;
 mod shadow;
+mod soft;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -48,6 +49,7 @@ fn main() {
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,
+        soft::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,

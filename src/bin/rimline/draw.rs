@@ -22,7 +22,7 @@ use crate::moment::Moment;
 use crate::output::Output;
 use crate::positions::Positions;
 use crate::progress::Progress;
-use crate::render::camera::Camera;
+use crate::render::camera::{Camera, elevation};
 use crate::render::{centre, check_size, extent, normals};
 use frame::Frame;
 use picture::Subject;
@@ -64,7 +64,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
     let nothing = || Failure::input(&moment.input.file)(InputError::NoFinitePosition);
     let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
-    let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
+    let camera =
+        Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 
     let mut extractor =
         Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;

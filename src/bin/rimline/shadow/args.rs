@@ -95,7 +95,7 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
     pub(crate) area: Option<AreaSpec>,
 
-    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 32]
+    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 16, with --one-pattern 32]
     #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
     pub(crate) samples: Option<usize>,
 
@@ -115,7 +115,8 @@ pub(crate) struct ShadowSceneArgs {
 impl ShadowSceneArgs {
     /// Lights that stand for one.
     pub(crate) fn samples(&self) -> usize {
-        self.area.map_or(1, |_| self.samples.unwrap_or(spec::MOST_SAMPLES as usize))
+        let usual = if self.one_pattern { spec::MOST_SAMPLES } else { spec::MOST_SAMPLES / 2 };
+        self.area.map_or(1, |_| self.samples.unwrap_or(usual as usize))
     }
 }
 

@@ -36,13 +36,16 @@ const AMBIENT: f32 = 0.27;
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 impl Frame {
-    pub(crate) fn new(camera: &Camera, size: [u32; 2], part: &Part, stage: &Stage, lamps: &[Lamp]) -> Self {
+    /// `reach` is how far from below the models their shadows lie.
+    pub(crate) fn new(camera: &Camera, size: [u32; 2], part: &Part, stage: &Stage, lamps: &[Lamp], reach: f32) -> Self {
         let total: Vec3 = lamps.iter().map(|lamp| Vec3::from(lamp.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let ([x, _, z], ground) = (stage.centre, stage.ground);
         let under = Vec3::new(x, ground, z);
-        let far = 4.6 * stage.extent;
+        // No shadow fades with the ground.
+        let begin = (1.8 * stage.extent).max(1.1 * reach);
+        let far = 2.6 * begin;
         let unit = unit(camera, stage);
         let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
@@ -65,9 +68,9 @@ impl Frame {
             forward: camera.forward.into(),
             exposure: 1.12 / ((1.0 + AMBIENT) * brightest),
             ambient: ambient.into(),
-            fade_begin: 1.8 * in_units(stage.extent),
+            fade_begin: in_units(begin),
             backdrop: backdrop.into(),
-            fade_end: 6.0 * in_units(stage.extent),
+            fade_end: 3.3 * in_units(begin),
             size: size.map(|pixels| pixels as f32),
             centre: [x - camera.eye.x, z - camera.eye.z].map(in_units),
             per_unit: unit.recip(),

@@ -19,7 +19,7 @@ use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source, animation_name, listed_animations};
 use crate::output::note;
-use crate::render::camera::Camera;
+use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
 use crate::render::{centre, check_size, extent};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
@@ -90,6 +90,7 @@ pub(crate) struct Set<'a> {
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) camera: Camera,
     part: Part,
+    reach: f32,
 }
 
 impl<'a> Set<'a> {
@@ -111,14 +112,15 @@ impl<'a> Set<'a> {
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
+        let outermost = outermost(points, stage.centre);
+        let reach = reach(&lamps, &outermost, &stage);
         if args.view.eye.is_none() {
-            let outermost = outermost(points, stage.centre);
             shadows.extend(lamps.iter().flat_map(|lamp| outermost.iter().map(|&point| lamp.shadow_of(point, &stage))));
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, seen)?;
+        let mut camera = Camera::new(&args.view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        Ok(Self { args, bodies, stage, lamps, camera, part: Part::WHOLE })
+        Ok(Self { args, bodies, stage, lamps, camera, part: Part::WHOLE, reach })
     }
 
     /// Moves everything to another moment; the camera stays.
@@ -135,7 +137,7 @@ impl<'a> Set<'a> {
     }
 
     pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.lamps)
+        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.lamps, self.reach)
     }
 
     pub(crate) fn lamp_data(&self) -> Vec<LampData> {
@@ -194,6 +196,15 @@ impl<'a> Set<'a> {
         }
         Ok(())
     }
+}
+
+/// How far from below the models' middle their shadows on the ground lie, those of lights at the horizon left out.
+fn reach(lamps: &[Lamp], points: &[[f32; 3]], stage: &Stage) -> f32 {
+    const MOST: f64 = 60.0;
+    let [x, _, z] = stage.centre;
+    let from_centre = |[a, _, b]: [f32; 3]| (a - x).hypot(b - z);
+    let shadows = lamps.iter().flat_map(|lamp| points.iter().map(|&point| lamp.shadow_within(point, stage, MOST)));
+    shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
 }
 
 /// The models' lowest point. What lies flat hovers, or the ground would be in the same plane.
