@@ -111,7 +111,8 @@ impl<'a> Stage<'a> {
         let lamps = data.len() / parts.len() - 1;
         let buffer = canvas.uniform(bytemuck::cast_slice(&data));
         let size = size.map(|pixels| pixels / pitch);
-        let color = canvas.target(size, parts.len() as u32, COLOR);
+        // Never one layer alone, which OpenGL does not read as layers.
+        let color = canvas.target(size, parts.len().max(2) as u32, COLOR);
         let view = wgpu::TextureViewDescriptor::default();
         let depth = canvas.target(size, 1, DEPTH_STENCIL).create_view(&view);
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {

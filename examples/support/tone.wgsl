@@ -7,7 +7,7 @@
 }
 
 fn load(pixel: vec2<i32>) -> vec3<f32> {
-  if (textureNumLayers(linear) == 1u) {
+  if (textureNumLayers(linear) < 16u) {
     return textureLoad(linear, pixel, 0, 0).rgb;
   }
   let within = pixel & vec2<i32>(1);

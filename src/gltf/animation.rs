@@ -5,8 +5,8 @@ use gltf::json::animation::Property;
 use super::curve::Curve;
 use super::document::{ChannelTarget, Document, Transform};
 use super::formats;
-use super::parse_scene::unit;
 use super::reader::Reader;
+use super::transforms::unit;
 use super::{AnimationInfo, GltfError};
 
 /// An animation's curves.

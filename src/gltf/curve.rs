@@ -2,7 +2,7 @@
 
 use gltf::json::animation::Interpolation;
 
-use super::parse_scene::unit;
+use super::transforms::unit;
 
 /// Values over time. Times increase strictly; there is at least one.
 #[derive(Debug)]

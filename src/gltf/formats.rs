@@ -1,9 +1,8 @@
 //! Which accessor formats the specification allows for each use.
 
 use gltf::json::accessor::ComponentType::{F32, I8, I16, U8, U16, U32};
-use gltf::json::accessor::Type;
+use gltf::json::accessor::{ComponentType, Type};
 
-pub(super) const POSITION: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
 /// Which accessors fit a use.
 #[derive(Clone, Copy)]
 pub(super) struct Format {
@@ -15,6 +14,7 @@ pub(super) struct Format {
 /// A component type, and whether it must be, must not be, or may be normalised.
 pub(super) type Component = (ComponentType, Option<bool>);
 
+pub(super) const POSITION: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
 /// With `KHR_mesh_quantization`; targets too.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: Type::Vec3,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use gltf::json::animation::{Interpolation, Property};
 
 use super::document::{Animation, ChannelTarget, Instancing, Node, PunctualLight, Sampler, Transform, Trs};

@@ -7,7 +7,7 @@ use gltf::json::animation::Property;
 
 use super::animation::Channel;
 use super::document::Transform;
-use super::instances::{Frame, Placement};
+use super::placement::{Frame, Placement};
 use super::{Asset, PoseError, SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{Geometry, Influences, InstancePose, Matrix3x4, ModelError, Pose};

@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
-use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::accessor::ComponentType;
 
 use super::budget::Budget;
 use super::document::{Accessor, Document, Sparse};
 use super::error::{AccessorProblem, GltfError};
 use super::extensions;
-use super::formats::Format;
+use super::formats::{Component, Format};
 
 /// Reads a document's accessors.
 pub(super) struct Reader<'a> {

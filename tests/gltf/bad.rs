@@ -61,7 +61,7 @@ fn no_position() -> Outcome {
     let skipped = Skipped { without_position: 1, ..Skipped::default() };
     ensure(asset.skipped() == skipped, || format!("{:?}", asset.skipped()))?;
     let mesh = asset.model().mesh(&asset.pose(None, 0.0)?);
-    ensure(mesh == Err(MeshError::NoFaces), || format!("{mesh:?}"))
+    ensure(mesh == Err(MeshError::NoFaces.into()), || format!("{mesh:?}"))
 }
 
 fn control() -> Outcome {

@@ -66,14 +66,14 @@ fn too_many_vertices() -> Outcome {
     maker.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": instancing });
     let options = LoadOptions { memory_limit: u64::MAX, ..Weld::Keep.into() };
     match Asset::from_slice(&maker.glb(), None, options) {
-        Ok(_) => Err("it was loaded".to_owned()),
+        Ok(_) => Err("it was loaded".into()),
         Err(error) => says_all(&error.to_string(), &["nodes", "4356000000 vertices", "split"]),
     }
 }
 
 fn says_all(message: &str, parts: &[&str]) -> Outcome {
     let missing: Vec<_> = parts.iter().filter(|part| !message.contains(**part)).collect();
-    if missing.is_empty() { Ok(()) } else { Err(format!("{message:?} does not say {missing:?}")) }
+    if missing.is_empty() { Ok(()) } else { Err(format!("{message:?} does not say {missing:?}").into()) }
 }
 
 pub(crate) fn primitive(maker: &mut Maker) -> &mut Value {

@@ -24,7 +24,7 @@ use crate::output::Output;
 use crate::overwrite::Inputs;
 use crate::positions::Positions;
 use crate::progress::Progress;
-use crate::render::camera::Camera;
+use crate::render::camera::{Camera, elevation};
 use crate::render::{centre, check_size, extent, normals, too_large};
 use frame::Frame;
 use picture::Subject;
@@ -71,7 +71,8 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
     let nothing = || Failure::input(&moment.input.file)(InputError::NoFinitePosition);
     let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
-    let camera = Camera::new(&args.view, ELEVATION, centre(&bounds), extent(&bounds), corners().copied())?;
+    let camera =
+        Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 
     let mut extractor =
         Extractor::new(&gpu.pipelines, &scene.mesh, ExtractorOptions::default()).map_err(|error| fail(error.into()))?;

@@ -55,7 +55,8 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = Set::new(scene, bodies, &points)?;
     let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes).map_err(fail)?;
+    let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes, set.is_in_parts())
+        .map_err(fail)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
         set.encode(&gpu, &mut encoder, &studio, &mut casters, None).map_err(fail)?;
         gpu.queue.submit([encoder.finish()]);
-        let picture = shadow::picture(&gpu, &studio, &pictures, &set, &casters).map_err(fail)?;
+        let picture = shadow::picture(&gpu, &studio, &pictures, &mut set, &mut casters).map_err(fail)?;
         bound = bound.max(CountBound::read(&gpu, &casters, set.samples()).map_err(|error| fail(error.into()))?);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;

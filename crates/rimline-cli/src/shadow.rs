@@ -10,6 +10,7 @@ mod glass;
 mod lamps;
 mod masks;
 pub(crate) mod painter;
+mod part;
 pub(crate) mod pictures;
 mod report;
 pub(crate) mod set;
@@ -32,6 +33,7 @@ use crate::times::Times;
 use args::ShadowArgs;
 use caster::Caster;
 use masks::Masks;
+use part::PARTS;
 use pictures::Pictures;
 use report::Report;
 use set::{Props, Set, mask_file};
@@ -63,7 +65,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.moment.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::points).collect();
-    let set = Set::new(scene, bodies, &points)?;
+    let mut set = Set::new(scene, bodies, &points)?;
     let mask_files: Vec<_> = match &args.mask {
         None => Vec::new(),
         Some(prefix) => (0..set.lamps.len()).map(|light| mask_file(prefix, light)).collect(),
@@ -77,7 +79,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("drawing");
     let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let counting = scene.method.counting();
-    let pictures = output.is_some().then(|| Pictures::new(&gpu, &studio, counting, scene.mode, scene.volumes));
+    let pictures =
+        output.is_some().then(|| Pictures::new(&gpu, &studio, counting, scene.mode, scene.volumes, set.is_in_parts()));
     let pictures = pictures.transpose().map_err(fail)?;
     let masks = args.mask.is_some().then(|| Masks::new(&gpu, &studio, counting)).transpose().map_err(fail)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
@@ -101,7 +104,8 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         }
     }
     if let (Some(pictures), Some(output)) = (&pictures, output) {
-        let picture = times.measure("picture", || picture(&gpu, &studio, pictures, &set, &casters)).map_err(fail)?;
+        let picture =
+            times.measure("picture", || picture(&gpu, &studio, pictures, &mut set, &mut casters)).map_err(fail)?;
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
     }
@@ -124,16 +128,34 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     print(&if args.json { report.json(scene, &times) } else { report.text(&written, &times) })
 }
 
-/// Draws and reads a picture of what was encoded and submitted.
+/// Draws and reads a picture of what was encoded and submitted, in parts if it has them; what was encoded is the same
+/// afterwards.
 pub(crate) fn picture(
     gpu: &Gpu,
     studio: &Studio<'_>,
     pictures: &Pictures,
-    set: &Set<'_>,
-    casters: &[Caster],
+    set: &mut Set<'_>,
+    casters: &mut [Caster],
 ) -> Result<Picture, GpuError> {
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
-    let texture = pictures.record(&mut encoder, studio, &set.subject(casters))?;
+    let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
+    if set.is_in_parts() {
+        for part in 0..PARTS {
+            set.take_part(Some(part));
+            let mut encoder = encoder();
+            set.encode_lights(gpu, &mut encoder, studio, casters, None)?;
+            pictures.record(&mut encoder, studio, &set.subject(casters), part)?;
+            gpu.queue.submit([encoder.finish()]);
+        }
+        set.take_part(None);
+        let mut encoder = encoder();
+        set.encode_lights(gpu, &mut encoder, studio, casters, None)?;
+        gpu.queue.submit([encoder.finish()]);
+    }
+    let mut encoder = encoder();
+    if !set.is_in_parts() {
+        pictures.record(&mut encoder, studio, &set.subject(casters), 0)?;
+    }
+    let texture = pictures.develop(&mut encoder, studio);
     gpu.queue.submit([encoder.finish()]);
     Picture::read(gpu, texture)
 }

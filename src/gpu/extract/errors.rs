@@ -3,7 +3,7 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
-use crate::light::{LightError, MAX_LIGHTS};
+use crate::light::LightError;
 
 /// Why an extraction cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,7 +27,7 @@ pub enum ExtractorError {
     /// The device lacks what extraction needs, or is lost.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
+    /// `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     #[error(transparent)]
     Light(#[from] LightError),
     /// The mesh does not fit the device.

@@ -1,13 +1,11 @@
 //! What an extractor finds and keeps.
 
-#[cfg_attr(not(feature = "reference"), allow(unused_imports))]
-use crate::light::MAX_LIGHTS;
 use crate::method::{Method, Predicate};
 
 /// What an [`Extractor`](crate::gpu::Extractor) finds and keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct ExtractorOptions {
-    /// The most lights of one encode, 1 to [`MAX_LIGHTS`].
+    /// The most lights of one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
     /// How silhouettes are found; with the feature `reference` alone.
     #[cfg(feature = "reference")]

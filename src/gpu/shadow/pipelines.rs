@@ -5,7 +5,7 @@ use wgpu::{CompareFunction, StencilOperation};
 use super::format::{Count, ShadowFormat, ShadowFormatError, VolumeKey};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::requirements::{DeviceError, Subject};
+use crate::gpu::common::requirements::Subject;
 use crate::gpu::extract::include::{include_wgsl, results_entries};
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};

@@ -1,14 +1,15 @@
 //! Where the picture is taken from.
 
 use glam::{DVec3, Vec3};
+use rimline::mesh::Bounds;
 
 use crate::args::ViewArgs;
 use crate::failure::UsageError;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;
-/// How much of the picture's width or height the model takes.
-const FILLED: f64 = 0.86;
+/// How much of the picture's width or height the model takes: a tenth on each side is left.
+const FILLED: f64 = 0.8;
 
 /// A right-handed perspective camera with an infinite far plane and reversed depth, `near / distance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,14 +46,12 @@ impl Camera {
         let nearest = f64::from(extent) * 1e-3;
         let distance = if let Some(eye) = args.eye {
             (vector(eye) - target).length()
+        } else if args.target.is_some() {
+            view.distance(target, points.map(vector), nearest)
         } else {
-            let points = points.map(vector);
-            // Perspective moves the middle of what is seen; a few steps find it.
-            for _ in 0..if args.target.is_none() { 6 } else { 0 } {
-                let distance = view.distance(target, points.clone(), nearest);
-                target += view.off_centre(target, distance, points.clone());
-            }
-            view.distance(target, points, nearest)
+            let (aside, distance) = view.fit(target, points.map(vector), nearest);
+            target += aside;
+            distance
         };
         Ok(Self {
             eye: args.eye.map_or((target + backward * distance).as_vec3(), Vec3::from),
@@ -97,24 +96,35 @@ impl View {
         })
     }
 
-    /// From the target to what is in the middle, of all points seen from this distance.
-    fn off_centre(&self, target: DVec3, distance: f64, points: impl Iterator<Item = DVec3>) -> DVec3 {
-        let ([mut low, mut high], mut count) = ([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], 0);
+    /// The nearest place of the eye from which the picture holds all points, in its middle: how far aside of the target it
+    /// aims, and the distance.
+    fn fit(&self, target: DVec3, points: impl Iterator<Item = DVec3>, least: f64) -> (DVec3, f64) {
+        // An eye at (x, y) a distance d before the target sees (a, b, z) where |a − x| s ≤ FILLED (z + d) and the like for
+        // b: each side of the picture bounds d ± x from below by its outermost point.
+        let (mut sides, mut nearest) = ([[f64::NEG_INFINITY; 2]; 2], f64::INFINITY);
         for point in points {
             let [x, y, z] = self.seen(target, point);
-            let away = (distance + z).max(distance * 1e-6);
-            for (axis, c) in [x / away, y / away].into_iter().enumerate() {
-                low[axis] = low[axis].min(c);
-                high[axis] = high[axis].max(c);
+            for (axis, c) in [x, y].into_iter().enumerate() {
+                let aside = c * self.scale[axis] / FILLED;
+                sides[axis] = [sides[axis][0].max(aside - z), sides[axis][1].max(-aside - z)];
             }
-            count += 1;
+            nearest = nearest.min(z);
         }
-        if count == 0 {
-            return DVec3::ZERO;
+        if nearest == f64::INFINITY {
+            return (DVec3::ZERO, least);
         }
-        let middle = |axis: usize| 0.5 * (low[axis] + high[axis]) * distance;
-        self.right * middle(0) + self.up * middle(1)
+        let wanted = sides.iter().map(|[high, low]| 0.5 * (high + low)).fold(f64::NEG_INFINITY, f64::max);
+        let middle = |axis: usize| 0.5 * (sides[axis][0] - sides[axis][1]) * FILLED / self.scale[axis];
+        (self.right * middle(0) + self.up * middle(1), wanted.max(least - nearest))
     }
+}
+
+/// Degrees above from which something is seen: `usual`, or more where it lies flat.
+pub(crate) fn elevation(usual: f64, bounds: &Bounds) -> f64 {
+    const STEEP: f64 = 45.0;
+    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
+    let is_high = (4.0 * y / x.min(z).max(f64::MIN_POSITIVE)).min(1.0);
+    STEEP + (usual - STEEP) * is_high
 }
 
 #[cfg(test)]
@@ -144,8 +154,9 @@ mod tests {
 
     #[test]
     fn the_default_shows_every_point_and_wastes_little() {
-        for options in ["", "--size 300x900 --fov 70", "--size 900x300"] {
+        for options in ["", "--size 300x900 --fov 70", "--size 900x300", "--fov 100", "--fov 150", "--fov 5"] {
             let camera = Camera::new(&args(options), 17.0, [10.0; 3], 2.0, CUBE.into_iter()).expect("it has an eye");
+            let mut sides = [[0.0_f32; 2]; 2];
             let widest = CUBE
                 .into_iter()
                 .map(|point| {
@@ -154,9 +165,15 @@ mod tests {
                     assert!(distance > camera.near);
                     let x = p.dot(camera.right) * camera.scale[0] / distance;
                     let y = p.dot(camera.up) * camera.scale[1] / distance;
+                    for (side, c) in sides.iter_mut().zip([x, y]) {
+                        *side = [side[0].min(c), side[1].max(c)];
+                    }
                     x.abs().max(y.abs())
                 })
                 .fold(0.0, f32::max);
+            // In the middle of what is wider, so margins are alike.
+            let is_centred = sides.iter().any(|[low, high]| (low + high).abs() < 1e-3 && (high - widest).abs() < 1e-3);
+            assert!(is_centred, "{options}: {sides:?}");
             assert!((widest - FILLED as f32).abs() < 1e-3, "{options}: {widest}");
         }
     }
@@ -168,6 +185,13 @@ mod tests {
             assert!((camera.right.cross(camera.up) + camera.forward).length() < 1e-5);
             assert!(camera.up.length() > 0.999);
         }
+    }
+
+    #[test]
+    fn what_lies_flat_is_seen_from_higher() {
+        let of = |y| elevation(17.0, &Bounds { min: [0.0; 3], max: [2.0, y, 1.0] });
+        assert_eq!((of(0.0), of(0.25), of(7.0)), (45.0, 17.0, 17.0));
+        assert!(of(0.1) > 25.0 && of(0.1) < 40.0);
     }
 
     #[test]

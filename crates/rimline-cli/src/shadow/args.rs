@@ -99,9 +99,14 @@ pub(crate) struct ShadowSceneArgs {
     #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
     pub(crate) area: Option<AreaSpec>,
 
-    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 32]
+    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 16, with --one-pattern 32]
     #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
     pub(crate) samples: Option<usize>,
+
+    /// Give every pixel the same samples, to measure: a place's light is then the share of samples that reach it, and soft
+    /// shadows show a step for each. Without it neighbouring pixels take different ones, of 16 times as many
+    #[arg(long, requires = "area")]
+    pub(crate) one_pattern: bool,
 
     /// Draw the shadow volumes, too, translucent and with their edges
     #[arg(long)]
@@ -114,7 +119,8 @@ pub(crate) struct ShadowSceneArgs {
 impl ShadowSceneArgs {
     /// Lights that stand for one.
     pub(crate) fn samples(&self) -> usize {
-        self.area.map_or(1, |_| self.samples.unwrap_or(spec::MOST_SAMPLES as usize))
+        let usual = if self.one_pattern { spec::MOST_SAMPLES } else { spec::MOST_SAMPLES / 2 };
+        self.area.map_or(1, |_| self.samples.unwrap_or(usual as usize))
     }
 }
 

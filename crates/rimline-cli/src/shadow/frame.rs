@@ -4,6 +4,7 @@ use glam::{Mat4, Vec3, Vec4};
 use rimline::{DepthDirection, ShadowCamera};
 
 use super::lamps::{Lamp, Stage};
+use super::part::Part;
 use crate::render::camera::Camera;
 
 /// As in `scene.wgsl`.
@@ -26,7 +27,8 @@ pub(crate) struct Frame {
     size: [f32; 2],
     centre: [f32; 2],
     per_unit: f32,
-    reserved: [f32; 3],
+    pitch: f32,
+    first: [f32; 2],
 }
 
 /// Ambient light: of all lights' together, and what the ground throws back.
@@ -34,13 +36,16 @@ const AMBIENT: f32 = 0.27;
 const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 impl Frame {
-    pub(crate) fn new(camera: &Camera, size: [u32; 2], stage: &Stage, lamps: &[Lamp]) -> Self {
+    /// `reach` is how far from below the models their shadows lie.
+    pub(crate) fn new(camera: &Camera, size: [u32; 2], part: &Part, stage: &Stage, lamps: &[Lamp], reach: f32) -> Self {
         let total: Vec3 = lamps.iter().map(|lamp| Vec3::from(lamp.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let ([x, _, z], ground) = (stage.centre, stage.ground);
         let under = Vec3::new(x, ground, z);
-        let far = 4.6 * stage.extent;
+        // No shadow fades with the ground.
+        let begin = (1.8 * stage.extent).max(1.1 * reach);
+        let far = 2.6 * begin;
         let unit = unit(camera, stage);
         let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
@@ -50,7 +55,7 @@ impl Frame {
             share * Vec3::from(lamp.color)
         };
         let backdrop = GROUND * (ambient + lamps.iter().map(lit).sum::<Vec3>());
-        let mut view_projection = Mat4::from_cols_array_2d(&shadow_camera(camera).view_projection);
+        let mut view_projection = Mat4::from_cols_array_2d(&part_camera(camera, part).view_projection);
         view_projection.w_axis *= unit.recip();
         Self {
             view_projection: view_projection.to_cols_array_2d(),
@@ -63,13 +68,14 @@ impl Frame {
             forward: camera.forward.into(),
             exposure: 1.12 / ((1.0 + AMBIENT) * brightest),
             ambient: ambient.into(),
-            fade_begin: 1.8 * in_units(stage.extent),
+            fade_begin: in_units(begin),
             backdrop: backdrop.into(),
-            fade_end: 6.0 * in_units(stage.extent),
+            fade_end: 3.3 * in_units(begin),
             size: size.map(|pixels| pixels as f32),
             centre: [x - camera.eye.x, z - camera.eye.z].map(in_units),
             per_unit: unit.recip(),
-            reserved: [0.0; 3],
+            pitch: part.pitch,
+            first: part.first,
         }
     }
 
@@ -102,6 +108,15 @@ pub(crate) fn shadow_camera(camera: &Camera) -> ShadowCamera {
         view_projection: Mat4::from_cols(x, y, z, w).transpose().to_cols_array_2d(),
         origin: camera.eye.into(),
         depth: DepthDirection::Reversed,
+    }
+}
+
+/// The same for a part of the picture.
+pub(super) fn part_camera(camera: &Camera, part: &Part) -> ShadowCamera {
+    let whole = shadow_camera(camera);
+    ShadowCamera {
+        view_projection: (part.clip * Mat4::from_cols_array_2d(&whole.view_projection)).to_cols_array_2d(),
+        ..whole
     }
 }
 

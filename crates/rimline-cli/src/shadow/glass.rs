@@ -6,8 +6,7 @@ use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilF
 
 use super::caster::Caster;
 use super::depth::depth_format;
-use super::painter::depth_state;
-use super::pictures::LINEAR;
+use super::painter::{Target, depth_state};
 use super::studio::{Studio, Subject};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -21,7 +20,7 @@ pub(super) struct Glass {
 }
 
 impl Glass {
-    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>) -> Self {
+    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>, target: Target) -> Self {
         let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
         let format = depth_format(&gpu.device);
@@ -32,9 +31,9 @@ impl Glass {
                 source: &source,
                 groups: &[&studio.layouts.lamp, &layout],
                 topology,
-                format: LINEAR.format,
+                format: target.format,
                 blend: Some(BlendState::ALPHA_BLENDING),
-                samples: LINEAR.samples,
+                samples: target.samples,
                 write: ColorWrites::ALL,
                 depth: Some(depth_state(format, false, CompareFunction::Greater, StencilFaceState::IGNORE)),
                 constants: &[],

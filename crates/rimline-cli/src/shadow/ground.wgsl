@@ -19,7 +19,7 @@ struct Place {
 }
 
 fn place(pixel: vec2<f32>) -> Place {
-  let ndc = pixel / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
+  let ndc = in_picture(pixel) / frame.size * vec2<f32>(2.0, -2.0) + vec2<f32>(-1.0, 1.0);
   let ray = ndc.x / frame.scale_x * frame.right + ndc.y / frame.scale_y * frame.up + frame.forward;
   let q = ray * (frame.ground / min(ray.y, -1e-6));
   if (ray.y > -1e-6) {

@@ -26,6 +26,7 @@ pub(crate) struct Lamp {
     pub(crate) cone: Option<SpotCone>,
     /// The light itself, or those that stand for its area.
     pub(crate) samples: Vec<Light>,
+    area: Option<AreaLight>,
 }
 
 /// As in `scene.wgsl`.
@@ -81,6 +82,7 @@ impl Lamp {
                 exponent: 1.0,
                 cone: None,
                 samples: vec![light],
+                area: None,
             });
         }
         if let Some(area) = args.area {
@@ -107,6 +109,7 @@ impl Lamp {
             exponent: spec.exponent.unwrap_or(1.0),
             cone: own.and_then(|own| own.cone),
             samples: vec![light],
+            area: None,
         }
     }
 
@@ -125,7 +128,16 @@ impl Lamp {
             }
         };
         let normal = normal.normalize_or_zero().as_vec3().into();
-        self.samples = AreaLight { light: self.light, shape, normal }.samples(count);
+        let area = AreaLight { light: self.light, shape, normal };
+        self.samples = area.samples(count);
+        self.area = Some(area);
+    }
+
+    /// Takes the samples of one of so many patterns.
+    pub(crate) fn take_pattern(&mut self, pattern: usize, patterns: usize) {
+        if let Some(area) = &self.area {
+            self.samples = area.pattern(self.samples.len(), pattern, patterns);
+        }
     }
 
     fn place(&self) -> DVec3 {
@@ -191,15 +203,25 @@ impl Lamp {
 
     /// The shadow that a point throws onto the ground, or as much of the way there as a picture should show.
     pub(crate) fn shadow_of(&self, point: [f32; 3], stage: &Stage) -> [f32; 3] {
+        self.shadow_within(point, stage, self.reach(stage))
+    }
+
+    /// The shadow that a point throws onto the ground, or what lies so many extents along the way there: the point itself
+    /// where the light does not come, and no more of the way than the light goes.
+    pub(crate) fn shadow_within(&self, point: [f32; 3], stage: &Stage, extents: f64) -> [f32; 3] {
         let p = Vec3::from(point).as_dvec3();
         let Light { xyz, w, .. } = self.light;
         let away = f64::from(w) * p - Vec3::from(xyz).as_dvec3();
         let height = p.y - f64::from(stage.ground);
-        if away.y >= 0.0 || height <= 0.0 {
+        let left = if w == 0.0 { f64::INFINITY } else { f64::from(self.range) - (p - self.place()).length() };
+        let is_in_cone = self.cone.is_none_or(|cone| {
+            vector(cone.direction).dot(away.normalize_or_zero()) >= f64::from(cone.outer_angle).cos()
+        });
+        if away.y >= 0.0 || height <= 0.0 || left <= 0.0 || !is_in_cone {
             return point;
         }
         let along: DVec3 = away * (height / -away.y);
-        let most = self.reach(stage) * f64::from(stage.extent);
+        let most = (extents * f64::from(stage.extent)).min(left);
         (p + along.clamp_length_max(most)).as_vec3().into()
     }
 
@@ -308,6 +330,20 @@ mod tests {
         assert!(far(Light::directional([-9.0, 1.0, 0.0])) > 2.0);
         assert!(far(Light::point([-90.0, 11.0, 0.0])) > 2.0);
         assert!(far(Light::point([0.0, 1.001, 0.0])) < 0.3);
+    }
+
+    #[test]
+    fn shadows_end_where_the_light_does() {
+        let at = |mut lamp: Lamp, range: f32| {
+            lamp.range = range;
+            lamp.shadow_of([0.5, 1.0, 0.0], &STAGE)
+        };
+        let above = || lamp(Light::point([0.5, 4.0, 0.0]));
+        assert_eq!(at(above(), f32::INFINITY), [0.5, 0.0, 0.0]);
+        assert_eq!(at(above(), 3.5), [0.5, 0.5, 0.0]);
+        assert_eq!(at(above(), 2.0), [0.5, 1.0, 0.0]);
+        let cone = SpotCone { direction: [1.0, 0.0, 0.0], inner_angle: 0.1, outer_angle: 0.5 };
+        assert_eq!(at(Lamp { cone: Some(cone), ..above() }, f32::INFINITY), [0.5, 1.0, 0.0]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceS
 use super::depth::depth_format;
 use super::glass::Glass;
 use super::painter::{ADD, MULTIPLY, Onto, Painter, Target, depth_state};
+use super::part::{PARTS, Part};
 use super::studio::{Attachments, Studio, Subject, draw_volumes};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -14,13 +15,17 @@ use crate::render::kit::Pass;
 use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
-pub(super) const LINEAR: Target = Target { format: TextureFormat::Rgba16Float, samples: 4 };
+const LINEAR: Target = Target { format: TextureFormat::Rgba16Float, samples: 4 };
+/// The same of a part of the picture.
+const PART: Target = Target { format: LINEAR.format, samples: 1 };
 
 /// Draws pictures.
 pub(crate) struct Pictures {
     pub(crate) pipelines: ShadowPipelines,
-    attachments: Attachments,
-    resolved: wgpu::TextureView,
+    /// Of the whole picture or of its parts.
+    attachments: Vec<Attachments>,
+    /// What the whole picture's samples are averaged into.
+    resolved: Option<wgpu::TextureView>,
     finished: wgpu::Texture,
     backdrop: wgpu::RenderPipeline,
     ambient: Painter,
@@ -38,14 +43,18 @@ impl Pictures {
         counting: Counting,
         mode: ModeArg,
         volumes: bool,
+        in_parts: bool,
     ) -> Result<Self, GpuError> {
         let kit = &studio.kit;
-        let readable = TextureUsages::TEXTURE_BINDING;
-        let resolved = studio.target("light", LINEAR.format, 1, readable);
+        let linear = if in_parts { PART } else { LINEAR };
+        let (attachments, light) = if in_parts { parts(studio) } else { whole(studio) };
+        let load = if in_parts { include_str!("parts.wgsl") } else { include_str!("whole.wgsl") };
+        let view_dimension =
+            if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
         let format = TextureFormat::Rgba8UnormSrgb;
         let layout = kit.layout(&[wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension,
             multisampled: false,
         }]);
         let cover = |name, source, groups: &[_], target: Target, depth| {
@@ -68,7 +77,8 @@ impl Pictures {
             })
         };
         let behind = depth_state(depth_format(kit.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
-        let group = kit.group(&layout, &[wgpu::BindingResource::TextureView(&resolved)]);
+        let group = kit.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
+        let tone = format!("{load}\n{}", include_str!("tone.wgsl"));
         let shade = match mode {
             ModeArg::Additive => None,
             ModeArg::Ambient => Some(("ambient", None)),
@@ -76,34 +86,36 @@ impl Pictures {
             ModeArg::Composited => Some(("dim", MULTIPLY)),
         };
         Ok(Self {
-            pipelines: Studio::pipelines(gpu, LINEAR, counting)?,
-            attachments: Attachments::new(studio, LINEAR),
+            pipelines: Studio::pipelines(gpu, linear, counting)?,
+            attachments,
             finished: kit.target("picture", studio.size, format, 1, TextureUsages::COPY_SRC),
-            backdrop: cover("backdrop", include_str!("backdrop.wgsl"), &[], LINEAR, Some(behind)),
-            ambient: studio.painter(LINEAR, "ambient", Onto::Nearest, None),
-            lit: studio.painter(LINEAR, "lit", Onto::Lit, ADD),
+            backdrop: cover("backdrop", include_str!("backdrop.wgsl"), &[], linear, Some(behind)),
+            ambient: studio.painter(linear, "ambient", Onto::Nearest, None),
+            lit: studio.painter(linear, "lit", Onto::Lit, ADD),
             shade: shade.map(|(fragment, blend)| {
                 let nothing = ColorWrites::empty();
                 [
-                    Painter::new(kit, &studio.layouts, LINEAR, "averted", Onto::Lit, None, nothing),
-                    studio.painter(LINEAR, fragment, Onto::Shadowed, blend),
+                    Painter::new(kit, &studio.layouts, linear, "averted", Onto::Lit, None, nothing),
+                    studio.painter(linear, fragment, Onto::Shadowed, blend),
                 ]
             }),
-            tone: (cover("tone", include_str!("tone.wgsl"), &[&layout], Target { format, samples: 1 }, None), group),
-            resolved,
-            glass: volumes.then(|| Glass::new(gpu, studio)),
+            tone: (cover("tone", &tone, &[&layout], Target { format, samples: 1 }, None), group),
+            resolved: (!in_parts).then_some(light),
+            glass: volumes.then(|| Glass::new(gpu, studio, linear)),
         })
     }
 
-    /// Records a picture and returns its texture.
+    /// Records the whole picture's light, or a part's.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         studio: &Studio<'_>,
         subject: &Subject<'_>,
-    ) -> Result<&wgpu::Texture, GpuError> {
+        part: usize,
+    ) -> Result<(), GpuError> {
         let Subject { casters, has_ground, samples, .. } = *subject;
-        let Self { attachments, pipelines, .. } = self;
+        let Self { pipelines, .. } = self;
+        let attachments = &self.attachments[part];
         {
             let mut pass = attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None);
             studio.select(&mut pass, 0);
@@ -129,11 +141,15 @@ impl Pictures {
                 }
             }
         }
-        let mut pass = attachments.pass(encoder, "resolve", None, Some(&self.resolved));
+        let mut pass = attachments.pass(encoder, "resolve", None, self.resolved.as_ref());
         if let Some(glass) = &self.glass {
             glass.draw(&mut pass, studio, subject)?;
         }
-        drop(pass);
+        Ok(())
+    }
+
+    /// Records how the light becomes a picture, and returns its texture.
+    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder, studio: &Studio<'_>) -> &wgpu::Texture {
         let finished = self.finished.create_view(&wgpu::TextureViewDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone"),
@@ -149,6 +165,33 @@ impl Pictures {
         pass.set_bind_group(1, &self.tone.1, &[]);
         pass.set_pipeline(&self.tone.0);
         pass.draw(0..3, 0..1);
-        Ok(&self.finished)
+        &self.finished
     }
+}
+
+/// The attachments of a whole picture and the texture of its light.
+fn whole(studio: &Studio<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
+    let light = studio.target("light", LINEAR.format, 1, TextureUsages::TEXTURE_BINDING);
+    (vec![Attachments::new(studio, LINEAR)], light)
+}
+
+/// The attachments of a picture's parts and the layers of their light.
+fn parts(studio: &Studio<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
+    let size = Part::size(studio.size);
+    let none = TextureUsages::empty();
+    let depth = studio
+        .kit
+        .target("depth", size, depth_format(studio.kit.device), 1, none)
+        .create_view(&wgpu::TextureViewDescriptor::default());
+    let layers = studio.kit.layers("light", size, PARTS as u32, PART.format, TextureUsages::TEXTURE_BINDING);
+    let attachments = (0..PARTS as u32).map(|layer| {
+        let color = layers.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        });
+        Attachments { color, depth: depth.clone() }
+    });
+    (attachments.collect(), layers.create_view(&wgpu::TextureViewDescriptor::default()))
 }

@@ -27,6 +27,9 @@ struct Frame {
   // One over the unit, a power of two of about the scene's size: squares of distances are floats then, and so is what
   // rasterisers divide by w.
   per_unit: f32,
+  // Pixels of the picture from one pixel drawn to the next, and where in the picture the first one's centre is.
+  pitch: f32,
+  first: vec2<f32>,
 }
 
 // A light, or a sample of one with an area.
@@ -116,6 +119,11 @@ fn arriving(q: vec3<f32>) -> Arriving {
   return Arriving(towards, lamp.color * share, reached);
 }
 
+// Where in the picture a pixel drawn is.
+fn in_picture(pixel: vec2<f32>) -> vec2<f32> {
+  return frame.pitch * (pixel - 0.5) + frame.first;
+}
+
 // A triangle that covers the target.
 fn cover(vertex: u32) -> vec4<f32> {
   return vec4<f32>(f32(vertex & 1u) * 4.0 - 1.0, f32(vertex >> 1u) * 4.0 - 1.0, 0.0, 1.0);
@@ -123,7 +131,7 @@ fn cover(vertex: u32) -> vec4<f32> {
 
 // The paper behind everything, a little lighter behind its middle.
 fn backdrop(pixel: vec2<f32>) -> vec3<f32> {
-  let p = (pixel - 0.5 * frame.size) / frame.size.y;
+  let p = (in_picture(pixel) - 0.5 * frame.size) / frame.size.y;
   let glow = exp(-1.3 * dot(p, p));
   return frame.backdrop * mix(0.8, 1.0, glow);
 }

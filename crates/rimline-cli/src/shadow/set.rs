@@ -9,8 +9,9 @@ use rimline::{Displacement, Light, MAX_LIGHTS};
 use super::body::{Body, animations};
 use super::caster::Caster;
 use super::depth::{Seen, depth_format};
-use super::frame::{Frame, shadow_camera, unit};
+use super::frame::{Frame, part_camera, unit};
 use super::lamps::{Lamp, LampData, Stage};
+use super::part::{PARTS, Part};
 use super::studio::{Studio, Subject};
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
@@ -18,7 +19,7 @@ use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Source, animation_name, listed_animations};
 use crate::output::note;
-use crate::render::camera::Camera;
+use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
 use crate::render::{centre, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
@@ -93,6 +94,8 @@ pub(crate) struct Set<'a> {
     pub(crate) stage: Stage,
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) camera: Camera,
+    part: Part,
+    reach: f32,
 }
 
 impl<'a> Set<'a> {
@@ -114,14 +117,15 @@ impl<'a> Set<'a> {
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
+        let outermost = outermost(points, stage.centre);
+        let reach = reach(&lamps, &outermost, &stage);
         if args.view.eye.is_none() {
-            let outermost = outermost(points, stage.centre);
             shadows.extend(lamps.iter().flat_map(|lamp| outermost.iter().map(|&point| lamp.shadow_of(point, &stage))));
         }
         let seen = points.iter().chain(&shadows).copied();
-        let mut camera = Camera::new(&args.view, ELEVATION, stage.centre, stage.extent, seen)?;
+        let mut camera = Camera::new(&args.view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        Ok(Self { args, bodies, stage, lamps, camera })
+        Ok(Self { args, bodies, stage, lamps, camera, part: Part::WHOLE, reach })
     }
 
     /// Moves everything to another moment; the camera stays.
@@ -154,7 +158,7 @@ impl<'a> Set<'a> {
     }
 
     pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.stage, &self.lamps)
+        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.lamps, self.reach)
     }
 
     pub(crate) fn lamp_data(&self) -> Vec<LampData> {
@@ -170,6 +174,18 @@ impl<'a> Set<'a> {
         Subject { casters, samples: self.samples(), has_ground }
     }
 
+    /// Pixels take turns with patterns of samples.
+    pub(crate) fn is_in_parts(&self) -> bool {
+        self.args.area.is_some() && !self.args.one_pattern
+    }
+
+    /// Takes a part's view and samples, or those of the whole.
+    pub(crate) fn take_part(&mut self, part: Option<usize>) {
+        self.part = part.map_or(Part::WHOLE, |part| Part::of(self.args.view.size, part));
+        let (pattern, patterns) = part.map_or((0, 1), |part| (part, PARTS));
+        self.lamps.iter_mut().for_each(|lamp| lamp.take_pattern(pattern, patterns));
+    }
+
     /// Records what the casters need for the moment at hand.
     pub(crate) fn encode(
         &self,
@@ -179,14 +195,37 @@ impl<'a> Set<'a> {
         casters: &mut [Caster],
         mut timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
-        studio.set(gpu, &self.frame(), &self.lamp_data());
-        let (camera, lights) = (shadow_camera(&self.camera), self.ranged());
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.place(gpu, &studio.kit, studio.geometry_layout(), body);
+        }
+        self.encode_lights(gpu, encoder, studio, casters, timer.as_deref_mut())
+    }
+
+    /// The same for bodies that are where they were.
+    pub(crate) fn encode_lights(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut rimline::wgpu::CommandEncoder,
+        studio: &Studio<'_>,
+        casters: &mut [Caster],
+        mut timer: Option<&mut rimline::gpu::StageTimer>,
+    ) -> Result<(), GpuError> {
+        studio.set(gpu, &self.frame(), &self.lamp_data());
+        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.encode(encoder, body, &camera, &lights, timer.as_deref_mut())?;
         }
         Ok(())
     }
+}
+
+/// How far from below the models' middle their shadows on the ground lie, those of lights at the horizon left out.
+fn reach(lamps: &[Lamp], points: &[[f32; 3]], stage: &Stage) -> f32 {
+    const MOST: f64 = 60.0;
+    let [x, _, z] = stage.centre;
+    let from_centre = |[a, _, b]: [f32; 3]| (a - x).hypot(b - z);
+    let shadows = lamps.iter().flat_map(|lamp| points.iter().map(|&point| lamp.shadow_within(point, stage, MOST)));
+    shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
 }
 
 /// The models' lowest point. What lies flat hovers, or the ground would be in the same plane.

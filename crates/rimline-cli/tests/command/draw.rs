@@ -29,7 +29,12 @@ pub(crate) fn draw_with(model: &[u8], options: &str, device: &str) -> Result<Pic
     let (file, out) = (file.to_string_lossy(), out.to_string_lossy());
     let line = ["draw", &file, "--out", &out, "--device", device].into_iter().chain(options.split_whitespace());
     rimline(line).expect(0, &[])?;
-    let bytes = std::fs::read(&*out).map_err(|error| error.to_string())?;
+    png(out.as_ref().as_ref())
+}
+
+/// Reads a picture in colour.
+pub(crate) fn png(file: &std::path::Path) -> Result<Picture, String> {
+    let bytes = std::fs::read(file).map_err(|error| error.to_string())?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().map_err(|error| error.to_string())?;
     let mut data = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
     let info = reader.next_frame(&mut data).map_err(|error| error.to_string())?;

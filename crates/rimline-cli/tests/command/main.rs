@@ -26,6 +26,7 @@ mod schema;
 mod shadow;
 #[cfg(unix)]
 mod signals;
+mod soft;
 mod usage;
 mod verify;
 mod verify_wrong;
@@ -57,6 +58,7 @@ fn main() {
         outlines::TESTS,
         shadow::TESTS,
         plot_labels::TESTS,
+        soft::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,

@@ -61,7 +61,17 @@ fn triangles(boxes: &[[DVec3; 8]]) -> Vec<[DVec3; 3]> {
 }
 
 fn model() -> Vec<u8> {
-    let faces = triangles(&boxes());
+    model_of(&triangles(&boxes()))
+}
+
+/// A box between two corners, as a file.
+pub(crate) fn box_model([low, high]: [[f64; 3]; 2]) -> Vec<u8> {
+    let corner =
+        |n: usize| DVec3::from(std::array::from_fn(|axis| if n >> axis & 1 == 0 { low[axis] } else { high[axis] }));
+    model_of(&triangles(&[std::array::from_fn(corner)]))
+}
+
+fn model_of(faces: &[[DVec3; 3]]) -> Vec<u8> {
     let corners = faces.iter().flatten().flat_map(|p| p.as_vec3().to_array());
     let positions: Vec<u8> = corners.flat_map(f32::to_le_bytes).collect();
     let indices: Vec<u8> = (0..3 * faces.len() as u32).flat_map(u32::to_le_bytes).collect();
