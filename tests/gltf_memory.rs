@@ -183,9 +183,8 @@ fn points_of_one_accessor() -> Maker {
 /// Eight sets of influences of one accessor of zeros with normalised bytes.
 fn influences() -> Maker {
     let mut maker = zeros(20_000);
-    let accessor = |normalized: bool| {
-        json!({ "componentType": U8, "type": "VEC4", "count": 20_000, "normalized": normalized })
-    };
+    let accessor =
+        |normalized: bool| json!({ "componentType": U8, "type": "VEC4", "count": 20_000, "normalized": normalized });
     let joints = maker.push("accessors", accessor(false));
     let weights = maker.push("accessors", accessor(true));
     for set in 0..8 {
@@ -390,7 +389,8 @@ fn assets() -> Outcome {
     let (mut files, mut count) = (vec![folder()], 0);
     while let Some(path) = files.pop() {
         if path.is_dir() && path.file_name() != Some("bad".as_ref()) {
-            files.extend(std::fs::read_dir(&path)?.map(|entry| entry.map(|e| e.path())).collect::<Result<Vec<_>, _>>()?);
+            files
+                .extend(std::fs::read_dir(&path)?.map(|entry| entry.map(|e| e.path())).collect::<Result<Vec<_>, _>>()?);
         } else if path.extension().is_some_and(|ending| ending == "gltf" || ending == "glb") {
             within_limits(&std::fs::read(&path)?, path.parent(), 16).map_err(|error| {
                 Failed::from(format!("{}: {}", path.display(), error.message().unwrap_or_default()))

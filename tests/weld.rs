@@ -87,7 +87,8 @@ mod oracle {
         if all.iter().zip(&kept).any(|(&new, &old)| entries(welded, new) != entries(source, old)) {
             return Some("influences".to_owned());
         }
-        let place = |v: u32| kept.iter().position(|&k| k == groups[v as usize]).expect("a group's lowest is kept") as u32;
+        let place =
+            |v: u32| kept.iter().position(|&k| k == groups[v as usize]).expect("a group's lowest is kept") as u32;
         let faces: Vec<[u32; 3]> = source.faces.iter().map(|face| face.map(place)).collect();
         (welded.faces != faces).then(|| "faces".to_owned())
     }
@@ -148,7 +149,8 @@ fn meshes_weld_as_defined() {
             // Positions are all that a mesh has.
             let by = if weld == Weld::Keep { weld } else { Weld::Position };
             let groups = oracle::groups(&source, by);
-            let faces: Vec<[u32; 3]> = source.faces.iter().map(|face| face.map(|v| groups[v as usize] as u32)).collect();
+            let faces: Vec<[u32; 3]> =
+                source.faces.iter().map(|face| face.map(|v| groups[v as usize] as u32)).collect();
             assert_eq!(mesh.faces(), faces, "seed {seed}, {weld:?}");
             assert_eq!(mesh.weld_counts(), oracle::counts(&source, by), "seed {seed}, {weld:?}");
         }
@@ -158,7 +160,8 @@ fn meshes_weld_as_defined() {
 #[test]
 fn zeros_of_either_sign_close_an_edge() {
     // Two faces of a square in the plane x = 0, each with zeros of its own sign.
-    let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [-0.0, -0.0, -0.0], [-0.0, 1.0, 1.0], [-0.0, -0.0, 1.0]];
+    let positions =
+        [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [-0.0, -0.0, -0.0], [-0.0, 1.0, 1.0], [-0.0, -0.0, 1.0]];
     let mesh = Mesh::new(&positions, &[[0, 1, 2], [3, 4, 5]], Weld::Position).expect("a mesh");
     assert_eq!(mesh.faces(), [[0, 1, 2], [0, 2, 5]]);
     assert_eq!((mesh.edges().counts().consistent, mesh.edges().counts().boundary), (1, 4));

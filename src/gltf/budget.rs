@@ -27,7 +27,8 @@ const JSON_TEXT: u64 = 4;
 const PLACED_FACE: u64 = 132;
 const PLACED_VERTEX: u64 = 12;
 /// Bytes for an instance, for a matrix of its pose, and for a morph weight.
-const INSTANCE: u64 = GROWTH * (size_of::<Instance>() + size_of::<Placement>() + size_of::<InstancePose>()) as u64 + 128;
+const INSTANCE: u64 =
+    GROWTH * (size_of::<Instance>() + size_of::<Placement>() + size_of::<InstancePose>()) as u64 + 128;
 const MATRIX: u64 = 160;
 const MORPH_WEIGHT: u64 = 32;
 /// Bytes for a node beyond its JSON: the struct, its place in the forest, its matrices when it is posed.

@@ -30,14 +30,16 @@ impl Folder<'_> {
         if leaves && !self.allow_outside {
             return outside(relative);
         }
-        let folder = self.path.ok_or_else(|| refuse("names a file, but the glTF was given without a folder to look in"))?;
+        let folder =
+            self.path.ok_or_else(|| refuse("names a file, but the glTF was given without a folder to look in"))?;
         // The folder of `model.gltf` is the empty path.
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let named = folder.join(relative);
         if self.allow_outside {
             return Ok(named);
         }
-        let resolve = |path: &Path| path.canonicalize().map_err(|source| GltfError::Read { path: path.to_owned(), source });
+        let resolve =
+            |path: &Path| path.canonicalize().map_err(|source| GltfError::Read { path: path.to_owned(), source });
         let resolved = resolve(&named)?;
         if resolved.starts_with(resolve(folder)?) { Ok(resolved) } else { outside(resolved) }
     }

@@ -45,7 +45,8 @@ impl Place {
         let mut maker = self.maker.clone();
         uri(&mut maker, name);
         let path = self.model().join("model.gltf");
-        std::fs::write(&path, maker.json.to_string()).map_err(|source| GltfError::Read { path: path.clone(), source })?;
+        std::fs::write(&path, maker.json.to_string())
+            .map_err(|source| GltfError::Read { path: path.clone(), source })?;
         Asset::open(&path, LoadOptions { allow_outside, ..Weld::Keep.into() })
     }
 
@@ -115,7 +116,8 @@ fn detours() -> Outcome {
 /// A picture outside is no reason to refuse a model: nothing of it is read.
 fn images() -> Outcome {
     let mut maker = Maker::square();
-    maker.json["images"] = json!([{ "uri": "../../nowhere.png" }, { "uri": "/dev/zero" }, { "uri": "https://a/b.png" }]);
+    maker.json["images"] =
+        json!([{ "uri": "../../nowhere.png" }, { "uri": "/dev/zero" }, { "uri": "https://a/b.png" }]);
     maker.json["textures"] = json!([{ "source": 0 }]);
     maker.load()?;
     Ok(())

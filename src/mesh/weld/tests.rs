@@ -26,7 +26,11 @@ fn comparisons(elements: &[[u32; 3]], hash: impl Fn([u32; 3]) -> u64) -> usize {
 /// Elements that differ and whose unkeyed hashes have equal low bits.
 fn colliding(count: u32, low_bits: u32) -> Vec<[u32; 3]> {
     let mask = (1 << low_bits) - 1;
-    (0..).map(|n: u32| [n, n ^ 0x5bd1, n.rotate_left(7)]).filter(|&w| unkeyed(w) & mask == 0).take(count as usize).collect()
+    (0..)
+        .map(|n: u32| [n, n ^ 0x5bd1, n.rotate_left(7)])
+        .filter(|&w| unkeyed(w) & mask == 0)
+        .take(count as usize)
+        .collect()
 }
 
 #[test]
@@ -45,7 +49,8 @@ fn chosen_collisions_cost_no_more_than_others() {
 fn every_word_counts() {
     let keys = Keys::new(3);
     for word in 0..3 {
-        let elements: Vec<[u32; 3]> = (0..1000).map(|n| std::array::from_fn(|w| if w == word { n } else { 7 })).collect();
+        let elements: Vec<[u32; 3]> =
+            (0..1000).map(|n| std::array::from_fn(|w| if w == word { n } else { 7 })).collect();
         let keyed = comparisons(&elements, |words| keys.hash(words));
         assert!(keyed < 1000, "word {word}: {keyed} comparisons");
     }
