@@ -120,7 +120,7 @@ fn geometry(seed: u64) -> Geometry {
         }
         influences
     });
-    let faces = (0..1 + random.below(20)).map(|_| [(); 3].map(|()| random.below(count))).collect();
+    let faces = (0..=random.below(20)).map(|_| [(); 3].map(|()| random.below(count))).collect();
     Geometry { name: None, positions, faces, morph_targets, influences, source_vertices: (0..count).collect() }
 }
 

@@ -33,6 +33,8 @@ pub(crate) fn tests() -> Vec<Trial> {
         test("details::last_rows_up_to_rounding", last_rows),
         test("details::lights_at_the_edge_of_what_is_allowed", lights),
         test("details::cones_of_stretched_and_flat_nodes", cones),
+        test("details::joints_that_a_palette_needs", joints_needed),
+        test("details::required_extensions_of_surfaces", surfaces),
         test("details::sparse_offsets", sparse_offsets),
         test("details::normalised_where_it_must_be", normalised),
     ]
@@ -251,6 +253,23 @@ fn cones() -> Outcome {
     let cone = light(&spot, [1.0, 1.0, 5.0])?.cone.ok_or("no cone")?;
     same(&cone.direction, &[0.0, 0.0, -1.0], "the direction of a stretched node")?;
     same(&light(&spot, [1.0, 1.0, 0.0])?.cone, &None, "the cone of a flat node")
+}
+
+fn joints_needed() -> Outcome {
+    let needed = |maker: &Maker| maker.load().map(|asset| asset.model().geometries[0].joints_needed());
+    same(&needed(&Maker::square())?, &1, "rigid")?;
+    same(&needed(&Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]))?, &2, "two joints")?;
+    let mut none = Maker::skinned([0; 4], [1.0; 4]);
+    primitive(&mut none)["mode"] = json!(0);
+    same(&needed(&none)?, &0, "skinned without vertices")
+}
+
+fn surfaces() -> Outcome {
+    let mut maker = Maker::square();
+    maker.json["extensionsRequired"] = json!(["KHR_materials_unlit", "KHR_texture_transform", "KHR_xmp_json_ld"]);
+    maker.load()?;
+    maker.json["extensionsRequired"] = json!(["KHR_material"]);
+    refused(&maker, &["KHR_material", "not supported"])
 }
 
 /// Both byte offsets of sparse data; the values' view has a stranger before them, the indices', too.
