@@ -6,6 +6,7 @@
 mod animate;
 mod bad;
 mod check;
+mod details;
 mod good;
 mod maker;
 mod mutate;
@@ -35,6 +36,7 @@ fn main() {
         animate::tests,
         refuse::tests,
         outside::tests,
+        details::tests,
         mutate::tests,
     ] {
         trials.extend(tests());

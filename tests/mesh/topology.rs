@@ -65,8 +65,8 @@ mod oracle {
     }
 }
 
-use rimline::Mesh;
 use rimline::mesh::{Edge, EdgeCounts, EdgeKind};
+use rimline::{Mesh, MeshError};
 use rimline_measure::shapes::{self, Shape};
 
 /// Random numbers for the soups (xorshift64*).
@@ -236,4 +236,20 @@ fn faces_that_are_all_degenerate_have_no_records() {
     let mesh = Mesh::from_faces(2, vec![[0, 0, 1], [1, 1, 1]]).expect("a mesh");
     assert!(mesh.edges().is_empty());
     assert_eq!((mesh.degenerate_faces(), mesh.topology_bytes()), (2, 0));
+}
+
+#[test]
+fn edges_that_both_faces_traverse_alike_are_not_closed() {
+    // A face and the same again: every edge has two faces, none of them consistent.
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [0, 1, 2]]).expect("a mesh");
+    assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 3, ..EdgeCounts::default() });
+    assert!(!mesh.is_closed() && !mesh.survey(0).is_closed());
+    let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [2, 1, 0]]).expect("a mesh");
+    assert!(mesh.is_closed() && mesh.survey(0).is_closed());
+}
+
+#[test]
+fn more_vertices_than_indices_can_name_are_refused() {
+    let vertices = u32::MAX as usize;
+    assert_eq!(Mesh::from_faces(vertices, vec![[0, 1, 2]]), Err(MeshError::TooManyVertices { vertices }));
 }

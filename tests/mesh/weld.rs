@@ -141,7 +141,7 @@ fn geometry(seed: u64) -> Geometry {
         }
         Influences::new(offsets, joints, all_weights).expect("good influences")
     });
-    let faces = (0..1 + random.below(20)).map(|_| [(); 3].map(|()| random.below(count))).collect();
+    let faces = (0..=random.below(20)).map(|_| [(); 3].map(|()| random.below(count))).collect();
     let options = GeometryOptions { morph_targets, influences, ..GeometryOptions::default() };
     Geometry::new(positions, faces, options).expect("a good geometry")
 }
