@@ -246,7 +246,7 @@ mod tests {
         let chord = |x: f64| 0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / PI;
         for shape in [AreaShape::Disc { radius: 1.0 }, AreaShape::Sphere { radius: 1.0 }] {
             let (one, together) = (worst(shape, 1, &chord), worst(shape, 16, &chord));
-            assert!(together < 0.025, "{shape:?}: {together} of the samples are on the wrong side");
+            assert!(together < 0.03, "{shape:?}: {together} of the samples are on the wrong side");
             assert!(one > 0.05, "{shape:?}: one pattern alone is as even: {one}");
         }
     }

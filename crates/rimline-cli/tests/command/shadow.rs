@@ -322,7 +322,7 @@ fn wrong_options() -> Outcome {
     }
     run(folder.path(), "shadow --out @results/p.png").expect(2, &["FILE"])?;
     let many = "--light dir:0,1,0 ".repeat(33);
-    let line = format!("shadow @cube.npz {many} --area disc --out @results/p.png");
+    let line = format!("shadow @cube.npz {many} --area disc --samples 32 --out @results/p.png");
     run(folder.path(), &line).expect(2, &["1056", "1024"])
 }
 
