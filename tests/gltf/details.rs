@@ -130,8 +130,8 @@ fn other_joints() -> Outcome {
     let joints = maker.accessor(U8, "VEC4", 4, &[1, 0, 0, 0].repeat(4));
     copy_primitive(&mut maker)["attributes"]["JOINTS_0"] = json!(joints);
     let asset = maker.load()?;
-    let influences = asset.model().geometries[0].influences.as_ref().ok_or("no influences")?;
-    same(&influences.joints, &vec![0, 0, 0, 0, 1, 1, 1, 1], "joints")
+    let influences = asset.model().geometries()[0].influences().ok_or("no influences")?;
+    same(&influences.joints().to_vec(), &vec![0, 0, 0, 0, 1, 1, 1, 1], "joints")
 }
 
 fn other_targets() -> Outcome {
@@ -139,7 +139,7 @@ fn other_targets() -> Outcome {
     let targets = [1.0, 2.0].map(|by| maker.floats("VEC3", &[by; 12]));
     primitive(&mut maker)["targets"] = json!([{ "POSITION": targets[0] }]);
     copy_primitive(&mut maker)["targets"] = json!([{ "POSITION": targets[1] }]);
-    let found = maker.load()?.model().geometries[0].morph_targets.clone();
+    let found = maker.load()?.model().geometries()[0].morph_targets().to_vec();
     same(&found, &vec![[vec![[1.0; 3]; 4], vec![[2.0; 3]; 4]].concat()], "offsets")
 }
 
@@ -147,7 +147,7 @@ fn points() -> Outcome {
     let mut maker = Maker::square();
     copy_primitive(&mut maker)["mode"] = json!(0);
     let asset = maker.load()?;
-    same(&asset.model().geometries[0].faces.len(), &2, "faces")?;
+    same(&asset.model().geometries()[0].faces().len(), &2, "faces")?;
     same(&asset.skipped().points, &1, "points")
 }
 
@@ -156,7 +156,7 @@ fn few_corners() -> Outcome {
         let mut maker = Maker::square();
         primitive(&mut maker)["mode"] = json!(mode);
         maker.json["accessors"][1]["count"] = json!(count);
-        same(&maker.load()?.model().geometries[0].faces.len(), &0, "faces")?;
+        same(&maker.load()?.model().geometries()[0].faces().len(), &0, "faces")?;
     }
     Ok(())
 }
@@ -170,7 +170,7 @@ fn children() -> Outcome {
         { "name": "below a", "mesh": 0 },
     ]);
     let asset = maker.load()?;
-    let names: Vec<_> = asset.model().instances.iter().filter_map(|instance| instance.name.as_deref()).collect();
+    let names: Vec<_> = asset.model().instances().iter().filter_map(|instance| instance.name()).collect();
     same(&names, &vec!["top", "a", "below a", "b"], "instances")
 }
 
@@ -192,7 +192,7 @@ fn extras() -> Outcome {
 
 /// A point of an instance, moved.
 fn moved(maker: &Maker, point: [f32; 3]) -> Result<[f64; 3], libtest_mimic::Failed> {
-    Ok(crate::check::map(&maker.load()?.pose(None, 0.0)?.instances[0].palette[0], point))
+    Ok(crate::check::map(&maker.load()?.pose(None, 0.0)?.instances()[0].palette()[0], point))
 }
 
 /// Their squares are beyond what a number holds.
@@ -256,7 +256,7 @@ fn cones() -> Outcome {
 }
 
 fn joints_needed() -> Outcome {
-    let needed = |maker: &Maker| maker.load().map(|asset| asset.model().geometries[0].joints_needed());
+    let needed = |maker: &Maker| maker.load().map(|asset| asset.model().geometries()[0].joints_needed());
     same(&needed(&Maker::square())?, &1, "rigid")?;
     same(&needed(&Maker::skinned([0, 1, 0, 0], [0.5, 0.5, 0.0, 0.0]))?, &2, "two joints")?;
     let mut none = Maker::skinned([0; 4], [1.0; 4]);
@@ -287,7 +287,7 @@ fn sparse_offsets() -> Outcome {
     let mut expected = SQUARE.as_chunks().0.to_vec();
     expected[1] = [4.0, 5.0, 6.0];
     expected[2] = [7.0, 8.0, 9.0];
-    same(&maker.load()?.model().geometries[0].positions, &expected, "positions")
+    same(&maker.load()?.model().geometries()[0].positions().to_vec(), &expected, "positions")
 }
 
 /// Joints and indices are never normalised, weights of integers always are.
