@@ -1,6 +1,6 @@
 //! Lights with an area, as sample lights for soft shadows.
 //!
-//! Shadows of up to 32 samples share one extraction: they are one word of lights. Placement is deterministic: n-rooks
+//! Shadows of up to 32 samples share one extraction: they are one batch of lights. Placement is deterministic: n-rooks
 //! (Shirley 1991), with the golden ratio's sequence as the permutation, which also keeps samples apart from each other.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};

@@ -52,7 +52,7 @@ macro_rules! shared_structs {
 
 shared_structs! {
     /// Up to 32 lights and where the positions lie.
-    struct LightWord {
+    struct LightBatch {
         /// Homogeneous lights, scaled by a power of two; those past `count` repeat the last.
         lights: [[f32; 4]; 32],
         /// The lights as given, bit for bit.
@@ -172,8 +172,8 @@ shared_structs! {
         is_first: u32,
     }
 
-    /// Faces that a point and a light leave in doubt.
-    struct Doubt {
+    /// Faces that a point and a light leave undecided.
+    struct UndecidedFaces {
         /// How many.
         count: u32,
         /// The first of them.
@@ -206,7 +206,7 @@ shared_structs! {
         time: f32,
     }
 
-    /// What the WGSL include knows of a word of lights.
+    /// What the WGSL include knows of a batch of lights.
     struct RimlineInfo {
         /// Edge records in the mesh.
         edges: u32,
@@ -301,7 +301,7 @@ shared_structs! {
         end_at_range: u32,
     }
 
-    /// The light, or the word of lights, that a draw or dispatch is for.
+    /// The light, or the batch of lights, that a draw or dispatch is for.
     struct ShadowDraw {
         /// Its number.
         light: u32,
@@ -354,7 +354,7 @@ shared_structs! {
     }
 }
 
-impl LightWord {
+impl LightBatch {
     /// The word of up to 32 `lights`.
     pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
         let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };

@@ -170,7 +170,7 @@ pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
 }
 
 /// Batches of 32 light bits that `lights` lights take, ⌈N/32⌉.
-pub const fn words(lights: usize) -> usize {
+pub const fn batches(lights: usize) -> usize {
     lights.div_ceil(32)
 }
 

@@ -13,7 +13,8 @@ pub mod layout {
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};
     pub use crate::shadow::{
-        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+        CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+        COUNT_ZP_PLUS_2005,
     };
     use crate::{CameraError, Light, ShadowCamera};
 
@@ -33,7 +34,7 @@ pub mod shadow {
 
 /// Checks and counts of lights.
 pub mod light {
-    pub use crate::light::{check_lights, check_shadow_lights, words};
+    pub use crate::light::{batches, check_lights, check_shadow_lights};
 }
 
 /// The list of stages, with their WGSL.
@@ -55,18 +56,18 @@ pub mod cpu {
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::shadow::bounds::bounds;
     pub use crate::cpu::shadow::cap_faces::{
-        dark_cap, hole_edge, hole_side, hole_side_clipped, light_cap, near_cap, paper_cap,
+        dark_cap, hole_edge, hole_side, hole_side_clipped, light_cap, near_cap, zp_plus_2005_cap,
     };
     pub use crate::cpu::shadow::caps::caps;
     pub use crate::cpu::shadow::casting::{cap_class, casts};
     pub use crate::cpu::shadow::choose::choose;
-    pub use crate::cpu::shadow::paper_cases::paper_cases;
     pub use crate::cpu::shadow::shadow::{
-        Corner, away, corner, direction_to_clip, far_end, light_side, on_near_plane, parallel_to_near_plane, star,
-        to_clip,
+        Corner, corner, direction_to_clip, extrusion, far_end, light_side, on_near_plane, parallel_to_near_plane,
+        project_to_near_plane, to_clip,
     };
     pub use crate::cpu::shadow::shadow_arguments::shadow_arguments;
-    pub use crate::cpu::shadow::sides::{End, paper_side, side, side_clipped};
+    pub use crate::cpu::shadow::sides::{End, side, side_clipped, zp_plus_2005_side};
     pub use crate::cpu::shadow::stencil_bound::stencil_bound;
+    pub use crate::cpu::shadow::zp_plus_2005_cases::zp_plus_2005_cases;
     pub use crate::cpu::*;
 }

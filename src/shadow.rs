@@ -20,7 +20,7 @@ pub const COUNT_Z_FAIL: u32 = 2;
 /// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
 pub const COUNT_AUTO: u32 = 3;
 /// [`ShadowLight::counting`]: ZP+ as published.
-pub const COUNT_ZP_PAPER: u32 = 4;
+pub const COUNT_ZP_PLUS_2005: u32 = 4;
 
 /// How the shadow volumes that contain a point are counted in the stencil buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub enum Counting {
     /// near plane cuts both ends of a side (its case D) or where it has faces that are not finite. Not right from every camera; for perspective ones only. Never
     /// chosen by [`Self::Auto`]. Needs what z-fail needs.
     #[cfg(feature = "reference")]
-    ZpPlusPaper,
+    ZpPlus2005,
     /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
     /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a far
     /// plane, caps are drawn unclipped, so casting faces that the near plane cuts may show specks of shadow.
@@ -49,13 +49,13 @@ pub enum Counting {
 
 impl Counting {
     /// ZP+ as published, of the feature `reference`.
-    pub(crate) const fn is_paper(self) -> bool {
+    pub(crate) const fn is_zp_plus_2005(self) -> bool {
         !matches!(self, Self::Auto | Self::ZPass | Self::ZpPlus | Self::ZFail)
     }
 
     /// Whether z-fail is ever counted.
     pub(crate) const fn may_fail(self) -> bool {
-        matches!(self, Self::ZFail) || self.is_paper()
+        matches!(self, Self::ZFail) || self.is_zp_plus_2005()
     }
 
     pub(crate) const fn code(self) -> u32 {
@@ -65,7 +65,7 @@ impl Counting {
             Self::ZFail => COUNT_Z_FAIL,
             Self::Auto => COUNT_AUTO,
             #[cfg(feature = "reference")]
-            Self::ZpPlusPaper => COUNT_ZP_PAPER,
+            Self::ZpPlus2005 => COUNT_ZP_PLUS_2005,
         }
     }
 }

@@ -69,10 +69,16 @@ pub const CHOOSE: Stage = Stage {
     entry_points: &["choose"],
 };
 /// Where ZP+ as published goes over to z-fail.
-pub const PAPER_CASES: Stage = Stage {
-    name: "paper_cases",
-    files: files!["common/common", "shadow/shadow", "shadow/paper", "shadow/caster", "shadow/paper_cases"],
-    entry_points: &["paper_cases"],
+pub const ZP_PLUS_2005_CASES: Stage = Stage {
+    name: "zp_plus_2005_cases",
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/zp_plus_2005",
+        "shadow/caster",
+        "shadow/zp_plus_2005_cases"
+    ],
+    entry_points: &["zp_plus_2005_cases"],
 };
 /// What no stencil count exceeds.
 pub const STENCIL_BOUND: Stage = Stage {
@@ -147,7 +153,7 @@ pub const STAGES: [Stage; 17] = [
     ARGUMENTS,
     BOUNDS,
     CHOOSE,
-    PAPER_CASES,
+    ZP_PLUS_2005_CASES,
     STENCIL_BOUND,
     CAPS,
     SHADOW_ARGUMENTS,
@@ -164,11 +170,11 @@ pub const SIDES: Stage = Stage {
         "common/common",
         "shadow/shadow",
         "shadow/polygon",
-        "shadow/paper",
+        "shadow/zp_plus_2005",
         "shadow/side_vertices",
         "shadow/sides"
     ],
-    entry_points: &["side", "side_clipped", "paper_side"],
+    entry_points: &["side", "side_clipped", "zp_plus_2005_side"],
 };
 /// Vertex shaders of the caps of shadow volumes.
 pub const CAP_FACES: Stage = Stage {
@@ -177,13 +183,13 @@ pub const CAP_FACES: Stage = Stage {
         "common/common",
         "shadow/shadow",
         "shadow/polygon",
-        "shadow/paper",
+        "shadow/zp_plus_2005",
         "shadow/side_vertices",
         "shadow/casting",
         "shadow/caster",
         "shadow/cap_faces"
     ],
-    entry_points: &["light_cap", "dark_cap", "near_cap", "paper_cap", "hole_side", "hole_side_clipped"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap", "hole_side", "hole_side_clipped"],
 };
 
 /// WGSL that is part of no stage by itself: what callers include or replace.

@@ -19,7 +19,7 @@ use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, PARTS, Stage};
 use support::Canvas;
 
-/// One word of lights: the extraction decides them together.
+/// One batch of lights: the extraction decides them together.
 const SAMPLES: usize = 32;
 
 pub(crate) const LAMP: AreaLight = AreaLight {

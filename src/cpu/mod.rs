@@ -1,6 +1,6 @@
 //! Extraction, deforming and shadow depths on the CPU. They need no device, and give the GPU's bits at the same positions.
 //!
-//! Masks are laid out as on the GPU: word after word of 32 lights, within a word item after item.
+//! Masks are laid out as on the GPU: word after batch of 32 lights, within a word item after item.
 
 pub(crate) mod common;
 pub(crate) mod deform;

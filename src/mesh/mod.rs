@@ -1,12 +1,12 @@
 //! Triangle meshes as the extraction sees them: faces, welded vertices, edge records.
 
-mod survey;
+mod diagnostics;
 mod topology;
 pub(crate) mod weld;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use survey::{Bounds, Survey};
+pub use diagnostics::{Bounds, MeshDiagnostics};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 

@@ -89,7 +89,7 @@ fn once() -> Result<(), String> {
         (Counting::ZpPlus, &plain, ShadowOptions::default(), 0, 0),
         (Counting::ZPass, &plain, bounded, 0, 1),
         (Counting::ZFail, &plain, bounded, 6, 0),
-        (Counting::ZpPlusPaper, &plain, bounded, 3, 1),
+        (Counting::ZpPlus2005, &plain, bounded, 3, 1),
         (Counting::Auto, &format, bounded, 8, 0),
     ] {
         for new in [1, 0] {

@@ -209,7 +209,7 @@ fn shadows(watched: &Watched) -> Result<(), String> {
     let positions = watched.gpu.storage(&shape.positions);
     let pipelines = &watched.gpu.pipelines;
     let view = depth_stencil(watched);
-    for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlusPaper, Counting::ZFail] {
+    for counting in [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail] {
         let drawing = ShadowPipelines::new(pipelines, &ShadowFormat::default(), counting).map_err(text)?;
         let options = ExtractorOptions { max_lights: 40, ..Default::default() };
         let mut extractor = Extractor::new(pipelines, &mesh, options).map_err(text)?;

@@ -159,7 +159,7 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 /// What `casting` and `counting` of shared structs may hold.
 fn constants() -> Outcome {
     use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
-    use rimline::reference::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+    use rimline::reference::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
     let listed = [
         ("CAST_NOTHING", CAST_NOTHING),
         ("CAST_AVERTED", CAST_AVERTED),
@@ -168,7 +168,7 @@ fn constants() -> Outcome {
         ("COUNT_ZP_PLUS", COUNT_ZP_PLUS),
         ("COUNT_Z_FAIL", COUNT_Z_FAIL),
         ("COUNT_AUTO", COUNT_AUTO),
-        ("COUNT_ZP_PAPER", COUNT_ZP_PAPER),
+        ("COUNT_ZP_PLUS_2005", COUNT_ZP_PLUS_2005),
     ];
     let (module, _) = validated(&composed_stage(&SIDES))?;
     check_constants(&module, &listed)?;

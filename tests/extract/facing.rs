@@ -161,7 +161,7 @@ fn per_edge() -> Result<(), String> {
     Ok(())
 }
 
-/// For each word of lights and edge record the lights for which one of its faces is in the band.
+/// For each batch of lights and edge record the lights for which one of its faces is in the band.
 fn inside_at_edges(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], bound: Bound) -> Vec<u32> {
     // The method takes the edge's vertex as the plane's origin, which may be any corner of the face.
     let is_inside = |face: &[u32; 3], light: Light| {

@@ -7,7 +7,7 @@ use rimline::gpu::{
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{Masks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use rimline::reference::shadow::{
-    self, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+    self, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
 use rimline::{Counting, Mesh, Predicate};
 
@@ -24,7 +24,7 @@ pub(crate) const TESTS: &[Test] = &[("shadow_volumes_choose_as_the_twins_in_a_ro
 const METHODS: [(Counting, u32); 5] = [
     (Counting::Auto, COUNT_AUTO),
     (Counting::ZpPlus, COUNT_ZP_PLUS),
-    (Counting::ZpPlusPaper, COUNT_ZP_PAPER),
+    (Counting::ZpPlus2005, COUNT_ZP_PLUS_2005),
     (Counting::ZFail, COUNT_Z_FAIL),
     (Counting::ZPass, COUNT_Z_PASS),
 ];
@@ -118,9 +118,9 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
     let mut switched = 0;
     for (number, light) in lights.iter_mut().enumerate() {
-        let is_published = light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PAPER;
+        let is_published = light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PLUS_2005;
         let ends = || silhouettes.listed(number).into_iter().map(|edge| silhouettes.ends(edge));
-        if is_published && cpu::paper_cases(&view, light, ends()) {
+        if is_published && cpu::zp_plus_2005_cases(&view, light, ends()) {
             light.counting = COUNT_Z_FAIL;
             switched += 1;
         }
@@ -176,7 +176,7 @@ fn chain() -> Result<(), String> {
                 volumes.encode(encoder, &extraction, &scene.camera, None).map_err(text)
             })?;
             let shape = shape(mesh, LIGHTS, place);
-            let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlusPaper);
+            let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlus2005);
             let default = if lists_all { shape.faces } else { 1024 + 16 * mesh.faces().len().isqrt() as u32 };
             let shape = ShadowShape {
                 averted: if options.every_face { 0 } else { shape.averted },

@@ -10,7 +10,6 @@ mod dark_caps;
 mod hairlines;
 mod nested;
 mod overflow;
-mod paper;
 mod query;
 mod range;
 mod rays;
@@ -21,6 +20,7 @@ mod scene;
 mod skinned;
 mod stages;
 mod trials;
+mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
 use rimline_measure::harness;
@@ -32,7 +32,7 @@ fn main() {
     let mut all: Vec<_> = CLASSES.iter().map(|class| Trial::test(class.name, right(class)).with_kind("gpu")).collect();
     let tests = [
         trials::TESTS,
-        paper::TESTS,
+        zp_plus_2005::TESTS,
         range::TESTS,
         nested::TESTS,
         overflow::TESTS,

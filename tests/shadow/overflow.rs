@@ -197,7 +197,7 @@ fn ordinary() -> Result<(), String> {
 /// Lists of silhouette edges with room for some, or for one: the same counts by each method, and right ones.
 fn silhouettes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass, Counting::ZpPlusPaper];
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass, Counting::ZpPlus2005];
     let (mut compared, mut overflowed, mut doubled, mut shadowed) = (0, [0; 2], 0, 0);
     for class in CLASSES {
         let traced = Traced::new(class, 110);
@@ -214,7 +214,7 @@ fn silhouettes() -> Result<(), String> {
                 let counted = renderer.count(frame, counting)?;
                 // The published method sees all edges where a list overflowed, and leaves more to z-fail.
                 let is_alike = counted.chosen == whole.chosen;
-                let is_meant = is_alike || counting == Counting::ZpPlusPaper;
+                let is_meant = is_alike || counting == Counting::ZpPlus2005;
                 if !is_meant || (is_alike && counted.stencils != whole.stencils) {
                     return Err(format!("{what}: another picture"));
                 }

@@ -48,7 +48,7 @@ fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
 fn ended() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let options = ShadowOptions { end_at_range: true, ..ShadowOptions::default() };
-    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZpPlusPaper];
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZpPlus2005];
     let (mut volumes, mut shadowed, mut gone) = ([0; 4], 0, [0; 4]);
     for class in CLASSES.iter().filter(|class| class.name != "directional lights") {
         for number in 50..if is_long() { 70 } else { 51 } {
@@ -57,7 +57,7 @@ fn ended() -> Result<(), String> {
             shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
             for (method, counting) in methods.into_iter().enumerate() {
                 // Their volumes never end, and the published one is not right everywhere.
-                let is_endless = matches!(counting, Counting::ZpPlus | Counting::ZpPlusPaper);
+                let is_endless = matches!(counting, Counting::ZpPlus | Counting::ZpPlus2005);
                 if is_endless && class.name != "camera outside the shadow" {
                     continue;
                 }

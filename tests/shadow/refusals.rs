@@ -30,11 +30,11 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 const METHODS: [Counting; 5] =
-    [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlusPaper, Counting::ZFail];
+    [Counting::Auto, Counting::ZPass, Counting::ZpPlus, Counting::ZpPlus2005, Counting::ZFail];
 
 /// Those that z-fail is counted with.
 fn is_fail(counting: Counting) -> bool {
-    matches!(counting, Counting::ZFail | Counting::ZpPlusPaper)
+    matches!(counting, Counting::ZFail | Counting::ZpPlus2005)
 }
 
 fn formats() -> Result<(), String> {

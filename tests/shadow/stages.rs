@@ -3,7 +3,7 @@
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 use rimline::reference::shadow::{
-    self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+    self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
 use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
 use rimline::{Mesh, Predicate};
@@ -293,12 +293,12 @@ fn shadow_arguments() -> Result<(), String> {
     let (_, _, mesh) = topologies().swap_remove(0);
     for round in 0..20 {
         let count = [1, 32, 70, 200][round % 4];
-        let counting = [COUNT_AUTO, COUNT_ZP_PAPER][round / 4 % 2];
+        let counting = [COUNT_AUTO, COUNT_ZP_PLUS_2005][round / 4 % 2];
         let shape = ShadowShape { cap_capacity: 50, counting, ..shape(&mesh, count, PLACES[0]) };
         let lights: Vec<ShadowLight> = (0..count)
             .map(|_| ShadowLight {
                 casting: random.below(3) as u32,
-                counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PAPER][random.below(4)],
+                counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PLUS_2005][random.below(4)],
                 end: [0.0, 0.5][random.below(2)],
                 holed: random.below(2) as u32,
                 ..bytemuck::Zeroable::zeroed()

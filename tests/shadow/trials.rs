@@ -270,7 +270,7 @@ fn skipped() -> Result<(), String> {
 /// The same counts with pipelines that nobody shares.
 fn shared() -> Result<(), String> {
     let gpu = Gpu::shared()?;
-    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZPass, Counting::ZFail, Counting::ZpPlusPaper];
+    let methods = [Counting::Auto, Counting::ZpPlus, Counting::ZPass, Counting::ZFail, Counting::ZpPlus2005];
     for (class, counting) in CLASSES.iter().zip(methods.into_iter().cycle()) {
         let frame = (class.frame)(&mut Random::new(seed(class, 8)));
         let sharing = Renderer::new(&gpu).count(&frame, counting)?;

@@ -77,8 +77,8 @@ impl<'a> Cast<'a> {
                 (Kind::Far, b.far),
                 (Kind::Near, near(&a)),
                 (Kind::Near, near(&b)),
-                (Kind::Star, cpu::star(&self.view, light, &a)),
-                (Kind::Star, cpu::star(&self.view, light, &b)),
+                (Kind::Star, cpu::project_to_near_plane(&self.view, light, &a)),
+                (Kind::Star, cpu::project_to_near_plane(&self.view, light, &b)),
                 (Kind::Meets, cpu::on_near_plane(&self.view, &a, &b)),
                 (Kind::Turns, cpu::parallel_to_near_plane(&a, &b)),
             ];
@@ -217,7 +217,7 @@ struct Exact {
     height_size: f64,
     far: DVec2,
     far_size: DVec2,
-    rise: f64,
+    far_height: f64,
     rise_size: f64,
 }
 
@@ -237,7 +237,7 @@ impl Exact {
             height_size: plane.abs().dot(q.abs()),
             far: xy(matrix * d),
             far_size: xy(absolute(matrix) * d.abs()),
-            rise: plane.dot(d),
+            far_height: plane.dot(d),
             rise_size: plane.abs().dot(d.abs()),
         }
     }
@@ -299,24 +299,28 @@ fn vertices_lie_where_exact_clipping_has_them() -> Outcome {
                 let [low, high] = edge_of(edge.vertices[0], edge.vertices[1]).map(|v| positions[v as usize]);
                 let (a, b) = (exact(low), exact(high));
                 let corners = [low, high].map(|position| cpu::corner(&view, &light, position));
-                let is_sure =
-                    |v: &Exact| v.height.abs() > ROUNDINGS * v.height_size && v.rise.abs() > ROUNDINGS * v.rise_size;
+                let is_sure = |v: &Exact| {
+                    v.height.abs() > ROUNDINGS * v.height_size && v.far_height.abs() > ROUNDINGS * v.rise_size
+                };
                 if !is_sure(&a) || !is_sure(&b) {
                     doubtful += 1;
                     continue;
                 }
                 for (v, corner) in [&a, &b].into_iter().zip(&corners) {
-                    assert_eq!((v.height >= 0.0, v.rise >= 0.0), (corner.height >= 0.0, corner.rise >= 0.0));
-                    if (v.height >= 0.0) != (v.rise >= 0.0) {
-                        let star = cpu::star(&view, &light, corner);
+                    assert_eq!(
+                        (v.height >= 0.0, v.far_height >= 0.0),
+                        (corner.height >= 0.0, corner.far_height >= 0.0)
+                    );
+                    if (v.height >= 0.0) != (v.far_height >= 0.0) {
+                        let star = cpu::project_to_near_plane(&view, &light, corner);
                         assert!(star.w >= 0.0 && star.z == star.w * view.near_z, "{star}");
-                        let place = (v.clip * at_height - at_xy * v.height) / -v.rise;
+                        let place = (v.clip * at_height - at_xy * v.height) / -v.far_height;
                         let (size, weight) = if corner.is_far {
                             (v.clip_size * at_height.abs() + at_xy.abs() * v.height_size, 1.0)
                         } else {
                             (v.far_size * at_height.abs() + at_xy.abs() * v.rise_size, w)
                         };
-                        let bound = ROUNDINGS * (size / weight + place.abs() * v.rise_size) / v.rise.abs();
+                        let bound = ROUNDINGS * (size / weight + place.abs() * v.rise_size) / v.far_height.abs();
                         let found = xy(star) * (near_w / f64::from(star.w));
                         stars.add(&scene.name, found, place, bound, near_w)?;
                     }
@@ -333,14 +337,14 @@ fn vertices_lie_where_exact_clipping_has_them() -> Outcome {
                             + apart * (2.0 * (a.height_size + b.height_size) / (a.height - b.height).abs()));
                     meetings.add(&scene.name, xy(meeting), a.clip.lerp(b.clip, t), bound, near_w)?;
                 }
-                if (a.rise >= 0.0) != (b.rise >= 0.0) {
+                if (a.far_height >= 0.0) != (b.far_height >= 0.0) {
                     let turn = cpu::parallel_to_near_plane(p, q);
-                    let t = a.rise / (a.rise - b.rise);
+                    let t = a.far_height / (a.far_height - b.far_height);
                     let apart = (b.far - a.far).abs();
                     let bound = ROUNDINGS
                         * (a.far_size
                             + b.far_size
-                            + apart * (2.0 * (a.rise_size + b.rise_size) / (a.rise - b.rise).abs()));
+                            + apart * (2.0 * (a.rise_size + b.rise_size) / (a.far_height - b.far_height).abs()));
                     let size = a.far.abs().max_element().max(b.far.abs().max_element());
                     turns.add(&scene.name, xy(turn) / size, a.far.lerp(b.far, t) / size, bound / size, 1.0)?;
                 }

@@ -9,7 +9,7 @@ const WINDING: u32 = 0x80000000u;
 const BLOCK: u32 = 256u;
 
 // Up to 32 lights, one bit each, and where the positions lie.
-struct LightWord {
+struct LightBatch {
   // Homogeneous (x, y, z, w), scaled by a power of two so that the largest is between 1 and 2: that changes no side.
   // Those past `count` repeat the last.
   lights: array<vec4<f32>, 32>,
@@ -110,8 +110,8 @@ struct FaceRange {
   is_first: u32,
 }
 
-// Faces that a point and a light leave in doubt.
-struct Doubt {
+// Faces that a point and a light leave undecided.
+struct UndecidedFaces {
   // How many, and the first three of them.
   count: u32,
   face_0: u32,
@@ -122,11 +122,11 @@ struct Doubt {
 }
 
 // One for each pair of point and light of a dispatch.
-struct Doubts {
+struct UndecidedPairs {
   // Pairs to count anew, while they are listed and when they are.
   listed: atomic<u32>,
   recounts: u32,
-  pairs: array<Doubt>,
+  pairs: array<UndecidedFaces>,
 }
 
 // The vertices of one instance that one dispatch deforms.

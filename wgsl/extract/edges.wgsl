@@ -1,7 +1,7 @@
 // Edges: for each edge record its silhouette and winding mask, from the facing masks of its faces. Writes the masks,
 // appends silhouette edges to the lights' lists in no particular order, or both.
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> facing_0: array<u32>;
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;

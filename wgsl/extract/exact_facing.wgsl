@@ -2,7 +2,7 @@
 // signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in integers that no compiler can
 // round, fuse or flush, in fixed point where the numbers fit and else for every finite f32 ("Exact facing").
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
@@ -17,7 +17,7 @@ struct Face {
   c: vec3<u32>,
 }
 
-// Bits of facing lights and of those in doubt.
+// Bits of facing lights and of those undecided.
 struct Decision {
   facing: u32,
   doubt: u32,
@@ -58,7 +58,7 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// The bits of the lights in doubt, by integers. In two loops, since some GPUs execute a branch once for each turn of the
+// The bits of the lights undecided, by integers. In two loops, since some GPUs execute a branch once for each turn of the
 // loop around it, whether any face needs it or not.
 fn settle(doubt: u32, face: Face) -> u32 {
   let fixed = fixed_face(face.a, face.b, face.c);

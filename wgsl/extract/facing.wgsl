@@ -2,7 +2,7 @@
 // Sign of det[b - a, c - a, l - w a]; NUMERICS.md, "Facing". One bound a face tells whether all its signs are certain
 // ("Filter"); if not, the face is listed for exact_facing.wgsl, which sets its mask.
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;

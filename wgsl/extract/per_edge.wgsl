@@ -2,7 +2,7 @@
 // positions and tests both faces against every light, by their planes' equations as published or in the local form, so a
 // face's side is decided again at each of its edges: loops may fail to close.
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 // (a, b, c, d): face 0 is (a, b, c); face 1 is (b, a, d), or (a, b, d) where bit 31 of a is set; no face 1: d is NO_FACE.
 @group(0) @binding(6) var<storage, read> edge_corners: array<vec4<u32>>;

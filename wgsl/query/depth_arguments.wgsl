@@ -2,7 +2,7 @@
 // list is empty again.
 
 @group(0) @binding(0) var<uniform> range: FaceRange;
-@group(0) @binding(1) var<storage, read_write> doubts: Doubts;
+@group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
 // Workgroups that a dispatch may have along x or y.
@@ -10,8 +10,8 @@ override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)
 fn depth_arguments() {
-  let recounts = atomicExchange(&doubts.listed, 0u);
-  doubts.recounts = recounts;
+  let recounts = atomicExchange(&undecided_pairs.listed, 0u);
+  undecided_pairs.recounts = recounts;
   let groups = recounts * ((range.end - range.first + CLUSTER - 1u) / CLUSTER);
   dispatch[0] = min(groups, MOST_WORKGROUPS);
   dispatch[1] = (groups + MOST_WORKGROUPS - 1u) / MOST_WORKGROUPS;

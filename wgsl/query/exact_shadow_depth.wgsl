@@ -1,4 +1,4 @@
-// Exact shadow depth: the faces that shadow_depth.wgsl left in doubt, settled in integers, in fixed point where the
+// Exact shadow depth: the faces that shadow_depth.wgsl left undecided, settled in integers, in fixed point where the
 // numbers fit. The line and an edge that it meets are told apart as if the light were moved by (e, e^2, e^3);
 // NUMERICS.md, "Shadow depth".
 
@@ -51,7 +51,7 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
 }
 
 // One of a pair's faces, as they were noted.
-fn noted_face(noted: Doubt, at: u32) -> u32 {
+fn noted_face(noted: UndecidedFaces, at: u32) -> u32 {
   return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
 }
 
@@ -62,7 +62,7 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   if (pair >= chunk.count * word.count) {
     return;
   }
-  let noted = doubts.pairs[pair];
+  let noted = undecided_pairs.pairs[pair];
   if (noted.count > MOST_DOUBTS) {
     return;
   }
@@ -83,10 +83,10 @@ fn exact_shadow_depth_recount(
 ) {
   let range_groups = (range.end - range.first + CLUSTER - 1u) / CLUSTER;
   let item = group.y * groups.x + group.x;
-  if (item / range_groups >= doubts.recounts) {
+  if (item / range_groups >= undecided_pairs.recounts) {
     return;
   }
-  let query = query_of(doubts.pairs[item / range_groups].recount);
+  let query = query_of(undecided_pairs.pairs[item / range_groups].recount);
   let segment = segment_of(query);
   let first = range.first + CLUSTER * (item % range_groups);
   if (misses(segment, clusters[first].group_low, clusters[first].group_high)) {

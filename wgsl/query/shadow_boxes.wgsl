@@ -1,7 +1,7 @@
 // Shadow boxes: boxes around clusters of 32 faces and groups of 32 clusters, a workgroup a group. Floats are compared as
 // integers of the same order, so that no device can flush or round.
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> range: FaceRange;
 @group(0) @binding(6) var<storage, read_write> clusters: array<FaceCluster>;
 

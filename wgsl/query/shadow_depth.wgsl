@@ -1,7 +1,7 @@
 // Shadow depth: how many faces lie strictly between each point and each light, one invocation a pair of these. Faces in
 // doubt are noted for exact_shadow_depth.wgsl; a pair with more than can be noted is listed, to be counted anew there.
 
-var<private> doubt: Doubt;
+var<private> doubt: UndecidedFaces;
 
 fn note(face: u32) {
   switch (doubt.count) {
@@ -68,8 +68,8 @@ fn count_range(segment: Segment) -> u32 {
 }
 
 fn list(pair: u32) {
-  let place = atomicAdd(&doubts.listed, 1u);
-  doubts.pairs[place].recount = pair;
+  let place = atomicAdd(&undecided_pairs.listed, 1u);
+  undecided_pairs.pairs[place].recount = pair;
 }
 
 @compute @workgroup_size(64)
@@ -93,8 +93,8 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     counted = -1;
   }
   atomicStore(&depths[query.at], counted);
-  doubts.pairs[pair].count = doubt.count;
-  doubts.pairs[pair].face_0 = doubt.face_0;
-  doubts.pairs[pair].face_1 = doubt.face_1;
-  doubts.pairs[pair].face_2 = doubt.face_2;
+  undecided_pairs.pairs[pair].count = doubt.count;
+  undecided_pairs.pairs[pair].face_0 = doubt.face_0;
+  undecided_pairs.pairs[pair].face_1 = doubt.face_1;
+  undecided_pairs.pairs[pair].face_2 = doubt.face_2;
 }

@@ -1,14 +1,14 @@
 // Segments from points to lights, and boxes that they miss, for both stages of the shadow depth query. NUMERICS.md,
 // "Shadow depth".
 
-@group(0) @binding(0) var<uniform> word: LightWord;
+@group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: PointChunk;
 @group(0) @binding(6) var<uniform> range: FaceRange;
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
 @group(0) @binding(8) var<storage, read> points: array<u32>;
 // Point after point, a number a light.
 @group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
-@group(0) @binding(10) var<storage, read_write> doubts: Doubts;
+@group(0) @binding(10) var<storage, read_write> undecided_pairs: UndecidedPairs;
 
 // Leave out groups and clusters whose boxes the segment misses.
 override SKIP: bool = true;

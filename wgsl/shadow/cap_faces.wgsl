@@ -74,9 +74,9 @@ fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
 // A face at infinity as an orthographic camera sees it: all of the picture if the camera's direction is within the face
 // as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
 fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
-  let a = away(light, caster_position(face.corners.x));
-  let b = away(light, caster_position(face.corners.y));
-  let c = away(light, caster_position(face.corners.z));
+  let a = extrusion(light, caster_position(face.corners.x));
+  let b = extrusion(light, caster_position(face.corners.y));
+  let c = extrusion(light, caster_position(face.corners.z));
   let p = direction_to_clip(view, a).xy;
   let q = direction_to_clip(view, b).xy;
   let r = direction_to_clip(view, c).xy;
@@ -100,9 +100,9 @@ fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
 // From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.
 fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
   let a_above = a.height >= 0.0;
-  let a_rises = a.rise >= 0.0;
+  let a_rises = a.far_height >= 0.0;
   let meets_plane = a_above != (b.height >= 0.0);
-  let turns = a_rises != (b.rise >= 0.0);
+  let turns = a_rises != (b.far_height >= 0.0);
   var meeting = NOTHING;
   var turning = NOTHING;
   if (is_ordered) {
@@ -113,7 +113,7 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
     turning = parallel_to_near_plane(b, a);
   }
   let turns_first = a_above == (light_side(light) > 0.0);
-  var next = offer(picked, star(view, light, a), a_above != a_rises);
+  var next = offer(picked, project_to_near_plane(view, light, a), a_above != a_rises);
   next = offer(next, turning, turns && turns_first);
   next = offer(next, meeting, meets_plane);
   return offer(next, turning, turns && !turns_first);
@@ -136,7 +136,7 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
 }
 
 // The near cap as published: the face by the matrix of the light's frustum, clipped by the hardware.
-@vertex fn paper_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+@vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let light = shadow_lights[draw.light];
   let face = cap_face(light, instance);
   if (!face.valid) {

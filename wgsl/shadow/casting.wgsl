@@ -7,7 +7,7 @@ fn casts(light: ShadowLight, facing: bool) -> bool {
 // 0: the cap counts up where its front is seen; 1: where its back is. With ZP+ a face that faces the light is seen from
 // its front on the near plane where the light is on the eye's side.
 fn cap_class(light: ShadowLight, facing: bool) -> u32 {
-  let has_near_cap = light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PAPER;
+  let has_near_cap = light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
   let turned = has_near_cap && light_side(light) > 0.0;
   return select(0u, 1u, facing == turned);
 }

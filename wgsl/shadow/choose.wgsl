@@ -5,7 +5,7 @@
 @group(0) @binding(1) var<uniform> view: ShadowView;
 @group(0) @binding(2) var<storage, read> box: array<u32, 7>;
 @group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
-// Three numbers of workgroups a word of lights.
+// Three numbers of workgroups a batch of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
 
 fn unordered(bits: vec3<u32>) -> vec3<f32> {
@@ -63,7 +63,7 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
       out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
       out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
     before = before && is_out(v.height, height_size(view, q)) &&
-      is_out(v.rise, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
+      is_out(v.far_height, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
   }
   return any(out) || before;
 }
@@ -137,10 +137,10 @@ fn choose_light(index: u32) {
     let is_outside = !boxes_meet(low, high) && !light_meets(light, low, high);
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && is_outside);
     light.counting = shape.counting;
-    if (shape.counting == COUNT_ZP_PAPER) {
+    if (shape.counting == COUNT_ZP_PLUS_2005) {
       light.frustum_near = frustum_near(light, low, high);
       // What was published knows no holes.
-      light.counting = select(COUNT_ZP_PAPER, COUNT_Z_FAIL, light.holed != 0u);
+      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.holed != 0u);
     }
     if (shape.counting == COUNT_AUTO) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));

@@ -69,7 +69,7 @@ struct ShadowShape {
   end_at_range: u32,
 }
 
-// The light or the word of lights at hand.
+// The light or the batch of lights at hand.
 struct ShadowDraw {
   light: u32,
   // The first light of its word.
@@ -88,7 +88,7 @@ const COUNT_Z_FAIL: u32 = 2u;
 // z-pass where no face lies between light and near rectangle, else ZP+; decided for each caster and light.
 const COUNT_AUTO: u32 = 3u;
 // ZP+ as published.
-const COUNT_ZP_PAPER: u32 = 4u;
+const COUNT_ZP_PLUS_2005: u32 = 4u;
 
 // A position in clip space. A caller's depth pass that computes it so gets the same bits.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
@@ -98,7 +98,7 @@ fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
 }
 
 // From the light through a position, times the light's w.
-fn away(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+fn extrusion(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   return light.light.w * position - light.light.xyz;
 }
 
@@ -110,7 +110,7 @@ fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
 
 // A position's far vertex: at infinity, or where the volume ends.
 fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
-  return direction_to_clip(view, away(light, position)) + light.end * light.clip;
+  return direction_to_clip(view, extrusion(light, position)) + light.end * light.clip;
 }
 
 // Clip w is the same everywhere.
@@ -125,8 +125,8 @@ struct Corner {
   height: f32,
   // Its far vertex, and how that rises over the near plane.
   far: vec4<f32>,
-  rise: f32,
-  // The light is farther from it than the origin: `star` takes V as it is, else V - L.
+  far_height: f32,
+  // The light is farther from it than the origin: `project_to_near_plane` takes V as it is, else V - L.
   is_far: bool,
 }
 
@@ -137,14 +137,14 @@ fn size_3(a: vec3<f32>) -> f32 {
 
 // The rise is the light's w times the height, less the light's height: so what is above the near plane rises if the
 // light is below, and what is below does not if the light is not. Rounding must not say otherwise.
-fn consistent_rise(light: ShadowLight, height: f32, rise: f32) -> f32 {
+fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
   let below = light.height < 0.0;
   return select(
-    select(rise, min(rise, -1e-37), !below && height < 0.0), max(rise, 0.0), below && height >= 0.0);
+    select(far_height, min(far_height, -1e-37), !below && height < 0.0), max(far_height, 0.0), below && height >= 0.0);
 }
 
 fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
-  let d = away(light, position);
+  let d = extrusion(light, position);
   let q = position - view.origin;
   let height = dot_3(view.near_plane.xyz, q) + view.near_plane.w;
   return Corner(
@@ -173,13 +173,13 @@ fn light_side(light: ShadowLight) -> f32 {
 }
 
 // The vertex seen from the light on the near plane.
-fn star(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
+fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
   let s = light_side(light);
-  var xy = v.far.xy * light.height - light.clip.xy * v.rise;
-  var w = view.near_w * (light.light.w * v.rise);
+  var xy = v.far.xy * light.height - light.clip.xy * v.far_height;
+  var w = view.near_w * (light.light.w * v.far_height);
   if (v.is_far) {
     xy = v.near.xy * light.height - light.clip.xy * v.height;
-    w = view.near_w * v.rise;
+    w = view.near_w * v.far_height;
   }
   return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
 }
@@ -192,6 +192,6 @@ fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
 
 // Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
 fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
-  let t = a.rise / (a.rise - b.rise);
+  let t = a.far_height / (a.far_height - b.far_height);
   return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);
 }

@@ -41,14 +41,14 @@ fn write_arguments(index: u32) {
   }
   let has_caps = front + back > 0u;
   let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
-  if (is_clipped || (light.counting == COUNT_ZP_PAPER && has_caps)) {
+  if (is_clipped || (light.counting == COUNT_ZP_PLUS_2005 && has_caps)) {
     atomicAdd(&shadow_statistics.capped, 1u);
   }
   front = cap_instances(front);
   back = cap_instances(back);
   var draws = ShadowDraws();
-  if (shape.counting == COUNT_ZP_PAPER) {
-    if (light.counting == COUNT_ZP_PAPER) {
+  if (shape.counting == COUNT_ZP_PLUS_2005) {
+    if (light.counting == COUNT_ZP_PLUS_2005) {
       draws.clipped = arguments(4u, 3u * sides);
       draws.front = arguments(3u, front);
       draws.back = arguments(3u, back);

@@ -26,8 +26,8 @@ fn clipped_side_vertex(
   let q = corner(view, light, second);
   let p_near = p.height >= 0.0;
   let q_near = q.height >= 0.0;
-  let p_far = p.rise >= 0.0;
-  let q_far = q.rise >= 0.0;
+  let p_far = p.far_height >= 0.0;
+  let q_far = q.far_height >= 0.0;
   var picked = pick(vertex);
   picked = offer(picked, behind_near_plane(p.near), p_near);
   if (p_near != q_near) {
@@ -38,7 +38,7 @@ fn clipped_side_vertex(
     }
   }
   picked = offer(picked, behind_near_plane(q.near), q_near);
-  picked = offer(picked, star(view, light, q), q_near != q_far);
+  picked = offer(picked, project_to_near_plane(view, light, q), q_near != q_far);
   picked = offer(picked, q.far, q_far);
   if (p_far != q_far) {
     if (is_ordered) {
@@ -48,6 +48,6 @@ fn clipped_side_vertex(
     }
   }
   picked = offer(picked, p.far, p_far);
-  picked = offer(picked, star(view, light, p), p_near != p_far);
+  picked = offer(picked, project_to_near_plane(view, light, p), p_near != p_far);
   return picked.clip;
 }

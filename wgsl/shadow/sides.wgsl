@@ -1,6 +1,6 @@
 // Sides: the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves clipping
 // to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits;
-// `paper_side` is what was published in 2005.
+// `zp_plus_2005_side` is what was published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -52,7 +52,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
 // Three quads an edge: the side with clipped vertices moved to their counterparts in the near cap, and two that fill what
 // this leaves open where the near plane cuts one finite edge of the side. In the paper's words: vertices float or are
 // nailed, and the corrective quads are those of its cases C1 and C2.
-@vertex fn paper_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
+@vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
   let light = shadow_lights[draw.light];
   let edge = side_edge(light, instance / 3u);
   let first = rimline_position(edge.first);
@@ -61,8 +61,8 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
     return SideVertex(NOTHING);
   }
   let cuts_edge = is_cut(view, to_clip(view, first)) != is_cut(view, to_clip(view, second));
-  let first_far = direction_to_clip(view, away(light, first));
-  let second_far = direction_to_clip(view, away(light, second));
+  let first_far = direction_to_clip(view, extrusion(light, first));
+  let second_far = direction_to_clip(view, extrusion(light, second));
   let cuts_far = is_cut(view, first_far) != is_cut(view, second_far);
   let quad = instance % 3u;
   if ((quad == 1u && (!cuts_edge || cuts_far)) || (quad == 2u && (cuts_edge || !cuts_far))) {
@@ -73,7 +73,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   // Rows: near and far floating; near nailed, near floating; far floating, far nailed.
   let is_near = quad == 1u || (quad == 0u && is_first_row);
   let floats = quad == 0u || (quad == 1u) != is_first_row;
-  var clip = direction_to_clip(view, away(light, position));
+  var clip = direction_to_clip(view, extrusion(light, position));
   if (is_near) {
     clip = to_clip(view, position);
   }

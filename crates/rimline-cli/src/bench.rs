@@ -1,6 +1,7 @@
 //! `rimline bench`: run time against error, of this device, as text, JSON and a page with plots.
 
 pub(crate) mod args;
+mod bench_mesh;
 mod figures;
 mod machine;
 mod measure;
@@ -12,7 +13,7 @@ mod report;
 mod results;
 mod row;
 mod shadows;
-mod subject;
+mod summary_json;
 mod text;
 
 use std::time::Instant;
@@ -25,11 +26,11 @@ use crate::failure::Failure;
 use crate::output::{self, note, print};
 use crate::progress::Progress;
 use args::BenchArgs;
+use bench_mesh::{BenchMesh, Case, Made};
 use machine::{Adapter, Machine};
 use plan::Plan;
 use report::Destination;
 use results::{Results, SubjectFacts};
-use subject::{Case, Made, Subject};
 
 /// The data's description, for programs and people.
 const SCHEMA: &str = include_str!("../bench.schema.json");
@@ -91,7 +92,7 @@ fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mu
     }
 }
 
-fn make(subject: Subject) -> Result<(Made, SubjectFacts), Failure> {
+fn make(subject: BenchMesh) -> Result<(Made, SubjectFacts), Failure> {
     let failed = |source: rimline::MeshError| Failure::Input { file: subject.title().into(), source: source.into() };
     let made = subject.make().map_err(failed)?;
     let faces = made.mesh.faces().to_vec();

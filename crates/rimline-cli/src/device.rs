@@ -9,15 +9,6 @@ use wgpu::{AdapterInfo, Backend, Backends, DeviceType, Features, Limits};
 use crate::failure::{Failure, NoDevice};
 use crate::output::note;
 
-/// What to do about a machine without any adapter.
-pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
-    "`rimline extract --device cpu` needs none. For a GPU install its Vulkan driver, or Mesa's software one: on Debian \
-     and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
-     `sudo pacman -S vulkan-swrast`"
-} else {
-    "`rimline extract --device cpu` needs none. For a GPU install its current driver"
-};
-
 /// Features that Rimline uses where a device has them; it needs none of them.
 pub(crate) const OPTIONAL_FEATURES: [(Features, &str); 2] = [
     (Features::TIMESTAMP_QUERY, "times of the stages as the device measures them"),

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use rimline::Displacement;
 
-use crate::args::PoseArgs;
 use crate::failure::{Failure, InputError};
+use crate::input_args::PoseArgs;
 use crate::output::note;
 use crate::source;
 

@@ -1,8 +1,9 @@
 //! `rimline draw`: a model with its outline.
 
-mod contact;
+mod contact_shadow;
 mod frame;
-mod picture;
+mod outline_picture;
+mod passes;
 mod survey;
 
 use std::borrow::Cow;
@@ -19,15 +20,15 @@ use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
 use crate::input::Shape;
-use crate::moment::Moment;
 use crate::output::Output;
 use crate::overwrite::Inputs;
+use crate::posed_input::PosedInput;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
 use crate::render::{centre, check_size, extent, normals, too_large};
 use frame::Frame;
-use picture::Subject;
+use outline_picture::DrawInputs;
 
 /// Degrees that the eye is above the model by default.
 const ELEVATION: f64 = 17.0;
@@ -36,25 +37,25 @@ const ELEVATION: f64 = 17.0;
 const PIXEL_BYTES: u64 = 4 * 4;
 
 pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
-    let wanted = Wanted::parse(&args.moment.device.device);
+    let wanted = Wanted::parse(&args.posed.device.device);
     if wanted == Wanted::Cpu {
         return Err(UsageError::DrawOnCpu.into());
     }
     ending::check(&args.out, Written::Png)?;
     let progress = Progress::start();
     progress.step("reading the model");
-    let moment = Moment::read(&args.moment, &args.model)?;
-    let scene = moment.scene()?;
-    Inputs::new(moment.files()).spare(&args.out)?;
+    let posed = PosedInput::read(&args.posed, &args.model)?;
+    let scene = posed.scene()?;
+    Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
     let gpu = device::open_gpu(&wanted)?;
     check_size(&gpu, args.view.size)?;
     let fail = |error: GpuError| error.on(&gpu);
-    let positions = Positions::new(&gpu, &scene.shape, moment.displacement.as_ref()).map_err(fail)?;
+    let positions = Positions::new(&gpu, &scene.shape, posed.displacement.as_ref()).map_err(fail)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    positions.encode(&mut encoder, &scene.shape, moment.time_s(), None).map_err(fail)?;
+    positions.encode(&mut encoder, &scene.shape, posed.time_s(), None).map_err(fail)?;
     gpu.queue.submit([encoder.finish()]);
     // The camera and the normals need positions here; the silhouette stays on the GPU.
     let world: Cow<'_, [[f32; 3]]> = match &scene.shape {
@@ -69,7 +70,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
     let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-    let nothing = || Failure::input(&moment.input.file)(InputError::NoFinitePosition);
+    let nothing = || Failure::input(&posed.input.file)(InputError::NoFinitePosition);
     let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
     let camera =
         Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
@@ -80,7 +81,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let eye = Light::point(camera.eye.into());
     let extraction =
         extractor.encode(&mut encoder, positions.buffer(), &[eye], None).map_err(|error| fail(error.into()))?;
-    let subject = Subject {
+    let subject = DrawInputs {
         positions: positions.buffer(),
         faces: &faces,
         normals: &normals::corner_normals(&world, &faces),
@@ -89,7 +90,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let places = survey::places(args.view.size, gpu.device.limits().max_texture_dimension_2d);
     let frame = Frame::new(&camera, args.view.size, &bounds, places);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let texture = picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
+    let texture = outline_picture::record(&gpu, &mut encoder, &frame, args.view.size, &subject);
     if pollster::block_on(scope.pop()).is_some() {
         return Err(too_large(&gpu, args.view.size, PIXEL_BYTES).into());
     }

@@ -15,9 +15,9 @@ use crate::device::Device;
 use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::input::Scene;
-use crate::moment::Moment;
 use crate::output::{Output, print};
 use crate::overwrite::Inputs;
+use crate::posed_input::PosedInput;
 use crate::progress::Progress;
 use crate::times::Times;
 use report::Report;
@@ -48,15 +48,15 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
-    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
-    let lights = moment.lights(&args.lights)?;
+    let posed = times.measure("load", || PosedInput::read(&args.posed, &args.model))?;
+    let lights = posed.lights(&args.lights)?;
     progress.step("building edge records");
-    let scene = times.measure("topology", || moment.scene())?;
-    Inputs::new(moment.files()).spare(&args.out)?;
+    let scene = times.measure("topology", || posed.scene())?;
+    Inputs::new(posed.files()).spare(&args.out)?;
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
-    let (device, (found, mut times)) = moment.work(|device| {
+    let (device, (found, mut times)) = posed.work(|device| {
         progress.step("extracting");
         let mut times = times.clone();
         let found = match device {
@@ -67,8 +67,8 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                     lights: &lights,
                     method,
                     predicate,
-                    displacement: moment.displacement.as_ref(),
-                    time_s: moment.time_s(),
+                    displacement: posed.displacement.as_ref(),
+                    time_s: posed.time_s(),
                 };
                 job.run(gpu, &mut times)?
             }

@@ -9,6 +9,15 @@ use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::spec::SpecError;
 
+/// What to do about a machine without any adapter.
+pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
+    "`rimline extract --device cpu` needs none. For a GPU install its Vulkan driver, or Mesa's software one: on Debian \
+     and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
+     `sudo pacman -S vulkan-swrast`"
+} else {
+    "`rimline extract --device cpu` needs none. For a GPU install its current driver"
+};
+
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -161,7 +170,7 @@ pub(crate) enum UsageError {
 /// Why no device serves.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoDevice {
-    #[error("no GPU was found. {}", crate::device::ADVICE)]
+    #[error("no GPU was found. {}", ADVICE)]
     None,
     #[error("no adapter's name contains `{name}`; there is {}. `rimline devices` says more", .adapters.join(", "))]
     NotNamed { name: String, adapters: Vec<String> },
@@ -206,7 +215,7 @@ impl Failure {
             Self::Differs { .. } => 5,
             Self::Unchecked { first, .. } => return first.exit_code(),
             // 128 and the number of the signal, as shells have it.
-            Self::Interrupted => crate::output::interrupted_code(),
+            Self::Interrupted => crate::interrupt::interrupted_code(),
         })
     }
 }

@@ -13,12 +13,12 @@ use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
-use crate::shadow::body::Body;
 use crate::shadow::caster::Caster;
 use crate::shadow::counts::CountBound;
 use crate::shadow::pictures::Pictures;
-use crate::shadow::set::{Props, Set, open_gpu};
-use crate::shadow::studio::Studio;
+use crate::shadow::posed_model::PosedModel;
+use crate::shadow::render_resources::RenderResources;
+use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
 use crate::shown::Line;
 
 /// Moments that the camera is chosen by: it must see all of the motion.
@@ -29,12 +29,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     ending::check_folder(&args.out)?;
     let progress = Progress::start();
     progress.step("reading the models");
-    let mut props = Props::read(scene)?;
-    if scene.moment.pose.animation.is_none() && props.displacement.is_none() {
+    let mut props = ShadowInputs::read(scene)?;
+    if scene.posed.pose.animation.is_none() && props.displacement.is_none() {
         props.take_first_animations();
     }
     let frames = frames(args, &props)?;
-    let time = |frame: u32| scene.moment.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
+    let time = |frame: u32| scene.posed.pose.time + (f64::from(frame) / f64::from(args.fps)) as f32;
     let file = |frame: u32| frame_file(&args.out, frame, frames);
     let inputs = Inputs::new(props.files(scene));
     (0..frames).try_for_each(|frame| inputs.spare(&file(frame)))?;
@@ -49,14 +49,15 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut bodies = props.bodies(&gpu, time(0))?;
     let mut points = Vec::new();
     for look in 0..LOOKS.min(frames) {
-        let moment = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
-        bodies.iter_mut().try_for_each(|body| body.pose(&gpu, moment))?;
-        points.extend(bodies.iter().flat_map(Body::points));
+        let posed = time((u64::from(look) * u64::from(frames) / u64::from(LOOKS.min(frames))) as u32);
+        bodies.iter_mut().try_for_each(|body| body.pose(&gpu, posed))?;
+        points.extend(bodies.iter().flat_map(PosedModel::points));
     }
-    let mut set = Set::new(scene, bodies, &points)?;
-    let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures = Pictures::new(&gpu, &studio, scene.method.counting(), scene.mode, scene.volumes, set.is_in_parts())
-        .map_err(fail)?;
+    let mut set = ShadowScene::new(scene, bodies, &points)?;
+    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let pictures =
+        Pictures::new(&gpu, &resources, scene.method.counting(), scene.mode, scene.volumes, set.is_in_parts())
+            .map_err(fail)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
@@ -70,7 +71,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             // A mirrored instance turns its faces: another mesh.
             let mesh = &body.scene.mesh;
             if faces.get(number).is_none_or(|old| old != mesh.faces()) {
-                let caster = Caster::new(&gpu, &studio.kit, &pictures.pipelines, mesh, number, set.samples());
+                let caster = Caster::new(&gpu, &resources.factory, &pictures.pipelines, mesh, number, set.samples());
                 casters.truncate(number);
                 casters.push(caster.map_err(fail)?);
                 faces.truncate(number);
@@ -78,9 +79,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
             }
         }
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
-        set.encode(&gpu, &mut encoder, &studio, &mut casters, None).map_err(fail)?;
+        set.encode(&gpu, &mut encoder, &resources, &mut casters, None).map_err(fail)?;
         gpu.queue.submit([encoder.finish()]);
-        let picture = shadow::picture(&gpu, &studio, &pictures, &mut set, &mut casters).map_err(fail)?;
+        let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).map_err(fail)?;
         bound = bound.max(CountBound::read(&gpu, &casters, set.samples()).map_err(|error| fail(error.into()))?);
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
 }
 
 /// How many pictures are asked for, or make up the longest animation.
-fn frames(args: &FilmArgs, props: &Props) -> Result<u32, Failure> {
+fn frames(args: &FilmArgs, props: &ShadowInputs) -> Result<u32, Failure> {
     let duration = |(input, animation): (&Input, &Option<usize>)| match (&input.source, animation) {
         (Source::Gltf(asset), Some(index)) => asset.animations().get(*index).map(|info| info.duration_s),
         _ => None,

@@ -1,4 +1,4 @@
-//! The model file, whatever its format, and the mesh it makes at one moment.
+//! The model file, whatever its format, and the mesh it makes at one posed.
 
 use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use rimline::mesh::WeldCounts;
 use rimline::reference::light::check_lights;
 use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, LightError, Mesh, Model, ModelError, Pose};
 
-use crate::args::{ModelArgs, PoseArgs};
 use crate::failure::{Failure, InputError, UsageError};
+use crate::input_args::{ModelArgs, PoseArgs};
 use crate::npz;
 use crate::source;
 use crate::spec::LightSpec;
@@ -38,7 +38,7 @@ pub(crate) enum Source {
     },
 }
 
-/// The input at one moment.
+/// The input at one posed.
 pub(crate) struct Scene<'a> {
     pub(crate) mesh: Mesh,
     pub(crate) shape: Shape<'a>,
@@ -100,7 +100,7 @@ impl Input {
         found.map(Some).ok_or_else(missing)
     }
 
-    /// The mesh and its shape at one moment. `displaced` shapes always come as a model, so that `displace` can run.
+    /// The mesh and its shape at one posed. `displaced` shapes always come as a model, so that `displace` can run.
     pub(crate) fn scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
         self.build_scene(animation, time_s, displaced).map_err(Failure::input(&self.file))
     }

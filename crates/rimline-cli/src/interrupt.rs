@@ -1,6 +1,15 @@
 //! Signals that ask the command to end: Ctrl-C, termination, hang-up.
 
 use std::io;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// The signal that came first; 0: none did.
+pub(crate) static SIGNAL: AtomicU8 = AtomicU8::new(0);
+
+/// The exit code for the signal that came: 128 and its number, as shells have it.
+pub(crate) fn interrupted_code() -> u8 {
+    128 + SIGNAL.load(Ordering::SeqCst)
+}
 
 /// Calls `handler` with the number of each signal that asks to end. One that was ignored when the command started, as
 /// `nohup` and shells do, stays ignored.

@@ -3,7 +3,7 @@
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 use tempfile::TempPath;
@@ -196,7 +196,6 @@ fn remove_unfinished(is_meant: impl Fn(&PathBuf) -> bool) {
 
 /// Whether a signal is to be noticed instead of obeyed at once, and its number once it came.
 static IS_FINISHING: AtomicBool = AtomicBool::new(false);
-static SIGNAL: AtomicU8 = AtomicU8::new(0);
 
 /// From now on the first Ctrl-C only makes [`is_interrupted`] true, and leaves it to the work to end soon and to write
 /// what it has; the second ends the command.
@@ -207,25 +206,20 @@ pub(crate) fn finish_at_interrupt() {
 
 /// Whether Ctrl-C came.
 pub(crate) fn is_interrupted() -> bool {
-    SIGNAL.load(Ordering::SeqCst) != 0
-}
-
-/// The exit code for the signal that came: 128 and its number, as shells have it.
-pub(crate) fn interrupted_code() -> u8 {
-    128 + SIGNAL.load(Ordering::SeqCst)
+    interrupt::SIGNAL.load(Ordering::SeqCst) != 0
 }
 
 fn remove_at_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let handler = |signal: i32| {
-            let is_first = SIGNAL.swap(signal as u8, Ordering::SeqCst) == 0;
+            let is_first = interrupt::SIGNAL.swap(signal as u8, Ordering::SeqCst) == 0;
             if IS_FINISHING.load(Ordering::SeqCst) && is_first {
                 return;
             }
             remove_unfinished(|_| true);
             remove_empty(|_| true);
-            std::process::exit(interrupted_code().into());
+            std::process::exit(interrupt::interrupted_code().into());
         };
         if let Err(error) = interrupt::listen(handler) {
             log::warn!("Ctrl-C would leave a partial file: {error}");

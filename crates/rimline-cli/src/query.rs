@@ -16,10 +16,10 @@ use crate::device::Device;
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input::{Scene, Shape};
-use crate::moment::Moment;
 use crate::npz::{self, ElementType, NpzWriter};
 use crate::output::{Output, print};
 use crate::overwrite::Inputs;
+use crate::posed_input::PosedInput;
 use crate::progress::Progress;
 use crate::source;
 use crate::times::Times;
@@ -31,13 +31,13 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the model");
-    let moment = times.measure("load", || Moment::read(&args.moment, &args.model))?;
-    let lights = moment.lights(&args.lights)?;
+    let posed = times.measure("load", || PosedInput::read(&args.posed, &args.model))?;
+    let lights = posed.lights(&args.lights)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
     let points = times.measure("points", || read_points(&args.points))?;
-    let scene = times.measure("topology", || moment.scene())?;
-    Inputs::new(moment.files().chain([&*args.points])).spare(&args.out)?;
+    let scene = times.measure("topology", || posed.scene())?;
+    Inputs::new(posed.files().chain([&*args.points])).spare(&args.out)?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     progress.step("opening the device");
-    let (device, mut times) = moment.work(|device| {
+    let (device, mut times) = posed.work(|device| {
         progress.step("counting");
         let mut times = times.clone();
         depths.clear();
@@ -57,8 +57,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
                     scene: &scene,
                     points: &points,
                     lights: &lights,
-                    displacement: moment.displacement.as_ref(),
-                    time_s: moment.time_s(),
+                    displacement: posed.displacement.as_ref(),
+                    time_s: posed.time_s(),
                 };
                 job.run(gpu, &mut depths, &mut times)?;
             }

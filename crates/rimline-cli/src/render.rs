@@ -1,8 +1,8 @@
 //! What the commands that make pictures share: camera, shading normals, a short way to pipelines.
 
 pub(crate) mod camera;
-pub(crate) mod kit;
 pub(crate) mod normals;
+pub(crate) mod pipeline_factory;
 pub(crate) mod support;
 
 use rimline::mesh::Bounds;

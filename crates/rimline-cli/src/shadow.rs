@@ -1,20 +1,20 @@
 //! `rimline shadow`: models with their shadows.
 
 pub(crate) mod args;
-pub(crate) mod body;
 pub(crate) mod caster;
 pub(crate) mod counts;
 mod depth;
 pub(crate) mod frame;
-mod glass;
-mod lamps;
 mod masks;
-pub(crate) mod painter;
 mod part;
 pub(crate) mod pictures;
+pub(crate) mod posed_model;
+pub(crate) mod receiver_pipelines;
+pub(crate) mod render_resources;
 mod report;
-pub(crate) mod set;
-pub(crate) mod studio;
+mod shaded_lights;
+pub(crate) mod shadow_scene;
+mod volume_overlay;
 
 use rimline::gpu::StageTimer;
 use rimline::wgpu;
@@ -35,9 +35,9 @@ use caster::Caster;
 use masks::Masks;
 use part::PARTS;
 use pictures::Pictures;
+use render_resources::RenderResources;
 use report::Report;
-use set::{Props, Set, mask_file};
-use studio::Studio;
+use shadow_scene::{ShadowInputs, ShadowScene, mask_file};
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
@@ -45,9 +45,9 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the models");
-    let props = times.measure("load", || Props::read(scene))?;
+    let props = times.measure("load", || ShadowInputs::read(scene))?;
     for &animation in &props.animations {
-        displacement::note_idle_time(&scene.moment.pose, animation, props.displacement.as_ref());
+        displacement::note_idle_time(&scene.posed.pose, animation, props.displacement.as_ref());
     }
     let inputs = Inputs::new(props.files(scene));
     args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
@@ -60,15 +60,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let output = args.out.as_deref().map(Output::create).transpose()?;
 
     progress.step("opening the device");
-    let gpu = set::open_gpu(scene)?;
+    let gpu = shadow_scene::open_gpu(scene)?;
     let fail = |error: GpuError| error.on(&gpu);
     progress.step("placing the models");
-    let bodies = times.measure("topology", || props.bodies(&gpu, scene.moment.pose.time))?;
-    let points: Vec<[f32; 3]> = bodies.iter().flat_map(body::Body::points).collect();
-    let mut set = Set::new(scene, bodies, &points)?;
+    let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
+    let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
+    let mut set = ShadowScene::new(scene, bodies, &points)?;
     let mask_files: Vec<_> = match &args.mask {
         None => Vec::new(),
-        Some(prefix) => (0..set.lamps.len()).map(|light| mask_file(prefix, light)).collect(),
+        Some(prefix) => (0..set.shaded_lights.len()).map(|light| mask_file(prefix, light)).collect(),
     };
     if let Some(out) = args.out.as_deref().filter(|out| mask_files.iter().any(|file| is_same_file(out, file))) {
         return Err(UsageError::SameOutput { file: out.to_owned() }.into());
@@ -77,22 +77,23 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
 
     progress.step("drawing");
-    let studio = Studio::new(&gpu, &set.frame(), scene.view.size, set.samples());
+    let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let counting = scene.method.counting();
-    let pictures =
-        output.is_some().then(|| Pictures::new(&gpu, &studio, counting, scene.mode, scene.volumes, set.is_in_parts()));
+    let pictures = output
+        .is_some()
+        .then(|| Pictures::new(&gpu, &resources, counting, scene.mode, scene.volumes, set.is_in_parts()));
     let pictures = pictures.transpose().map_err(fail)?;
-    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &studio, counting)).transpose().map_err(fail)?;
+    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, counting)).transpose().map_err(fail)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
     let mut casters = (0..)
         .zip(&set.bodies)
-        .map(|(number, body)| Caster::new(&gpu, &studio.kit, pipelines, &body.scene.mesh, number, set.samples()))
+        .map(|(number, body)| Caster::new(&gpu, &resources.factory, pipelines, &body.scene.mesh, number, set.samples()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(fail)?;
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("shadow") });
-    set.encode(&gpu, &mut encoder, &studio, &mut casters, timer.as_mut()).map_err(fail)?;
+    set.encode(&gpu, &mut encoder, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
     if let Some(timer) = &timer {
         timer.resolve(&mut encoder);
     }
@@ -105,16 +106,17 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     if let (Some(pictures), Some(output)) = (&pictures, output) {
         let picture =
-            times.measure("picture", || picture(&gpu, &studio, pictures, &mut set, &mut casters)).map_err(fail)?;
+            times.measure("picture", || picture(&gpu, &resources, pictures, &mut set, &mut casters)).map_err(fail)?;
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
     }
     if let Some(masks) = &masks {
         let mut first = 0;
-        for (lamp, output) in set.lamps.iter().zip(mask_outputs) {
-            let samples = first..first + lamp.samples.len();
+        for (shaded, output) in set.shaded_lights.iter().zip(mask_outputs) {
+            let samples = first..first + shaded.samples.len();
             first = samples.end;
-            let mask = times.measure("masks", || mask(&gpu, &studio, masks, &set, &casters, samples)).map_err(fail)?;
+            let mask =
+                times.measure("masks", || mask(&gpu, &resources, masks, &set, &casters, samples)).map_err(fail)?;
             gpu.check()?;
             output.finish(|file| mask.write_png(file))?;
         }
@@ -132,9 +134,9 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
 /// afterwards.
 pub(crate) fn picture(
     gpu: &Gpu,
-    studio: &Studio<'_>,
+    resources: &RenderResources<'_>,
     pictures: &Pictures,
-    set: &mut Set<'_>,
+    set: &mut ShadowScene<'_>,
     casters: &mut [Caster],
 ) -> Result<Picture, GpuError> {
     let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
@@ -142,20 +144,20 @@ pub(crate) fn picture(
         for part in 0..PARTS {
             set.take_part(Some(part));
             let mut encoder = encoder();
-            set.encode_lights(gpu, &mut encoder, studio, casters, None)?;
-            pictures.record(&mut encoder, studio, &set.subject(casters), part)?;
+            set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
+            pictures.record(&mut encoder, resources, &set.subject(casters), part)?;
             gpu.queue.submit([encoder.finish()]);
         }
         set.take_part(None);
         let mut encoder = encoder();
-        set.encode_lights(gpu, &mut encoder, studio, casters, None)?;
+        set.encode_lights(gpu, &mut encoder, resources, casters, None)?;
         gpu.queue.submit([encoder.finish()]);
     }
     let mut encoder = encoder();
     if !set.is_in_parts() {
-        pictures.record(&mut encoder, studio, &set.subject(casters), 0)?;
+        pictures.record(&mut encoder, resources, &set.subject(casters), 0)?;
     }
-    let texture = pictures.develop(&mut encoder, studio);
+    let texture = pictures.develop(&mut encoder, resources);
     gpu.queue.submit([encoder.finish()]);
     Picture::read(gpu, texture)
 }
@@ -163,9 +165,9 @@ pub(crate) fn picture(
 /// A light's mask: the mean of its samples'.
 fn mask(
     gpu: &Gpu,
-    studio: &Studio<'_>,
+    resources: &RenderResources<'_>,
     masks: &Masks,
-    set: &Set<'_>,
+    set: &ShadowScene<'_>,
     casters: &[Caster],
     samples: std::ops::Range<usize>,
 ) -> Result<Picture, GpuError> {
@@ -173,7 +175,7 @@ fn mask(
     let mut pictures = Vec::with_capacity(samples.len());
     for light in samples {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("mask") });
-        let texture = masks.record(&mut encoder, studio, &subject, light)?;
+        let texture = masks.record(&mut encoder, resources, &subject, light)?;
         gpu.queue.submit([encoder.finish()]);
         pictures.push(Picture::read(gpu, texture)?);
     }

@@ -15,7 +15,7 @@ pub(crate) enum LightSpec {
 
 /// A light of `rimline shadow`: where it is, and how it shines.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LampSpec {
+pub(crate) struct ShadedLightSpec {
     pub(crate) light: LightSpec,
     /// Red, green and blue of its light, linear.
     pub(crate) color: Option<[f32; 3]>,
@@ -110,10 +110,16 @@ pub(crate) fn light(text: &str) -> Result<LightSpec, SpecError> {
 }
 
 /// A light with its options, `SPEC[,option=value]…`.
-pub(crate) fn lamp(text: &str) -> Result<LampSpec, SpecError> {
+pub(crate) fn shaded(text: &str) -> Result<ShadedLightSpec, SpecError> {
     let (place, options) = split_options(text);
-    let mut lamp =
-        LampSpec { light: light(place)?, color: None, intensity: None, range: None, begin: None, exponent: None };
+    let mut shaded = ShadedLightSpec {
+        light: light(place)?,
+        color: None,
+        intensity: None,
+        range: None,
+        begin: None,
+        exponent: None,
+    };
     let at_least_0 = |option, value: f32| {
         let needed = "0 or more";
         if value >= 0.0 { Ok(value) } else { Err(SpecError::LampValue { option, value, needed }) }
@@ -127,29 +133,29 @@ pub(crate) fn lamp(text: &str) -> Result<LampSpec, SpecError> {
                     let needed = "more than 0";
                     return Err(SpecError::LampValue { option: "range", value: range, needed });
                 }
-                lamp.range = Some(range);
+                shaded.range = Some(range);
             }
-            "begin" => lamp.begin = Some(at_least_0("begin", number(value)?)?),
-            "exponent" => lamp.exponent = Some(at_least_0("exponent", number(value)?)?),
-            "intensity" => lamp.intensity = Some(at_least_0("intensity", number(value)?)?),
+            "begin" => shaded.begin = Some(at_least_0("begin", number(value)?)?),
+            "exponent" => shaded.exponent = Some(at_least_0("exponent", number(value)?)?),
+            "intensity" => shaded.intensity = Some(at_least_0("intensity", number(value)?)?),
             "color" => {
                 let color: [f32; 3] = numbers(value)?;
                 for component in color {
                     at_least_0("color", component)?;
                 }
-                lamp.color = Some(color);
+                shaded.color = Some(color);
             }
             _ => return Err(SpecError::LampOption(name.to_owned())),
         }
     }
-    if let LightSpec::Given(light) = lamp.light {
+    if let LightSpec::Given(light) = shaded.light {
         // What a light of the file has of its own is known once the file is read.
-        lamp.check(light, None)?;
+        shaded.check(light, None)?;
     }
-    Ok(lamp)
+    Ok(shaded)
 }
 
-impl LampSpec {
+impl ShadedLightSpec {
     /// Its options fit together and to the light, which may have a range of its own.
     pub(crate) fn check(&self, light: Light, own_range: Option<f32>) -> Result<(), SpecError> {
         if light.w == 0.0 && self.range.is_some() {
@@ -322,18 +328,18 @@ mod tests {
 
     #[test]
     fn lamps_and_their_options() {
-        let lamp = |text: &str| lamp(text).expect(text);
-        let plain = lamp("point:1,2,3");
+        let shaded = |text: &str| shaded(text).expect(text);
+        let plain = shaded("point:1,2,3");
         assert_eq!((plain.color, plain.intensity, plain.range), (None, None, None));
-        let full = lamp("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
+        let full = shaded("point:0,1,0,color=1,.5,0,range=7,begin=2,exponent=3,intensity=.5");
         assert_eq!((full.color, full.intensity, full.range), (Some([1.0, 0.5, 0.0]), Some(0.5), Some(7.0)));
         assert_eq!((full.begin, full.exponent), (Some(2.0), Some(3.0)));
-        let named = lamp("file:Lamp, big,range=2");
-        assert_eq!((named.light, named.range), (LightSpec::Named("Lamp, big".into()), Some(2.0)));
+        let named = shaded("file:ShadedLight, big,range=2");
+        assert_eq!((named.light, named.range), (LightSpec::Named("ShadedLight, big".into()), Some(2.0)));
         // It may have a range of its own.
-        assert_eq!(lamp("file:Lamp,begin=2").begin, Some(2.0));
-        assert_eq!(lamp("point:1,2,3,range=4,begin=4").begin, Some(4.0));
-        let error = |text: &str| super::lamp(text).expect_err(text);
+        assert_eq!(shaded("file:ShadedLight,begin=2").begin, Some(2.0));
+        assert_eq!(shaded("point:1,2,3,range=4,begin=4").begin, Some(4.0));
+        let error = |text: &str| super::shaded(text).expect_err(text);
         assert_eq!(error("point:1,2,3,colour=1,1,1"), SpecError::LampOption("colour".into()));
         assert_eq!(error("point:1,2,3,color=1,1"), SpecError::Count { wanted: 3, given: 2 });
         assert!(matches!(error("point:1,2,3,range=0"), SpecError::LampValue { option: "range", .. }));

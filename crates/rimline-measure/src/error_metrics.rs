@@ -3,7 +3,7 @@
 use rimline::mesh::{EdgeKind, Mesh};
 use rimline::reference::cpu::CpuExtraction;
 use rimline::reference::layout::{Masks, live_bits};
-use rimline::reference::light::words;
+use rimline::reference::light::batches;
 
 /// Errors of one extraction, all lights together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct Score {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    /// A plane of masks a word of lights is needed, and as many masks in it as the mesh has faces or edge records.
+    /// A plane of masks a batch of lights is needed, and as many masks in it as the mesh has faces or edge records.
     #[error(
         "{got} {what} where the mesh and its lights need {expected}; compare extractions of the same mesh and lights"
     )]
@@ -56,17 +56,17 @@ impl Score {
     /// [`ScoreError::Length`] when the masks are not of this mesh and as many lights.
     pub fn of(mesh: &Mesh, lights: usize, exact: &CpuExtraction, candidate: Candidate<'_>) -> Result<Self, ScoreError> {
         let (faces, edges) = (mesh.faces().len(), mesh.edges().len());
-        let check = |what, got, items: usize| match items * words(lights) {
+        let check = |what, got, items: usize| match items * batches(lights) {
             expected if got == expected => Ok(()),
             expected => Err(ScoreError::Length { what, got, expected }),
         };
         check("exact facing masks", exact.facing.len(), faces)?;
         check("exact edge masks", exact.masks.len(), edges)?;
-        check("facing masks", candidate.facing.map_or(faces * words(lights), <[u32]>::len), faces)?;
+        check("facing masks", candidate.facing.map_or(faces * batches(lights), <[u32]>::len), faces)?;
         check("edge masks", candidate.masks.len(), edges)?;
 
         let mut score = Self { facing_bits: faces * lights, silhouette_bits: edges * lights, ..Self::default() };
-        for word in 0..words(lights) {
+        for word in 0..batches(lights) {
             let live = live_bits(lights - 32 * word);
             let right = plane(&exact.facing, word, faces);
             let masks = plane(candidate.masks, word, edges);

@@ -1,6 +1,6 @@
 //! `det[b − a, c − a, l − w·a]` in `f32`, as `wgsl/determinant.wgsl` has it: in the local form, and by the face's plane.
 
-use crate::layout::LightWord;
+use crate::layout::LightBatch;
 
 pub(crate) fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
@@ -28,14 +28,14 @@ fn plane_form(n: [f32; 3], e: f32, [x, y, z, w]: [f32; 4]) -> f32 {
 }
 
 /// One bit a light: in front of the face, by the local form.
-pub(crate) fn local_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightWord) -> u32 {
+pub(crate) fn local_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
     let n = normal(a, b, c);
     let lights = word.lights.iter().take(word.count as usize).enumerate();
     lights.fold(0, |mask, (bit, &light)| mask | u32::from(local_form(n, a, light) > 0.0) << bit)
 }
 
 /// The same by the face's plane.
-pub(crate) fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightWord) -> u32 {
+pub(crate) fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
     let n = normal(a, b, c);
     let e = -(n[0] * a[0] + n[1] * a[1] + n[2] * a[2]);
     let lights = word.light_bits.iter().take(word.count as usize).enumerate();

@@ -1,14 +1,14 @@
 //! Faces taken several at a time, so that the compiler can use a CPU's vector registers.
 
 use crate::cpu::common::filter;
-use crate::layout::LightWord;
+use crate::layout::LightBatch;
 
 /// Faces at a time.
 pub(crate) const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
-/// The `f32` determinants of some faces for a word of lights, as `wgsl/facing.wgsl` computes them.
+/// The `f32` determinants of some faces for a batch of lights, as `wgsl/facing.wgsl` computes them.
 pub(crate) struct Batch {
     /// Bits of determinants above zero.
     pub(crate) masks: [u32; LANES],
@@ -22,7 +22,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// At most [`LANES`] faces; of fewer the rest is the first vertex, thrice.
     #[inline]
-    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], word: &LightWord) -> Self {
+    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], word: &LightBatch) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, face) in faces.iter().take(LANES).enumerate() {
             for (corner, &vertex) in corners.iter_mut().zip(face) {
@@ -56,7 +56,7 @@ impl Batch {
     /// Which faces' bits one bound makes certain. Where WGSL takes a face's own largest coordinate, this takes the
     /// mesh's, `largest`: what is certain may differ, the bits cannot.
     #[inline]
-    pub(crate) fn certain(&self, largest: f32, word: &LightWord) -> [bool; LANES] {
+    pub(crate) fn certain(&self, largest: f32, word: &LightBatch) -> [bool; LANES] {
         let is_possible = largest < filter::LARGE;
         let (relative, least) = filter::face_bound(largest, word.reach);
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)

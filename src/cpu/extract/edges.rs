@@ -28,7 +28,7 @@ pub(crate) fn edges_into(
     light_count: usize,
     threads: Threads,
 ) {
-    masks.resize(records.len() * light::words(light_count), Masks { silhouette: 0, winding: 0 });
+    masks.resize(records.len() * light::batches(light_count), Masks { silhouette: 0, winding: 0 });
     fill(masks, records, facing, face_count, light_count, threads, |masks| masks);
 }
 
@@ -42,7 +42,7 @@ pub fn silhouettes_into(
     light_count: usize,
     threads: Threads,
 ) {
-    silhouettes.resize(records.len() * light::words(light_count), 0);
+    silhouettes.resize(records.len() * light::batches(light_count), 0);
     fill(silhouettes, records, facing, face_count, light_count, threads, |masks| masks.silhouette);
 }
 

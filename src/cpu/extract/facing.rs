@@ -5,7 +5,7 @@ use super::exact_facing::ExactFace;
 use crate::cpu::common::determinant::{cross_product, difference, local_form, local_mask, normal, plane_mask};
 use crate::cpu::common::filter;
 use crate::cpu::common::parallel::Threads;
-use crate::layout::LightWord;
+use crate::layout::LightBatch;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 use crate::method::Predicate;
@@ -55,11 +55,11 @@ pub fn facing_into(
     predicate: Predicate,
     threads: Threads,
 ) -> FacingCounts {
-    masks.resize(faces.len() * crate::light::words(lights.len()), 0);
+    masks.resize(faces.len() * crate::light::batches(lights.len()), 0);
     let largest = largest_magnitude(positions, threads);
     let mut total = FacingCounts::default();
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
-        let word = LightWord::new(lights, 0, 3);
+        let word = LightBatch::new(lights, 0, 3);
         let counts = threads.share(plane, |first, masks| {
             let run = Run { positions, faces: &faces[first..], word: &word, largest };
             match (predicate, lights.len()) {
@@ -82,7 +82,7 @@ pub fn facing_into(
 struct Run<'a> {
     positions: &'a [[f32; 3]],
     faces: &'a [[u32; 3]],
-    word: &'a LightWord,
+    word: &'a LightBatch,
     /// The mesh's largest absolute coordinate.
     largest: f32,
 }
@@ -226,7 +226,7 @@ impl Face {
     }
 
     /// The bits as `f32` gives them.
-    fn mask_by_f32(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+    fn mask_by_f32(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
         if self.may_face(counts) { local_mask(self.a, self.b, self.c, word) } else { 0 }
     }
 
@@ -241,7 +241,7 @@ impl Face {
 
     /// The bits of a face that one bound leaves uncertain, as `wgsl/exact_facing.wgsl` finds them.
     #[cold]
-    fn decide(&self, word: &LightWord, counts: &mut FacingCounts) -> u32 {
+    fn decide(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
         if !self.may_face(counts) {
             return 0;
         }
@@ -260,7 +260,7 @@ impl Face {
     }
 
     /// By `f32` where the light's own bound allows it.
-    fn filter_lights(&self, word: &LightWord) -> Decision {
+    fn filter_lights(&self, word: &LightBatch) -> Decision {
         let Self { a, b, c, .. } = *self;
         let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
         let mut decision = Decision { facing: 0, doubt: word.live };
@@ -288,7 +288,7 @@ impl Face {
     }
 }
 
-/// Bits of facing lights and of those in doubt.
+/// Bits of facing lights and of those undecided.
 struct Decision {
     facing: u32,
     doubt: u32,

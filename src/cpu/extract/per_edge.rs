@@ -7,7 +7,7 @@ use crate::{
     Light,
     cpu::common::determinant::{local_mask, plane_mask},
     cpu::common::parallel::Threads,
-    layout::{LightWord, Masks},
+    layout::{LightBatch, Masks},
     light,
     method::{Method, Predicate},
 };
@@ -24,9 +24,9 @@ pub fn per_edge(
 ) -> Vec<Masks> {
     let by_plane = Method::PerEdge.predicate(predicate) == Predicate::Plane;
     let corners = edge_corners(mesh);
-    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::words(lights.len())];
+    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::batches(lights.len())];
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
-        let word = LightWord::new(lights, 0, 3);
+        let word = LightBatch::new(lights, 0, 3);
         threads.share(plane, |first, masks| {
             for (masks, &corners) in masks.iter_mut().zip(&corners[first..]) {
                 *masks = edge_masks(positions, corners, &word, by_plane);
@@ -55,7 +55,7 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
 }
 
 #[cfg(feature = "reference")]
-fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightWord, by_plane: bool) -> Masks {
+fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightBatch, by_plane: bool) -> Masks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
     let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };
     let is_inconsistent = a & INCONSISTENT != 0;

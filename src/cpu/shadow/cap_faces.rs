@@ -2,12 +2,12 @@
 
 use glam::{Vec2, Vec4, Vec4Swizzles};
 
-use super::paper::frustum_to_clip;
 use super::shadow::{
-    away, corner, direction_to_clip, dot_3, far_end, is_orthographic, light_side, near_plane, on_near_plane,
-    parallel_to_near_plane, star, to_clip,
+    corner, direction_to_clip, dot_3, extrusion, far_end, is_orthographic, light_side, near_plane, on_near_plane,
+    parallel_to_near_plane, project_to_near_plane, to_clip,
 };
 use super::sides::{End, side, side_clipped};
+use super::zp_plus_2005::frustum_to_clip;
 use crate::cpu::extract::facing::{is_finite, position};
 use crate::layout::{ShadowLight, ShadowView};
 use crate::mesh::is_degenerate;
@@ -33,7 +33,7 @@ fn is_left((a_index, a): (u32, Vec2), (b_index, b): (u32, Vec2)) -> bool {
 }
 
 fn all_or_nothing(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
-    let [a, b, c] = face.map(|(_, position)| away(light, position));
+    let [a, b, c] = face.map(|(_, position)| extrusion(light, position));
     let far = [(face[0].0, a), (face[1].0, b), (face[2].0, c)];
     let [(i, p), (j, q), (k, r)] = far.map(|(index, away)| (index, direction_to_clip(view, away).xy()));
     let left = is_left((i, p), (j, q));
@@ -57,11 +57,11 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
     let mut polygon = Vec::with_capacity(5);
     for [(a_index, a), (b_index, b)] in [[a, b], [b, c], [c, a]] {
         let a_above = a.height >= 0.0;
-        let a_rises = a.rise >= 0.0;
+        let a_rises = a.far_height >= 0.0;
         let (first, second) = if a_index < b_index { (&a, &b) } else { (&b, &a) };
         let meeting = (a_above != (b.height >= 0.0)).then(|| on_near_plane(view, first, second));
-        let turning = (a_rises != (b.rise >= 0.0)).then(|| parallel_to_near_plane(first, second));
-        polygon.extend((a_above != a_rises).then(|| star(view, light, &a)));
+        let turning = (a_rises != (b.far_height >= 0.0)).then(|| parallel_to_near_plane(first, second));
+        polygon.extend((a_above != a_rises).then(|| project_to_near_plane(view, light, &a)));
         if a_above == (light_side(light) > 0.0) {
             polygon.extend(turning.into_iter().chain(meeting));
         } else {
@@ -72,7 +72,7 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
 }
 
 /// The near cap of ZP+ as published: the face by the matrix of the light's frustum, for the hardware to clip.
-pub fn paper_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
+pub fn zp_plus_2005_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| frustum_to_clip(view, light, position))
 }
 

@@ -2,7 +2,7 @@
 
 use super::shadow::light_side;
 use crate::layout::ShadowLight;
-use crate::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+use crate::shadow::{CAST_AVERTED, CAST_EVERY, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
 /// Whether a face casts.
 pub fn casts(light: &ShadowLight, facing: bool) -> bool {
@@ -12,6 +12,6 @@ pub fn casts(light: &ShadowLight, facing: bool) -> bool {
 /// 0: the cap counts up where its front is seen; 1: where its back is. With ZP+ a face that faces the light is seen from
 /// its front on the near plane where the light is on the eye's side.
 pub fn cap_class(light: &ShadowLight, facing: bool) -> u32 {
-    let turned = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PAPER) && light_side(light) > 0.0;
+    let turned = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005) && light_side(light) > 0.0;
     u32::from(facing == turned)
 }

@@ -7,7 +7,7 @@ use super::pyramid::{SLACK, clip_size, height_size, is_out, misses_pyramid};
 use super::shadow::{corner, dot_3, light_side, near_plane};
 use crate::layout::{ShadowLight, ShadowShape, ShadowView};
 use crate::shadow::{
-    CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS,
+    CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
 
 /// A box by its lowest and its highest corner.
@@ -26,7 +26,7 @@ impl Bounds {
 }
 
 /// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
-/// [`super::bounds::bounds`]). Returns the caps stage's workgroups, along x, y and z for each word of lights.
+/// [`super::bounds::bounds`]). Returns the caps stage's workgroups, along x, y and z for each batch of lights.
 pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
     let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
     for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
@@ -59,14 +59,14 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light:
     let is_outside = !boxes_meet(view, caster) && !light_meets(light, caster);
     let averted_suffice = shape.averted != 0 && has_holes == 0 && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
-    if shape.counting == COUNT_ZP_PAPER {
+    if shape.counting == COUNT_ZP_PLUS_2005 {
         light.frustum_near = frustum_near(view, light, caster);
     }
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
         // What was published knows no holes.
-        COUNT_ZP_PAPER if has_holes != 0 => COUNT_Z_FAIL,
+        COUNT_ZP_PLUS_2005 if has_holes != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
     let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);
@@ -160,7 +160,7 @@ fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
             *out &= is_out(near.0, near.1) && is_out(far.0, far.1);
         }
         let rise_size = far_size.w + dot_3(near_plane(view).0.abs(), away);
-        before &= is_out(v.height, height_size(view, q)) && is_out(v.rise, rise_size);
+        before &= is_out(v.height, height_size(view, q)) && is_out(v.far_height, rise_size);
     }
     out.contains(&true) || before
 }

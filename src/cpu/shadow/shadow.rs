@@ -15,8 +15,8 @@ pub struct Corner {
     /// Its far vertex: the direction away from the light, times the light's w, in clip space.
     pub far: Vec4,
     /// How that rises over the near plane: the light's w times the height, less the light's height.
-    pub rise: f32,
-    /// The light is farther from it than the origin that positions are taken from; [`star`] computes by V, else V − L.
+    pub far_height: f32,
+    /// The light is farther from it than the origin that positions are taken from; [`project_to_near_plane`] computes by V, else V − L.
     pub is_far: bool,
 }
 
@@ -24,13 +24,13 @@ fn size_3(a: Vec3) -> f32 {
     a.x.abs().max(a.y.abs()).max(a.z.abs())
 }
 
-/// Rounding must not part the signs of height and rise: what is above the near plane rises if the light is below, and
+/// Rounding must not part the signs of height and far_height: what is above the near plane rises if the light is below, and
 /// what is below does not if the light is not.
-fn consistent_rise(light: &ShadowLight, height: f32, rise: f32) -> f32 {
+fn consistent_rise(light: &ShadowLight, height: f32, far_height: f32) -> f32 {
     match (light.height < 0.0, height < 0.0) {
-        (false, true) => rise.min(-1e-37),
-        (true, false) => rise.max(0.0),
-        _ => rise,
+        (false, true) => far_height.min(-1e-37),
+        (true, false) => far_height.max(0.0),
+        _ => far_height,
     }
 }
 
@@ -57,7 +57,7 @@ pub fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
 }
 
 /// From the light through a position, times the light's w.
-pub fn away(light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+pub fn extrusion(light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let [x, y, z, w] = light.light;
     w * Vec3::from(position) - Vec3::new(x, y, z)
 }
@@ -70,7 +70,7 @@ pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
 
 /// A position's far vertex: at infinity, or where the volume ends.
 pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
-    direction_to_clip(view, away(light, position)) + light.end * Vec4::from_array(light.clip)
+    direction_to_clip(view, extrusion(light, position)) + light.end * Vec4::from_array(light.clip)
 }
 
 /// Clip w is the same everywhere.
@@ -80,7 +80,7 @@ pub(crate) fn is_orthographic(view: &ShadowView) -> bool {
 
 /// What a vertex of a volume is made of.
 pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
-    let d = away(light, position);
+    let d = extrusion(light, position);
     let q = Vec3::from(position) - Vec3::from(view.origin);
     let (normal, constant) = near_plane(view);
     let height = dot_3(normal, q) + constant;
@@ -88,7 +88,7 @@ pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Cor
         near: to_clip(view, position),
         height,
         far: direction_to_clip(view, d),
-        rise: consistent_rise(light, height, dot_3(normal, d)),
+        far_height: consistent_rise(light, height, dot_3(normal, d)),
         is_far: size_3(d) > light.light[3] * size_3(q),
     }
 }
@@ -99,14 +99,14 @@ pub fn light_side(light: &ShadowLight) -> f32 {
 }
 
 /// The vertex seen from the light on the near plane.
-pub fn star(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
+pub fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
     let s = light_side(light);
     let [x, y, ..] = light.clip;
     let (at_light, weight) = (glam::Vec2::new(x, y), light.light[3]);
     let (xy, w) = if v.is_far {
-        (v.near.truncate().truncate() * light.height - at_light * v.height, view.near_w * v.rise)
+        (v.near.truncate().truncate() * light.height - at_light * v.height, view.near_w * v.far_height)
     } else {
-        (v.far.truncate().truncate() * light.height - at_light * v.rise, view.near_w * (weight * v.rise))
+        (v.far.truncate().truncate() * light.height - at_light * v.far_height, view.near_w * (weight * v.far_height))
     };
     let xy = s * xy;
     Vec4::new(xy.x, xy.y, -s * w * view.near_z, -s * w)
@@ -121,7 +121,7 @@ pub fn on_near_plane(view: &ShadowView, a: &Corner, b: &Corner) -> Vec4 {
 
 /// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
 pub fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
-    let t = a.rise / (a.rise - b.rise);
+    let t = a.far_height / (a.far_height - b.far_height);
     let xy = a.far + (b.far - a.far) * t;
     Vec4::new(xy.x, xy.y, 0.0, 0.0)
 }

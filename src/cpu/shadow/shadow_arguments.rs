@@ -3,7 +3,7 @@
 use bytemuck::Zeroable as _;
 
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
-use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
 /// The draws of each light, from its count of silhouette edges and its two counts of cap faces; and the statistics.
 pub fn shadow_arguments(
@@ -26,7 +26,7 @@ pub fn shadow_arguments(
         statistics.skipped += u32::from(is_skipped);
         statistics.every_face += u32::from(is_doubled);
         statistics.ended += u32::from(!is_skipped && light.end > 0.0);
-        statistics.capped += u32::from(is_clipped || (light.counting == COUNT_ZP_PAPER && has_caps));
+        statistics.capped += u32::from(is_clipped || (light.counting == COUNT_ZP_PLUS_2005 && has_caps));
         statistics.overflowed_caps += u32::from(has_overflowed);
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
@@ -40,10 +40,10 @@ pub fn shadow_arguments(
             ..ShadowDraws::zeroed()
         };
         match (shape.counting, light.counting) {
-            (COUNT_ZP_PAPER, COUNT_ZP_PAPER) => {
+            (COUNT_ZP_PLUS_2005, COUNT_ZP_PLUS_2005) => {
                 ShadowDraws { clipped: arguments(4, 3 * sides), front: cap(3, front), back: cap(3, back), ..none }
             }
-            (COUNT_ZP_PAPER, _) => {
+            (COUNT_ZP_PLUS_2005, _) => {
                 ShadowDraws { switched: arguments(4, sides), far_front: cap(3, front), far_back: cap(3, back), ..none }
             }
             (_, COUNT_Z_PASS) => {

@@ -2,8 +2,11 @@
 
 use glam::Vec4;
 
-use super::paper::{counterpart, is_cut};
-use super::shadow::{away, corner, direction_to_clip, far_end, on_near_plane, parallel_to_near_plane, star, to_clip};
+use super::shadow::{
+    corner, direction_to_clip, extrusion, far_end, on_near_plane, parallel_to_near_plane, project_to_near_plane,
+    to_clip,
+};
+use super::zp_plus_2005::{counterpart, is_cut};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// An end of an edge: its vertex's index and position.
@@ -27,26 +30,26 @@ pub fn side_clipped(view: &ShadowView, light: &ShadowLight, [first, second]: [En
     let p = corner(view, light, first.1);
     let q = corner(view, light, second.1);
     let (p_near, q_near) = (p.height >= 0.0, q.height >= 0.0);
-    let (p_far, q_far) = (p.rise >= 0.0, q.rise >= 0.0);
+    let (p_far, q_far) = (p.far_height >= 0.0, q.far_height >= 0.0);
     let (a, b) = if first.0 < second.0 { (&p, &q) } else { (&q, &p) };
     let offered = [
         p_near.then(|| behind_near_plane(view, p.near)),
         (p_near != q_near).then(|| on_near_plane(view, a, b)),
         q_near.then(|| behind_near_plane(view, q.near)),
-        (q_near != q_far).then(|| star(view, light, &q)),
+        (q_near != q_far).then(|| project_to_near_plane(view, light, &q)),
         q_far.then_some(q.far),
         (p_far != q_far).then(|| parallel_to_near_plane(a, b)),
         p_far.then_some(p.far),
-        (p_near != p_far).then(|| star(view, light, &p)),
+        (p_near != p_far).then(|| project_to_near_plane(view, light, &p)),
     ];
     offered.into_iter().flatten().collect()
 }
 
 /// The three quads of a side in ZP+ as published, each as [`side`]'s: the side, and the corrective quads of the paper's
 /// cases C1 and C2; `None` where a case is not at hand.
-pub fn paper_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Option<[Vec4; 4]>; 3] {
+pub fn zp_plus_2005_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Option<[Vec4; 4]>; 3] {
     let near = ends.map(|(_, position)| to_clip(view, position));
-    let far = ends.map(|(_, position)| direction_to_clip(view, away(light, position)));
+    let far = ends.map(|(_, position)| direction_to_clip(view, extrusion(light, position)));
     let float = |nailed: [Vec4; 2]| {
         let moved = |end: usize| {
             let clip = nailed[end];

@@ -13,10 +13,10 @@ pub(crate) struct Pass {
     pub(crate) dispatches: Vec<Dispatch>,
 }
 
-/// One dispatch over a chunk of items for one word of lights.
+/// One dispatch over a chunk of items for one batch of lights.
 #[derive(Clone, Debug)]
 pub(crate) struct Dispatch {
-    /// The word of 32 lights.
+    /// The batch of 32 lights.
     pub(crate) word: usize,
     /// The faces or edges.
     pub(crate) items: Range<usize>,

@@ -133,7 +133,7 @@ impl StageTimer {
 
     /// Name and milliseconds of each stage, summed over its passes, in the order first recorded; after the encoder was
     /// submitted. Waits for the device. More than 2,048 passes are not timed: an extraction has at most two a chunk of
-    /// the mesh and word of 32 lights, four a word and one more.
+    /// the mesh and batch of 32 lights, four a word and one more.
     ///
     /// # Errors
     /// [`TimerError`] when the device is lost or its timestamps mean nothing.

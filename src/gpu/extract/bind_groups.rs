@@ -9,18 +9,18 @@ use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::layout::{Chunk, DrawShape, LightWord, Masks};
+use crate::layout::{Chunk, DrawShape, LightBatch, Masks};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
 /// Makes pipelines and bind groups over an extraction's buffers.
-pub(crate) struct Binder<'a> {
+pub(crate) struct BindGroupBuilder<'a> {
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) device: &'a wgpu::Device,
     pub(crate) shape: &'a Shape,
     pub(crate) buffers: &'a Buffers,
     pub(crate) chunks: &'a wgpu::Buffer,
-    pub(crate) light_words: &'a wgpu::Buffer,
+    pub(crate) light_batches: &'a wgpu::Buffer,
 }
 
 const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
@@ -29,7 +29,7 @@ const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, 
 const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
 
-impl Binder<'_> {
+impl BindGroupBuilder<'_> {
     /// The pipeline that reads positions: facing, or the per-edge method.
     pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
@@ -57,7 +57,7 @@ impl Binder<'_> {
     /// Binds the dispatches of a pipeline to positions.
     pub(crate) fn bind_positions(&self, pass: &mut Pass, positions: &wgpu::Buffer, bound: &BoundPositions) {
         for dispatch in &mut pass.dispatches {
-            let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
+            let mut resources = vec![entry::<LightBatch>(self.light_batches), entry::<Chunk>(self.chunks)];
             resources.extend(bound.bindings(positions));
             if let Some(corners) = &self.buffers.edge_corners {
                 resources.push(binding(corners, dispatch.bytes(16)));
@@ -80,7 +80,7 @@ impl Binder<'_> {
         let pipeline = self.pipelines.compute(&EDGES, "edges", &EDGE_SLOTS, &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.word];
-            let mut resources = vec![entry::<LightWord>(self.light_words), entry::<Chunk>(self.chunks)];
+            let mut resources = vec![entry::<LightBatch>(self.light_batches), entry::<Chunk>(self.chunks)];
             resources.extend(windows.ranges.iter().map(|window| binding(facing, window.clone())));
             resources.push(binding(&self.buffers.edge_faces, dispatch.bytes(8)));
             resources.extend(self.emit_targets(dispatch));
@@ -109,7 +109,7 @@ impl Binder<'_> {
                 dispatch.offsets = vec![dispatch.chunk_offset];
                 dispatch.group = Some(pipeline.bind(self.device, &resources));
                 if scans {
-                    dispatch.workgroups = self.at_most_workgroups(self.shape.word_lights(dispatch.word));
+                    dispatch.workgroups = self.at_most_workgroups(self.shape.batch_lights(dispatch.word));
                 }
             }
             Pass { pipeline, dispatches }
@@ -158,7 +158,7 @@ impl Binder<'_> {
 
     /// Dynamic offsets of a light word and a chunk.
     fn word_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
-        vec![dispatch.word as u32 * UniformTable::stride::<LightWord>() as u32, dispatch.chunk_offset]
+        vec![dispatch.word as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset]
     }
 }
 

@@ -7,7 +7,7 @@ use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{Chunk, DrawArguments, LightWord, Masks, Statistics};
+use crate::layout::{Chunk, DrawArguments, LightBatch, Masks, Statistics};
 use crate::method::Predicate;
 use crate::{Mesh, light};
 
@@ -55,12 +55,12 @@ impl Shape {
     }
 
     /// Words of 32 lights.
-    pub(crate) fn words(&self) -> usize {
-        light::words(self.max_lights)
+    pub(crate) fn batches(&self) -> usize {
+        light::batches(self.max_lights)
     }
 
     /// The most lights of a word.
-    pub(crate) fn word_lights(&self, word: usize) -> usize {
+    pub(crate) fn batch_lights(&self, word: usize) -> usize {
         (self.max_lights - 32 * word).min(32)
     }
 }
@@ -88,7 +88,7 @@ fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchL
     asked.min(mesh.faces().len()).min(fitting)
 }
 
-/// The buffers of an extraction, one a word of lights where there is a list of them.
+/// The buffers of an extraction, one a batch of lights where there is a list of them.
 #[derive(Debug)]
 pub(crate) struct Buffers {
     pub(crate) faces: wgpu::Buffer,
@@ -111,7 +111,7 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    /// `chunks` are those that a word of lights is dispatched with.
+    /// `chunks` are those that a batch of lights is dispatched with.
     pub(crate) fn new(
         device: &wgpu::Device,
         mesh: &Mesh,
@@ -120,11 +120,11 @@ impl Buffers {
         split: &DispatchLimits,
         chunks: usize,
     ) -> Result<Self, MemoryError> {
-        let words = shape.words();
+        let words = shape.batches();
         let per_edge = options.method().is_per_edge();
         let ordered = options.lists.is_some_and(|lists| lists.ordered);
         let mask_planes = if options.masks { words } else { usize::from(ordered) };
-        let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.word_lights(word) as u64;
+        let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.batch_lights(word) as u64;
         let lists = if options.lists.is_some() { words } else { 0 };
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
@@ -148,7 +148,7 @@ impl Buffers {
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
         wanted.push(("undecided faces", undecided_bytes));
         wanted.extend(bound_whole);
-        wanted.push(("light words", (words * UniformTable::stride::<LightWord>()) as u64));
+        wanted.push(("light words", (words * UniformTable::stride::<LightBatch>()) as u64));
         wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
         let allocations: Vec<_> =
             wanted.iter().map(|&(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();

@@ -136,7 +136,7 @@ impl Extraction {
 
     /// Batches of 32 lights: ⌈lights / 32⌉.
     pub fn batches(&self) -> usize {
-        light::words(self.lights.len())
+        light::batches(self.lights.len())
     }
 
     /// The buffers that hold the results once the encoder is submitted.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::bind_groups::Binder;
+use super::bind_groups::BindGroupBuilder;
 use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::errors::{EncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
@@ -16,7 +16,7 @@ use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer, Positi
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, upload};
-use crate::layout::{Chunk, LightWord};
+use crate::layout::{Chunk, LightBatch};
 use crate::light::{self, check_lights};
 use crate::method::Predicate;
 use crate::stages::ARGUMENTS;
@@ -27,7 +27,7 @@ use crate::{Light, Mesh};
 #[derive(Debug)]
 pub struct Extractor {
     shared: Arc<Shared>,
-    light_words: wgpu::Buffer,
+    light_batches: wgpu::Buffer,
     chunks: wgpu::Buffer,
     /// Facing, or the per-edge method; bound to positions when they are known.
     from_positions: Pass,
@@ -80,16 +80,16 @@ impl Extractor {
         let edge_dispatches = plan(&shape, &edge_chunks, &mut chunk_table);
         let chunks = chunk_table.into_buffer(device, "chunks");
         let mut light_table = UniformTable::default();
-        (0..shape.words()).for_each(|_| _ = light_table.push(&LightWord::new(&[], 0, 3)));
-        let light_words = light_table.into_buffer(device, "light words");
+        (0..shape.batches()).for_each(|_| _ = light_table.push(&LightBatch::new(&[], 0, 3)));
+        let light_batches = light_table.into_buffer(device, "light words");
 
-        let binder = Binder {
+        let binder = BindGroupBuilder {
             pipelines: &pipelines,
             device,
             shape: &shape,
             buffers: &buffers,
             chunks: &chunks,
-            light_words: &light_words,
+            light_batches: &light_batches,
         };
         let from_positions = Pass {
             pipeline: binder.positions_pipeline(&options, 0),
@@ -116,7 +116,7 @@ impl Extractor {
             from_facing.push(binder.arguments(lists.vertices_per_edge));
         }
         let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, mesh, options.masks));
-        Ok(Self { shared, light_words, chunks, from_positions, exact, from_facing, options, bound_to: None })
+        Ok(Self { shared, light_batches, chunks, from_positions, exact, from_facing, options, bound_to: None })
     }
 
     /// Records the extraction for `lights`, which are in the space of the positions, and returns what was extracted. No
@@ -144,13 +144,13 @@ impl Extractor {
 
         let mut words = UniformTable::default();
         for lights in lights.chunks(32) {
-            words.push(&LightWord::new(lights, bound.offset_words, bound.stride_words));
+            words.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.shared.device(), encoder, &self.light_words, words.bytes())?;
+        upload(self.shared.device(), encoder, &self.light_batches, words.bytes())?;
         encoder.clear_buffer(&buffers.statistics, 0, None);
         encoder.clear_buffer(&buffers.counts, 0, None);
-        let used = light::words(lights.len());
-        // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each word of lights goes
+        let used = light::batches(lights.len());
+        // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each batch of lights goes
         // through all stages by itself there.
         let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
         let runs: Vec<Range<usize>> = if by_word {
@@ -208,9 +208,9 @@ impl Extractor {
     }
 
     fn make_position_groups(&mut self, place: &Place, bound: &BoundPositions) {
-        let Self { shared, chunks, light_words, .. } = self;
+        let Self { shared, chunks, light_batches, .. } = self;
         let Shared { pipelines, shape, buffers, .. } = &**shared;
-        let binder = Binder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_words };
+        let binder = BindGroupBuilder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_batches };
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
@@ -235,10 +235,10 @@ impl Extractor {
     }
 }
 
-/// A dispatch for each word of lights and chunk of items.
+/// A dispatch for each batch of lights and chunk of items.
 fn plan(shape: &Shape, chunks: &[Range<usize>], table: &mut UniformTable) -> Vec<Dispatch> {
-    let mut dispatches = Vec::with_capacity(shape.words() * chunks.len());
-    for word in 0..shape.words() {
+    let mut dispatches = Vec::with_capacity(shape.batches() * chunks.len());
+    for word in 0..shape.batches() {
         for items in chunks {
             let chunk_offset = table.push(&Chunk {
                 first: items.start as u32,

@@ -75,7 +75,7 @@ impl Shared {
             edges: shape.edges as u32,
             capacity: shape.capacity,
             first_light: 32 * batch as u32,
-            lights: shape.word_lights(batch) as u32,
+            lights: shape.batch_lights(batch) as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
         });

@@ -15,7 +15,7 @@ pub struct ExtractorOptions {
     /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A
     /// list that overflows loses nothing: every face then goes through the exact stage, which is slow.
     pub undecided_capacity: Option<u32>,
-    /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and word of 32 lights.
+    /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and batch of 32 lights.
     pub masks: bool,
     /// Make lists of silhouette edges; `None` for none.
     pub lists: Option<ListOptions>,

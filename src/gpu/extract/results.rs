@@ -1,7 +1,7 @@
 //! Where the results lie.
 
 /// The buffers that hold an extraction's results, all with usages `STORAGE`, `COPY_SRC` and `COPY_DST`. Light `l` is
-/// bit `l mod 32` of word `l div 32`, least significant bit first; a word of lights has buffers of its own.
+/// bit `l mod 32` of word `l div 32`, least significant bit first; a batch of lights has buffers of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Results<'a> {
     /// `(a, b)` of each edge record: two `u32`.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
-use crate::layout::{Doubt, FaceCluster};
+use crate::layout::{FaceCluster, UndecidedFaces};
 
 /// Clusters of a group; dispatches begin at whole groups, whose bytes any binding may begin at.
 pub(super) const GROUP: usize = 32;
@@ -19,9 +19,9 @@ const MOST_QUERIES: u64 = 1 << 17;
 const MOST_GROUPS: u64 = 32;
 /// Points of a run are a multiple of this, so that depths may be bound at the first of them.
 const POINTS: u64 = 64;
-/// Bytes before the doubts, and of those of a pair of point and light.
+/// Bytes before the undecided_pairs, and of those of a pair of point and light.
 const DOUBTS_HEAD: u64 = 8;
-const DOUBT: u64 = size_of::<Doubt>() as u64;
+const DOUBT: u64 = size_of::<UndecidedFaces>() as u64;
 
 /// Runs of clusters that one binding and one dispatch of the boxes stage can hold.
 pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {

@@ -17,7 +17,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::gpu::extract::errors::StaleExtraction;
 use crate::gpu::extract::extraction::Extraction;
-use crate::layout::{FaceCluster, FaceRange, LightWord, PointChunk};
+use crate::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
 use crate::light::{LightError, check_room, check_shadow_lights};
 use crate::mesh::MeshId;
 use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
@@ -112,10 +112,10 @@ pub struct ShadowQuery {
     clusters: usize,
     cluster_buffer: wgpu::Buffer,
     depths: wgpu::Buffer,
-    doubts: wgpu::Buffer,
+    undecided_pairs: wgpu::Buffer,
     /// The dispatch of what is counted anew.
     recount_dispatch: wgpu::Buffer,
-    /// Pairs of point and light that `doubts` has room for.
+    /// Pairs of point and light that `undecided_pairs` has room for.
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
@@ -188,7 +188,7 @@ impl ShadowQuery {
         )?;
         let contents: Vec<_> = mesh.faces().chunks(CLUSTER).map(clustered).collect();
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let [cluster_buffer, depths, doubts, recount_dispatch] = guarded(device, bytes, || {
+        let [cluster_buffer, depths, undecided_pairs, recount_dispatch] = guarded(device, bytes, || {
             [
                 filled(device, "face clusters", bytemuck::cast_slice(&contents), storage),
                 buffer(device, "depths", depth_bytes, storage),
@@ -203,7 +203,7 @@ impl ShadowQuery {
             clusters,
             cluster_buffer,
             depths,
-            doubts,
+            undecided_pairs,
             recount_dispatch,
             most_queries,
             passes: Passes::new(&pipelines, skip, 0),
@@ -269,14 +269,14 @@ impl ShadowQuery {
             self.passes = Passes::new(&self.pipelines, self.options.skip, bound.windows.words);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
-        let word_lights = lights.len().min(32) as u64;
-        let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * word_lights);
+        let batch_lights = lights.len().min(32) as u64;
+        let range = range_clusters(&self.split, self.options.work_per_dispatch, most as u64 * batch_lights);
         let tables = Tables::new(self, &bound, points, &chunks, &clusters, lights, range);
 
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
         pass.set_pipeline(&self.passes.boxes.compute);
         for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
-            let mut resources = vec![entry::<LightWord>(&tables.words), entry::<FaceRange>(&tables.ranges)];
+            let mut resources = vec![entry::<LightBatch>(&tables.words), entry::<FaceRange>(&tables.ranges)];
             resources.extend(bound.bindings(positions.buffer));
             resources.push(binding(&self.cluster_buffer, cluster_bytes(clusters)));
             pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
@@ -288,7 +288,7 @@ impl ShadowQuery {
             self.pipelines.device(),
             &[
                 entry::<FaceRange>(&tables.ranges),
-                binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+                binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries)),
                 binding(&self.recount_dispatch, 0..12),
             ],
         );
@@ -302,7 +302,7 @@ impl ShadowQuery {
                 for (word, lights) in (0_u64..).zip(lights.chunks(32)) {
                     let pairs = chunk.len() as u64 * lights.len() as u64;
                     let chunk_offset = tables.chunk_offset(word, points_at);
-                    let word_offset = word as u32 * UniformTable::stride::<LightWord>() as u32;
+                    let word_offset = word as u32 * UniformTable::stride::<LightBatch>() as u32;
                     for &range in ranges {
                         for (pipeline, group) in &groups {
                             if pipeline.label == recount.label {
@@ -338,14 +338,14 @@ impl ShadowQuery {
         let first_byte = points.offset + u64::from(chunk.start) * points.stride;
         let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
         let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
-        let mut resources = vec![entry::<LightWord>(&tables.words), entry::<PointChunk>(&tables.chunks)];
+        let mut resources = vec![entry::<LightBatch>(&tables.words), entry::<PointChunk>(&tables.chunks)];
         resources.extend(bound.bindings(positions.buffer));
         resources.extend([
             entry::<FaceRange>(&tables.ranges),
             binding(&self.cluster_buffer, cluster_bytes(clusters)),
             binding(points.buffer, self.split.align_down(first_byte)..end),
             binding(&self.depths, depths[0]..depths[1]),
-            binding(&self.doubts, 0..doubt_bytes(self.most_queries)),
+            binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries)),
         ]);
         resources
     }
@@ -401,7 +401,7 @@ impl Tables {
         let mut words = UniformTable::default();
         let mut chunk_table = UniformTable::default();
         for (first_light, word) in (0..).step_by(32).zip(lights.chunks(32)) {
-            words.push(&LightWord::new(word, bound.offset_words, bound.stride_words));
+            words.push(&LightBatch::new(word, bound.offset_words, bound.stride_words));
             for chunk in chunks {
                 let first_byte = points.offset + u64::from(chunk.start) * points.stride;
                 chunk_table.push(&PointChunk {
@@ -435,7 +435,7 @@ impl Tables {
         }
     }
 
-    /// The dynamic offset of a run of points for a word of lights.
+    /// The dynamic offset of a run of points for a batch of lights.
     fn chunk_offset(&self, word: u64, chunk: u64) -> u32 {
         ((word * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
     }

@@ -20,7 +20,7 @@ pub(super) struct Buffers {
     pub(super) lights: wgpu::Buffer,
     pub(super) cap_dispatches: wgpu::Buffer,
     pub(super) cap_counts: wgpu::Buffer,
-    /// One a word of lights.
+    /// One a batch of lights.
     pub(super) cap_lists: Vec<wgpu::Buffer>,
     pub(super) draws: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
@@ -41,7 +41,7 @@ fn per_light(lights: usize) -> [(&'static str, u64); 3] {
 
 /// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
 pub(super) fn fitting_capacity(extraction: &Shape, split: &DispatchLimits, memory_limit: Option<u64>) -> usize {
-    let bound = split.binding / (CAP_ENTRY * extraction.word_lights(0) as u64);
+    let bound = split.binding / (CAP_ENTRY * extraction.batch_lights(0) as u64);
     let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
     let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
     let fitting = bound.min(left / (CAP_ENTRY * extraction.max_lights as u64));
@@ -56,8 +56,8 @@ impl Buffers {
     ) -> Result<Self, MemoryError> {
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let lights = extraction.max_lights as u64;
-        let words = extraction.words();
-        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.word_lights(word) as u64;
+        let words = extraction.batches();
+        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.batch_lights(word) as u64;
         let widest = list_bytes(0);
         if padded(widest) > split.binding {
             let what = "lists of cap faces";

@@ -10,11 +10,11 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::results::Results;
 use crate::layout::ShadowDraw;
-use crate::stages::{BOUNDS, CAPS, CHOOSE, PAPER_CASES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage};
+use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
 
 const BOUNDS_SLOTS: [Slot; 4] = [Uniform, Read, Read, Write];
 const CHOOSE_SLOTS: [Slot; 5] = [Uniform, Uniform, Read, Write, Write];
-const PAPER_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
+const ZP_PLUS_2005_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
 const STENCIL_BOUND_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Read, Read, Write];
 const CAPS_SLOTS: [Slot; 9] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write, Write];
 const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
@@ -25,7 +25,7 @@ pub(super) struct Choice {
     bounds: Pipeline,
     choose: Pipeline,
     /// Only for ZP+ as published.
-    paper_cases: Option<Pipeline>,
+    zp_plus_2005_cases: Option<Pipeline>,
     /// Only where the caller asks for it.
     stencil_bound: Option<Pipeline>,
     caps: Pipeline,
@@ -40,8 +40,8 @@ pub(super) struct Choice {
 #[derive(Debug)]
 struct PositionGroups {
     bounds: wgpu::BindGroup,
-    /// One a word of lights, as those of the caps are; none but for ZP+ as published.
-    paper_cases: Vec<wgpu::BindGroup>,
+    /// One a batch of lights, as those of the caps are; none but for ZP+ as published.
+    zp_plus_2005_cases: Vec<wgpu::BindGroup>,
     /// Likewise; none unless asked for.
     stencil_bound: Vec<wgpu::BindGroup>,
     caps: Vec<wgpu::BindGroup>,
@@ -90,7 +90,9 @@ impl Choice {
         );
         Self {
             bounds: pipeline(&BOUNDS, &BOUNDS_SLOTS),
-            paper_cases: counting.is_paper().then(|| pipeline(&PAPER_CASES, &PAPER_CASES_SLOTS)),
+            zp_plus_2005_cases: counting
+                .is_zp_plus_2005()
+                .then(|| pipeline(&ZP_PLUS_2005_CASES, &ZP_PLUS_2005_CASES_SLOTS)),
             stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
             caps: pipeline(&CAPS, &CAPS_SLOTS),
             choose,
@@ -131,7 +133,7 @@ impl Choice {
                 ],
             )
         });
-        let paper_cases = self.paper_cases.iter().flat_map(|stage| {
+        let zp_plus_2005_cases = self.zp_plus_2005_cases.iter().flat_map(|stage| {
             results.lists.iter().map(|list| {
                 stage.bind(
                     device,
@@ -168,8 +170,12 @@ impl Choice {
             })
         });
         let stencil_bound = stencil_bound.collect();
-        self.position_groups =
-            Some(PositionGroups { bounds, paper_cases: paper_cases.collect(), stencil_bound, caps: caps.collect() });
+        self.position_groups = Some(PositionGroups {
+            bounds,
+            zp_plus_2005_cases: zp_plus_2005_cases.collect(),
+            stencil_bound,
+            caps: caps.collect(),
+        });
     }
 
     /// Records the stages for `lights` lights.
@@ -181,8 +187,10 @@ impl Choice {
         lights: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let words = crate::light::words(lights);
-        let Some(PositionGroups { bounds, paper_cases, stencil_bound, caps }) = &self.position_groups else { return };
+        let words = crate::light::batches(lights);
+        let Some(PositionGroups { bounds, zp_plus_2005_cases, stencil_bound, caps }) = &self.position_groups else {
+            return;
+        };
         let mut pass = begin(encoder, &self.bounds, timer.as_deref_mut());
         pass.set_bind_group(0, bounds, &[0]);
         pass.dispatch_workgroups(groups.bounds, 1, 1);
@@ -192,9 +200,9 @@ impl Choice {
         pass.dispatch_workgroups(groups.lights, 1, 1);
         drop(pass);
         let first_light = |word: usize| (32 * word * UniformTable::stride::<ShadowDraw>()) as u32;
-        if let Some(stage) = &self.paper_cases {
+        if let Some(stage) = &self.zp_plus_2005_cases {
             let mut pass = begin(encoder, stage, timer.as_deref_mut());
-            for (word, group) in paper_cases.iter().enumerate().take(words) {
+            for (word, group) in zp_plus_2005_cases.iter().enumerate().take(words) {
                 pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
                 pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
             }

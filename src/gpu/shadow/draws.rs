@@ -10,7 +10,7 @@ use crate::layout::{DrawArguments, ShadowDraw, ShadowDraws};
 pub(super) struct DrawGroups {
     /// Camera and lights.
     pub(super) frame: wgpu::BindGroup,
-    /// The extraction's results, a word of lights each.
+    /// The extraction's results, a batch of lights each.
     pub(super) results: Vec<wgpu::BindGroup>,
     /// Faces and their lists, likewise.
     pub(super) caps: Vec<wgpu::BindGroup>,
@@ -60,7 +60,7 @@ impl DrawGroups {
             pass.set_pipeline(clipped);
             pass.draw_indirect(draws, offset(light, CLIPPED));
         }
-        if let Some((sides, near_caps)) = &pipelines.paper {
+        if let Some((sides, near_caps)) = &pipelines.zp_plus_2005 {
             pass.set_bind_group(1, caps, &[]);
             for (class, pipeline) in (0..).zip(near_caps) {
                 pass.set_pipeline(pipeline);
@@ -77,7 +77,7 @@ impl DrawGroups {
                 pass.draw_indirect(draws, offset(light, FAR_CAPS + class));
             }
         }
-        let (side_kind, cap_kind) = if pipelines.paper.is_some() { (SWITCHED, FAR_CAPS) } else { (PLAIN, CAPS) };
+        let (side_kind, cap_kind) = if pipelines.zp_plus_2005.is_some() { (SWITCHED, FAR_CAPS) } else { (PLAIN, CAPS) };
         if let Some(classes) = &pipelines.caps {
             pass.set_bind_group(1, caps, &[]);
             for (class, pipelines) in (0..).zip(classes) {

@@ -54,7 +54,7 @@ pub struct ShadowPipelines {
     /// With z-pass: dark caps of volumes that end, of the two lists.
     pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
     /// With ZP+ as published: sides, then near caps likewise.
-    pub(super) paper: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    pub(super) zp_plus_2005: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// With z-fail: light and dark caps of the faces that count up on their front, then of the others.
     pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
@@ -80,7 +80,7 @@ impl ShadowPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
-        let is_paper = counting.is_paper();
+        let is_zp_plus_2005 = counting.is_zp_plus_2005();
         let is_fail = counting.may_fail();
         let uniform = |dynamic| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -110,7 +110,8 @@ impl ShadowPipelines {
             hole: caps.pipeline("hole_side", 0, count, false),
             clipped_hole: is_clipped.then(|| caps.pipeline("hole_side_clipped", 0, Count::Visible, false)),
             clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
-            paper: is_paper.then(|| (sides.pipeline("paper_side", 0, Count::Visible, false), near("paper_cap"))),
+            zp_plus_2005: is_zp_plus_2005
+                .then(|| (sides.pipeline("zp_plus_2005_side", 0, Count::Visible, false), near("zp_plus_2005_cap"))),
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
             layouts: Layouts { frame, results, cap_data },
@@ -220,7 +221,7 @@ impl Maker<'_> {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState {
-                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "paper_cap") {
+                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap") {
                     wgpu::PrimitiveTopology::TriangleList
                 } else {
                     wgpu::PrimitiveTopology::TriangleStrip

@@ -187,7 +187,7 @@ impl ShadowVolumes {
             ..self.shape
         };
         let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
-        let words = light::words(lights.len());
+        let words = light::batches(lights.len());
         let Shared { buffers, source, .. } = &*self.shared;
         let device = source.device();
         upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape))?;

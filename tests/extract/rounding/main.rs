@@ -1,21 +1,21 @@
 //! The band and the filter's bounds of NUMERICS.md hold for any arithmetic that WGSL allows: every rounding up, down,
 //! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
-mod liberties;
 mod pairs;
+mod rounding_models;
 
-use liberties::Liberties;
 use rimline::Light;
 use rimline_measure::band::{Bound, facing_bound, facing_bound_without_q, is_outside, scaled};
 use rimline_measure::oracle::ExactFace;
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail};
+use rounding_models::RoundingModels;
 
 type Outcome = Result<(), String>;
 
 fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, String> {
     let mut random = Random::new(seed);
-    let mut liberties = Liberties::new(seed + 1);
+    let mut rounding_models = RoundingModels::new(seed + 1);
     let mut outside = 0;
     for round in 0..rounds {
         let (corners, light) = pairs::hard(&mut random);
@@ -25,8 +25,8 @@ fn certificates_hold(seed: u64, rounds: usize, bound: Bound) -> Result<usize, St
         outside += 1;
         let exact = ExactFace::new(&corners, [0, 1, 2]).ok_or("no face")?.sign(light);
         for _ in 0..4 {
-            liberties.change();
-            let determinant = liberties.determinant(corners, light);
+            rounding_models.change();
+            let determinant = rounding_models.determinant(corners, light);
             if (determinant > 0.0) != (exact > 0) {
                 return Err(format!("round {round}: {corners:?}, {light:?}: {determinant:e}, exactly {exact}"));
             }
@@ -49,7 +49,7 @@ fn the_band_holds_for_any_rounding() -> Outcome {
 }
 
 /// A bound of the filter at a number of units of the last place.
-type FilterBound = fn(&mut Liberties, [[f32; 3]; 3], Light, f32) -> f32;
+type FilterBound = fn(&mut RoundingModels, [[f32; 3]; 3], Light, f32) -> f32;
 
 /// What trials of a bound came to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,7 +64,7 @@ struct Trials {
 /// Tries the filter at a relative bound of `units` of the last place.
 fn try_filter(seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Trials {
     let mut random = Random::new(seed);
-    let mut liberties = Liberties::new(seed + 1);
+    let mut rounding_models = RoundingModels::new(seed + 1);
     let mut trials = Trials::default();
     for _ in 0..rounds {
         let (corners, light) = pairs::any(&mut random);
@@ -76,9 +76,9 @@ fn try_filter(seed: u64, rounds: usize, units: f32, bound_of: FilterBound) -> Tr
         if is_large {
             continue;
         }
-        liberties.change();
-        let determinant = liberties.determinant(corners, light);
-        let bound = bound_of(&mut liberties, corners, light, units * f32::EPSILON);
+        rounding_models.change();
+        let determinant = rounding_models.determinant(corners, light);
+        let bound = bound_of(&mut rounding_models, corners, light, units * f32::EPSILON);
         // In f64 it is exact to 2⁻⁴⁹ P, and the bound is more than 2⁻²⁴ P.
         let exact = facing_bound(corners, light).0;
         trials.largest_error = trials.largest_error.max((f64::from(determinant) - exact).abs() / f64::from(bound));
@@ -107,7 +107,7 @@ fn filter_holds(name: &str, seed: u64, rounds: usize, units: f32, bound_of: Filt
 }
 
 /// A light's bound that forgets what may be lost with a tiny w.
-fn light_bound_without_tiny_w(with: &mut Liberties, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
+fn light_bound_without_tiny_w(with: &mut RoundingModels, corners: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
     let [x, y, z, w] = light.to_array();
     let is_tiny = scaled(light)[3].abs() < 2.0_f64.powi(-60);
     with.light_bound(corners, Light::homogeneous([x, y, z, if is_tiny { 0.0 } else { w }]), relative)
@@ -119,7 +119,8 @@ fn the_filter_decides_rightly_for_any_rounding() -> Outcome {
     let seed = 103;
     println!("seed {seed}");
     let rounds = if is_long() { 10_000_000 } else { 200_000 };
-    let bounds: [(&str, FilterBound); 2] = [("a light's", Liberties::light_bound), ("a face's", Liberties::face_bound)];
+    let bounds: [(&str, FilterBound); 2] =
+        [("a light's", RoundingModels::light_bound), ("a face's", RoundingModels::face_bound)];
     for (name, bound_of) in bounds {
         filter_holds(name, seed, rounds, 10.0, bound_of)?;
         let Trials { decided, wrong, .. } = try_filter(seed, 200_000, 1.0, bound_of);

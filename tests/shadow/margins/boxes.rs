@@ -151,10 +151,11 @@ fn the_published_frustum_begins_before_the_caster() {
         let place = given + (through - given) * part;
         let size = 1e-3 * part;
         let corners = [0, 1, 2].map(|_: i32| (place + direction(&mut random) * size).as_vec3().to_array());
-        let shape = ShadowShape { counting: rimline::reference::shadow::COUNT_ZP_PAPER, averted: 0, ..CLOSED };
+        let shape = ShadowShape { counting: rimline::reference::shadow::COUNT_ZP_PLUS_2005, averted: 0, ..CLOSED };
         let ranged = Light::point(light.to_array());
         let (view, light) = chosen(&camera, ranged, shape, &corners, &[[0, 1, 2]]);
-        let cap = rimline::reference::cpu::paper_cap(&view, &light, [0, 1, 2].map(|at| (at as u32, corners[at])));
+        let cap =
+            rimline::reference::cpu::zp_plus_2005_cap(&view, &light, [0, 1, 2].map(|at| (at as u32, corners[at])));
         for (corner, clip) in corners.into_iter().zip(cap) {
             let ([x, y], part) = eye.from_light(given, DVec3::from(corner.map(f64::from)));
             if x.abs().max(y.abs()) < 0.999 && part > 0.005 && part < 0.99 {

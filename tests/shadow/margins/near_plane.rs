@@ -73,13 +73,14 @@ fn bounds(camera: &rimline::ShadowCamera, plane: [f32; 4], light: &ShadowLight, 
         let of = |row: usize| matrix.row(row).abs().dot(p.abs());
         of(0).max(of(1))
     };
-    let (height, at_height, rise) = (plane.dot(q), plane.dot(from_origin), plane.dot(d));
+    let (height, at_height, far_height) = (plane.dot(q), plane.dot(from_origin), plane.dot(d));
     let (height_size, rise_size) = (plane.abs().dot(q.abs()), plane.abs().dot(d.abs()));
     let at_light = xy(from_origin);
-    let place = (xy(q) * at_height - at_light * height) / -rise;
+    let place = (xy(q) * at_height - at_light * height) / -far_height;
     let light_size = at_light.abs().max_element();
     let common = place.abs().max_element() * rise_size;
-    let by = |size: f64, slope: f64| ROUNDINGS * (size * at_height.abs() + light_size * slope + common) / rise.abs();
+    let by =
+        |size: f64, slope: f64| ROUNDINGS * (size * at_height.abs() + light_size * slope + common) / far_height.abs();
     Bounds { place, by_vertex: by(size(q), height_size), by_light: by(size(d), rise_size) / w }
 }
 
@@ -107,12 +108,12 @@ fn near_caps_are_as_exact_as_the_better_of_two_forms() {
         let view = shadow::view(&camera).expect("a good camera");
         let light = shadow::light(&camera, &view, Light::point(light.to_array()));
         let corner = cpu::corner(&view, &light, position);
-        if (corner.height >= 0.0) == (corner.rise >= 0.0) {
+        if (corner.height >= 0.0) == (corner.far_height >= 0.0) {
             continue;
         }
         let Bounds { place, by_vertex: vertex, by_light: nearer } = bounds(&camera, view.near_plane, &light, position);
         let near_w = f64::from(view.near_w);
-        let star = cpu::star(&view, &light, &corner).as_dvec4();
+        let star = cpu::project_to_near_plane(&view, &light, &corner).as_dvec4();
         let found = DVec2::new(star.x, star.y) * (near_w / star.w);
         // The choice is by the largest coordinates, so it may miss the better form by a small factor.
         let bound = 8.0 * vertex.min(nearer);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::args::DeviceArgs;
+use crate::input_args::DeviceArgs;
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]

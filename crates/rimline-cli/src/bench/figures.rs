@@ -8,9 +8,9 @@ mod shadows;
 mod size;
 mod stages;
 
+use super::bench_mesh::ORDINARY;
 use super::method::{GPU_EXACT, PER_EDGE};
 use super::results::{Results, Row};
-use super::subject::ORDINARY;
 use crate::page::Section;
 
 pub(super) use shadows::shadows;

@@ -4,7 +4,7 @@ use rimline::Predicate;
 use rimline::gpu::ExtractorOptions;
 use rimline::reference::Method;
 
-use super::subject::Case;
+use super::bench_mesh::Case;
 use crate::chart::Key;
 
 /// A way to silhouettes. Its times are those of positions that just changed: facing and edges, nothing kept.

@@ -6,9 +6,9 @@ use std::time::Instant;
 use rimline::reference::cpu::{self, CpuExtraction, Threads};
 use rimline::{Light, Mesh};
 
+use super::bench_mesh::Case;
 use super::measure::{Contender, Sample};
 use super::method::{OnCpu, Share};
-use super::subject::Case;
 
 /// Runs a contestant again and again; memory is kept from run to run.
 pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> Contender<'a> {

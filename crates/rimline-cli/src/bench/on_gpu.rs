@@ -8,9 +8,9 @@ use rimline::reference::cpu::CpuExtraction;
 use rimline::reference::layout::Statistics;
 use rimline::{Predicate, wgpu};
 
+use super::bench_mesh::Case;
 use super::measure::{Contender, Sample, Summary};
 use super::method::{checked, timed};
-use super::subject::Case;
 use crate::device::Gpu;
 use crate::extract::on_gpu::read_planes;
 use crate::failure::Failure;

@@ -5,9 +5,9 @@ use std::time::Duration;
 use rimline_measure::stress;
 
 use super::args::{BenchArgs, Faces};
+use super::bench_mesh::BenchMesh;
 use super::measure::Rounds;
 use super::shadows::ShadowPlan;
-use super::subject::Subject;
 use crate::device::Wanted;
 use crate::failure::UsageError;
 
@@ -15,7 +15,7 @@ use crate::failure::UsageError;
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     /// Each with its numbers of lights.
-    pub(crate) subjects: Vec<(Subject, Vec<usize>)>,
+    pub(crate) subjects: Vec<(BenchMesh, Vec<usize>)>,
     pub(crate) rounds: Rounds,
     pub(crate) shadows: ShadowPlan,
 }
@@ -62,9 +62,9 @@ impl Plan {
         let lights_of_meshes = given.clone().unwrap_or_else(|| LIGHTS.into());
         let lights_of_scenes = given.unwrap_or_else(|| vec![8]);
         let mut subjects: Vec<_> =
-            meshes.into_iter().map(|faces| (Subject::Torus(faces), lights_of_meshes.clone())).collect();
+            meshes.into_iter().map(|faces| (BenchMesh::Torus(faces), lights_of_meshes.clone())).collect();
         for name in scenes(args)? {
-            subjects.push((Subject::Scene(name, scene_faces), lights_of_scenes.clone()));
+            subjects.push((BenchMesh::Scene(name, scene_faces), lights_of_scenes.clone()));
         }
         let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
         let most = args.rounds.map_or(most, usize::from);

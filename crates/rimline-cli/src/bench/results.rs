@@ -7,6 +7,7 @@ use super::machine::{Adapter, Machine};
 use super::measure::{Sample, Summary};
 use super::method::{CONTESTANTS, Contestant};
 use super::shadows::results::ShadowResults;
+use super::summary_json::summary_json;
 
 /// Everything one run of the command found.
 pub(crate) struct Results {
@@ -171,17 +172,6 @@ impl Row {
             "results": results.collect::<Vec<_>>(),
         })
     }
-}
-
-pub(super) fn summary_json(summary: &Summary) -> Value {
-    json!({
-        "median": summary.median,
-        "q1": summary.quartiles.0,
-        "q3": summary.quartiles.1,
-        "low": summary.range.0,
-        "high": summary.range.1,
-        "runs": summary.count,
-    })
 }
 
 impl Entry {

@@ -3,12 +3,12 @@
 use rimline::reference::cpu::CpuExtraction;
 use rimline_measure::error_metrics::{Candidate, Score};
 
+use super::bench_mesh::Case;
 use super::measure::{Contender, Rounds, interleave};
 use super::method::{CONTESTANTS, Contestant, Runs};
 use super::on_cpu;
 use super::on_gpu::Uploaded;
 use super::results::Entry;
-use super::subject::Case;
 use crate::device::Gpu;
 use crate::failure::{Failure, NoDevice};
 use crate::output::{is_interrupted, note};

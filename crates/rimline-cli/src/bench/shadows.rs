@@ -2,10 +2,10 @@
 //! pixels.
 
 pub(crate) mod method;
+mod renderer;
 pub(crate) mod results;
 pub(crate) mod scene;
 mod text;
-mod theatre;
 mod truth;
 
 use super::measure::{Contender, Rounds, interleave};
@@ -14,9 +14,9 @@ use crate::failure::Failure;
 use crate::output::{is_interrupted, print};
 use crate::progress::Progress;
 use method::METHODS;
+use renderer::{FrameTime, ShadowBenchRenderer, Stage};
 use results::{ShadowEntry, ShadowResults, ShadowRow, WrongPixels};
 use scene::{MODELS, PATHS, Path};
-use theatre::{FrameTime, Stage, Theatre};
 use truth::Truth;
 
 /// What is measured.
@@ -84,7 +84,7 @@ fn measure(plan: &ShadowPlan, gpu: &Gpu, stage: &Stage<'_>, path: Path) -> Resul
     let light = path.light();
     let mut theatres = Vec::new();
     for method in &METHODS {
-        theatres.push(Theatre::new(gpu, stage, method).map_err(|error| error.on(gpu))?);
+        theatres.push(ShadowBenchRenderer::new(gpu, stage, method).map_err(|error| error.on(gpu))?);
     }
     let mut wrong = vec![Vec::new(); METHODS.len()];
     let truth = Truth::new(stage, light);
@@ -94,12 +94,12 @@ fn measure(plan: &ShadowPlan, gpu: &Gpu, stage: &Stage<'_>, path: Path) -> Resul
         }
         let camera = plan.camera(path, frame);
         let seen = truth.seen(&camera);
-        for (theatre, wrong) in theatres.iter_mut().zip(&mut wrong) {
-            wrong.push(WrongPixels { frame, pixels: seen.wrong(&theatre.counts(&camera, light)?) });
+        for (renderer, wrong) in theatres.iter_mut().zip(&mut wrong) {
+            wrong.push(WrongPixels { frame, pixels: seen.wrong(&renderer.counts(&camera, light)?) });
         }
     }
-    let contenders = theatres.iter_mut().map(|theatre| -> Contender<'_, Vec<FrameTime>> {
-        Box::new(move || (0..plan.frames).map(|frame| theatre.draw(&plan.camera(path, frame), light)).collect())
+    let contenders = theatres.iter_mut().map(|renderer| -> Contender<'_, Vec<FrameTime>> {
+        Box::new(move || (0..plan.frames).map(|frame| renderer.draw(&plan.camera(path, frame), light)).collect())
     });
     let Some(rounds) = interleave(plan.rounds, contenders.collect(), is_interrupted)? else { return Ok(None) };
     let entries = METHODS.iter().zip(rounds).zip(wrong);

@@ -6,7 +6,7 @@ use plotters::coord::combinators::{IntoLogRange, LogCoord};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 
-use super::svg::{SMALL, text_width};
+use super::text_width::{SMALL, text_width};
 
 /// How numbers become places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

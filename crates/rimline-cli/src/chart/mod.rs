@@ -8,6 +8,7 @@ mod labels;
 mod panels;
 mod raster;
 mod svg;
+mod text_width;
 mod xy;
 
 use std::io;

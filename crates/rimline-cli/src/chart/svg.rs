@@ -11,6 +11,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Coordinate;
+pub(super) use super::text_width::{NORMAL, SMALL, text_width, wrapped};
 use super::{Key, Target};
 use crate::shown;
 
@@ -75,9 +76,6 @@ fn rgb(hex: u32) -> RGBColor {
     RGBColor((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
-/// Font sizes.
-pub(super) const SMALL: f64 = 24.0;
-pub(super) const NORMAL: f64 = 26.0;
 /// A bar or line of text in a list.
 pub(super) const LINE: i32 = 34;
 
@@ -267,32 +265,6 @@ impl<'a> Legend<'a> {
 /// Text as it stands in XML and HTML.
 pub(crate) fn escape(text: &str) -> String {
     shown::Text(text).to_string().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// About how wide a text is, a little more rather than less; fonts differ.
-pub(super) fn text_width(text: &str, size: f64) -> i32 {
-    let of = |c: char| match c {
-        'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' | '(' | ')' | '-' => 0.34,
-        'm' | 'w' | 'M' | 'W' | '—' | '…' => 0.92,
-        'A'..='Z' => 0.7,
-        _ => 0.61,
-    };
-    (size * text.chars().map(of).sum::<f64>()).ceil() as i32
-}
-
-/// The parts of a text that is broken between words where it is wider than `width`.
-pub(super) fn wrapped(text: &str, size: f64, width: i32) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if text_width(&format!("{line} {word}"), size) <= width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }
 
 /// Axes with a grid, whose places are asked for.

@@ -1,4 +1,4 @@
-// The model as matte clay in a small studio: a warm key from the upper left, a cool fill from the right, a rim light
+// The model as matte clay in a small resources: a warm key from the upper left, a cool fill from the right, a rim light
 // from behind, all of which move with the eye.
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
@@ -27,7 +27,7 @@ fn unfold(word: u32) -> vec3<f32> {
   return Surface(to_clip(to_view(position)), unfold(normals[corner]), position);
 }
 
-fn studio(right: f32, up: f32, back: f32) -> vec3<f32> {
+fn resources(right: f32, up: f32, back: f32) -> vec3<f32> {
   return normalize(right * frame.right + up * frame.up - back * frame.forward);
 }
 
@@ -40,11 +40,11 @@ fn studio(right: f32, up: f32, back: f32) -> vec3<f32> {
   // Interpolated normals may lean away from the eye at the rim.
   n = normalize(n + max(0.0, 0.02 - dot(n, to_eye)) * to_eye);
 
-  let key_from = studio(-0.52, 0.68, 0.72);
+  let key_from = resources(-0.52, 0.68, 0.72);
   let key = saturate((dot(n, key_from) + 0.2) / 1.2);
-  let fill = saturate((dot(n, studio(0.95, 0.1, 0.5)) + 0.35) / 1.35);
+  let fill = saturate((dot(n, resources(0.95, 0.1, 0.5)) + 0.35) / 1.35);
   let sky = 0.5 + 0.5 * n.y;
-  let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, studio(0.8, 0.5, -0.5)) + 0.15);
+  let rim = pow(1.0 - saturate(dot(n, to_eye)), 3.0) * saturate(dot(n, resources(0.8, 0.5, -0.5)) + 0.15);
 
   // Fired clay; the inside of an open surface is glazed grey.
   let clay = select(vec3<f32>(0.62, 0.44, 0.33), vec3<f32>(0.36, 0.49, 0.56), front);

@@ -3,8 +3,8 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, ShaderStages, TextureFormat, TextureUsages};
 
-use super::picture::{color_pass, depth_test};
-use crate::render::kit::{Kit, Pass};
+use super::passes::{color_pass, depth_test};
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba16Uint;
 
@@ -32,9 +32,9 @@ pub(super) struct Survey {
 
 impl Survey {
     /// For a picture of this size, with so many places each way a pixel.
-    pub(super) fn new(kit: &Kit<'_>, size: [u32; 2], places: u32) -> Self {
+    pub(super) fn new(factory: &PipelineFactory<'_>, size: [u32; 2], places: u32) -> Self {
         let target = |label, format, usage| {
-            let texture = kit.target(label, size.map(|pixels| places * pixels), format, 1, usage);
+            let texture = factory.target(label, size.map(|pixels| places * pixels), format, 1, usage);
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
         Self {
@@ -46,12 +46,12 @@ impl Survey {
     /// Records the survey of so many corners.
     pub(super) fn record(
         &self,
-        kit: &Kit<'_>,
+        factory: &PipelineFactory<'_>,
         encoder: &mut wgpu::CommandEncoder,
         (layout, geometry): (&BindGroupLayout, &BindGroup),
         corners: u32,
     ) {
-        let pipeline = kit.pipeline(&Pass {
+        let pipeline = factory.pipeline(&Pass {
             name: "survey",
             vertex: "survey",
             source: include_str!("survey.wgsl"),
@@ -67,7 +67,7 @@ impl Survey {
         let nothing = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut pass = color_pass(encoder, "survey", &self.seen, None, nothing, Some(&self.depth));
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_bind_group(1, geometry, &[]);
         pass.draw(0..corners, 0..1);
     }
@@ -76,7 +76,7 @@ impl Survey {
     /// there leaves no room for more storage buffers.
     pub(super) fn group(
         &self,
-        kit: &Kit<'_>,
+        factory: &PipelineFactory<'_>,
         positions: &wgpu::Buffer,
         faces: &wgpu::Buffer,
     ) -> (BindGroupLayout, BindGroup) {
@@ -85,10 +85,10 @@ impl Survey {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let layout = kit.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage]);
+        let layout = factory.layout_for(ShaderStages::FRAGMENT, &[SEEN, storage, storage]);
         let resources =
             [BindingResource::TextureView(&self.seen), positions.as_entire_binding(), faces.as_entire_binding()];
-        let group = kit.group(&layout, &resources);
+        let group = factory.group(&layout, &resources);
         (layout, group)
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Seek, Write};
 
 use rimline::mesh::EdgeKind;
 use rimline::reference::layout::Masks;
-use rimline::reference::light::words;
+use rimline::reference::light::batches;
 use rimline::{Light, Mesh};
 
 use super::Found;
@@ -17,7 +17,7 @@ pub(crate) fn components(lights: &[Light]) -> Vec<[f32; 4]> {
 
 /// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
 pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
-    let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), words(lights.len()));
+    let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), batches(lights.len()));
     let mut npz = NpzWriter::new(file);
     npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
     npz.array("faces", ElementType::U32, &[faces, 3], slice(mesh.faces()))?;

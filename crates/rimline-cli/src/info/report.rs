@@ -1,6 +1,6 @@
 //! What there is to say of a mesh, gathered once for text and JSON.
 
-use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, Survey, WeldCounts};
+use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
 use rimline::{Geometry, Influences, Mesh, MeshError};
 
 /// Edges listed of a mesh that is not closed.
@@ -12,7 +12,7 @@ pub(super) struct MeshReport {
     pub(super) name: Option<String>,
     pub(super) vertices: WeldCounts,
     pub(super) faces: usize,
-    pub(super) survey: Survey,
+    pub(super) survey: MeshDiagnostics,
     /// The ends of each of `survey.offending_edges`.
     pub(super) offending_positions: Vec<[[f32; 3]; 2]>,
     pub(super) morph_targets: usize,

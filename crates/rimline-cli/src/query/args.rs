@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::args::{ModelArgs, MomentArgs};
+use crate::input_args::{ModelArgs, MomentArgs};
 use crate::spec::{self, LightSpec};
 
 #[derive(Args, Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct QueryArgs {
     pub(crate) lights: Vec<LightSpec>,
 
     #[command(flatten)]
-    pub(crate) moment: MomentArgs,
+    pub(crate) posed: MomentArgs,
 
     /// Where to write the arrays
     #[arg(long, value_name = "FILE.npz")]

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use rimline::mesh::Bounds;
 
-use crate::args::ViewArgs;
 use crate::failure::UsageError;
+use crate::input_args::ViewArgs;
 
 /// Degrees to the right of the model's front, which is +Z.
 pub(crate) const AZIMUTH: f64 = 33.0;

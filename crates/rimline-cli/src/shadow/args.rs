@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 
-use crate::args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
+use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
-use crate::spec::{self, AreaSpec, LampSpec};
+use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CountingArg {
@@ -18,7 +18,7 @@ pub(crate) enum CountingArg {
     ZpPlus,
     /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison
     #[value(name = "zp+paper")]
-    ZpPlusPaper,
+    ZpPlus2005,
     /// Count what is hidden; with light and dark caps
     ZFail,
     /// Count what is seen. Wrong where a shadow volume reaches the near plane; for comparison
@@ -35,7 +35,7 @@ impl CountingArg {
         match self {
             Self::Auto => Counting::Auto,
             Self::ZpPlus => Counting::ZpPlus,
-            Self::ZpPlusPaper => Counting::ZpPlusPaper,
+            Self::ZpPlus2005 => Counting::ZpPlus2005,
             Self::ZFail => Counting::ZFail,
             Self::ZPass => Counting::ZPass,
         }
@@ -71,8 +71,8 @@ pub(crate) struct ShadowSceneArgs {
     /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
     /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the
     /// left of the eye and above
-    #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::lamp)]
-    pub(crate) lights: Vec<LampSpec>,
+    #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::shaded)]
+    pub(crate) lights: Vec<ShadedLightSpec>,
 
     #[command(flatten)]
     pub(crate) view: ViewArgs,
@@ -113,7 +113,7 @@ pub(crate) struct ShadowSceneArgs {
     pub(crate) volumes: bool,
 
     #[command(flatten)]
-    pub(crate) moment: MomentArgs,
+    pub(crate) posed: MomentArgs,
 }
 
 impl ShadowSceneArgs {

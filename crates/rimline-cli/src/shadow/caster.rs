@@ -7,11 +7,11 @@ use rimline::gpu::{
 };
 use rimline::{Light, Mesh, wgpu};
 
-use super::body::Body;
+use super::posed_model::PosedModel;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::kit::Kit;
 use crate::render::normals;
+use crate::render::pipeline_factory::PipelineFactory;
 
 /// Front and back of the first, second … body; then from the beginning again.
 const CLAYS: [[[f32; 3]; 2]; 4] = [
@@ -38,7 +38,7 @@ pub(crate) struct Caster {
 impl Caster {
     pub(crate) fn new(
         gpu: &Gpu,
-        kit: &Kit<'_>,
+        factory: &PipelineFactory<'_>,
         pipelines: &ShadowPipelines,
         mesh: &Mesh,
         number: usize,
@@ -54,21 +54,27 @@ impl Caster {
             volumes,
             shadows: None,
             extraction: None,
-            clay: kit.uniform(&gpu.queue, "clay", bytemuck::cast_slice(&clay)),
-            faces: kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(mesh.faces())),
+            clay: factory.uniform(&gpu.queue, "clay", bytemuck::cast_slice(&clay)),
+            faces: factory.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(mesh.faces())),
             corners: 3 * mesh.faces().len() as u32,
             groups: Vec::new(),
         })
     }
 
     /// The bind groups for where the body is now.
-    pub(crate) fn place(&mut self, gpu: &Gpu, kit: &Kit<'_>, layout: &wgpu::BindGroupLayout, body: &Body<'_>) {
+    pub(crate) fn place(
+        &mut self,
+        gpu: &Gpu,
+        factory: &PipelineFactory<'_>,
+        layout: &wgpu::BindGroupLayout,
+        body: &PosedModel<'_>,
+    ) {
         let normals = normals::corner_normals(&body.world, body.scene.mesh.faces());
-        let normals = kit.buffer(&gpu.queue, "normals", bytemuck::cast_slice(&normals));
+        let normals = factory.buffer(&gpu.queue, "normals", bytemuck::cast_slice(&normals));
         let positions = body.positions.buffer();
         let group = |facing: &wgpu::Buffer| {
             let buffers = [&self.clay, positions.buffer, &self.faces, &normals, facing];
-            kit.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
+            factory.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
         };
         self.groups = self.extractor.results().facing.iter().map(group).collect();
     }
@@ -77,7 +83,7 @@ impl Caster {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        body: &Body<'_>,
+        body: &PosedModel<'_>,
         camera: &ShadowCamera,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,

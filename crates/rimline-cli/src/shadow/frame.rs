@@ -3,8 +3,8 @@
 use glam::{Mat4, Vec3, Vec4};
 use rimline::{DepthDirection, ShadowCamera};
 
-use super::lamps::{Lamp, Stage};
 use super::part::Part;
+use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::render::camera::Camera;
 
 /// As in `scene.wgsl`.
@@ -37,8 +37,15 @@ const GROUND: Vec3 = Vec3::new(0.80, 0.79, 0.77);
 
 impl Frame {
     /// `reach` is how far from below the models their shadows lie.
-    pub(crate) fn new(camera: &Camera, size: [u32; 2], part: &Part, stage: &Stage, lamps: &[Lamp], reach: f32) -> Self {
-        let total: Vec3 = lamps.iter().map(|lamp| Vec3::from(lamp.color)).sum();
+    pub(crate) fn new(
+        camera: &Camera,
+        size: [u32; 2],
+        part: &Part,
+        stage: &SceneBounds,
+        shaded_lights: &[ShadedLight],
+        reach: f32,
+    ) -> Self {
+        let total: Vec3 = shaded_lights.iter().map(|shaded| Vec3::from(shaded.color)).sum();
         let brightest = if total.max_element() > 0.0 { total.max_element() } else { 1.0 };
         let ambient = AMBIENT * brightest * Vec3::new(0.86, 0.95, 1.08);
         let ([x, _, z], ground) = (stage.centre, stage.ground);
@@ -50,11 +57,11 @@ impl Frame {
         let in_units = |length: f32| (f64::from(length) / f64::from(unit)) as f32;
         let around = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| under + far * side);
         // As bright as the lit ground, so that it fades into the backdrop unseen.
-        let lit = |lamp: &Lamp| {
-            let share = around.iter().map(|&place| lamp.on_ground(place)).sum::<f32>() / 4.0;
-            share * Vec3::from(lamp.color)
+        let lit = |shaded: &ShadedLight| {
+            let share = around.iter().map(|&place| shaded.on_ground(place)).sum::<f32>() / 4.0;
+            share * Vec3::from(shaded.color)
         };
-        let backdrop = GROUND * (ambient + lamps.iter().map(lit).sum::<Vec3>());
+        let backdrop = GROUND * (ambient + shaded_lights.iter().map(lit).sum::<Vec3>());
         let mut view_projection = Mat4::from_cols_array_2d(&part_camera(camera, part).view_projection);
         view_projection.w_axis *= unit.recip();
         Self {
@@ -87,7 +94,7 @@ impl Frame {
 
 /// What distances are measured in where light is computed: a power of two of about the scene's size, so that squares of
 /// distances stay within the range of floats, however large or small the models are.
-pub(crate) fn unit(camera: &Camera, stage: &Stage) -> f32 {
+pub(crate) fn unit(camera: &Camera, stage: &SceneBounds) -> f32 {
     let from_centre = (camera.eye - Vec3::from(stage.centre)).abs().max_element();
     let size = stage.extent.max(from_centre).max((camera.eye.y - stage.ground).abs());
     // Its reciprocal is a normal number, too.
@@ -129,7 +136,7 @@ mod tests {
     fn units_are_powers_of_two_of_about_the_scenes_size() {
         let camera =
             |eye: Vec3| Camera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, scale: [1.0; 2], near: 1.0 };
-        let stage = |extent| Stage {
+        let stage = |extent| SceneBounds {
             centre: [0.0; 3],
             extent,
             ground: 0.0,

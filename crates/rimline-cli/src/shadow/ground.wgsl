@@ -31,7 +31,7 @@ fn place(pixel: vec2<f32>) -> Place {
 const ALBEDO = vec3<f32>(0.80, 0.79, 0.77);
 
 fn is_lit() -> bool {
-  return lamp.light.y - lamp.light.w * frame.ground > 0.0;
+  return shaded.light.y - shaded.light.w * frame.ground > 0.0;
 }
 
 @fragment fn ambient_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {

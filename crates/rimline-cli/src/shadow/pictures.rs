@@ -5,13 +5,13 @@ use rimline::{Counting, wgpu};
 use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
-use super::glass::Glass;
-use super::painter::{ADD, MULTIPLY, Onto, Painter, Target, depth_state};
 use super::part::{PARTS, Part};
-use super::studio::{Attachments, Studio, Subject, draw_volumes};
+use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
+use super::render_resources::{Attachments, DrawInputs, RenderResources, draw_volumes};
+use super::volume_overlay::VolumeOverlay;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::kit::Pass;
+use crate::render::pipeline_factory::Pass;
 use crate::shadow::args::ModeArg;
 
 /// Linear light, before it is exposed.
@@ -28,31 +28,31 @@ pub(crate) struct Pictures {
     resolved: Option<wgpu::TextureView>,
     finished: wgpu::Texture,
     backdrop: wgpu::RenderPipeline,
-    ambient: Painter,
-    lit: Painter,
+    ambient: ReceiverPipelines,
+    lit: ReceiverPipelines,
     /// Marks what turns its back on the light, then shades what is marked or in shadow.
-    shade: Option<[Painter; 2]>,
+    shade: Option<[ReceiverPipelines; 2]>,
     tone: (wgpu::RenderPipeline, wgpu::BindGroup),
-    glass: Option<Glass>,
+    volume_overlay: Option<VolumeOverlay>,
 }
 
 impl Pictures {
     pub(crate) fn new(
         gpu: &Gpu,
-        studio: &Studio<'_>,
+        resources: &RenderResources<'_>,
         counting: Counting,
         mode: ModeArg,
         volumes: bool,
         in_parts: bool,
     ) -> Result<Self, GpuError> {
-        let kit = &studio.kit;
+        let factory = &resources.factory;
         let linear = if in_parts { PART } else { LINEAR };
-        let (attachments, light) = if in_parts { parts(studio) } else { whole(studio) };
+        let (attachments, light) = if in_parts { parts(resources) } else { whole(resources) };
         let load = if in_parts { include_str!("parts.wgsl") } else { include_str!("whole.wgsl") };
         let view_dimension =
             if in_parts { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
         let format = TextureFormat::Rgba8UnormSrgb;
-        let layout = kit.layout(&[wgpu::BindingType::Texture {
+        let layout = factory.layout(&[wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
             view_dimension,
             multisampled: false,
@@ -62,7 +62,7 @@ impl Pictures {
             let Target { format, samples } = target;
             let write = ColorWrites::ALL;
             let (vertex, blend, constants) = (name, None, &[][..]);
-            kit.pipeline(&Pass {
+            factory.pipeline(&Pass {
                 name,
                 vertex,
                 source,
@@ -76,8 +76,9 @@ impl Pictures {
                 constants,
             })
         };
-        let behind = depth_state(depth_format(kit.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
-        let group = kit.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
+        let behind =
+            depth_state(depth_format(factory.device), false, CompareFunction::Always, StencilFaceState::IGNORE);
+        let group = factory.group(&layout, &[wgpu::BindingResource::TextureView(&light)]);
         let tone = format!("{load}\n{}", include_str!("tone.wgsl"));
         let shade = match mode {
             ModeArg::Additive => None,
@@ -86,22 +87,22 @@ impl Pictures {
             ModeArg::Composited => Some(("dim", MULTIPLY)),
         };
         Ok(Self {
-            pipelines: Studio::pipelines(gpu, linear, counting)?,
+            pipelines: RenderResources::pipelines(gpu, linear, counting)?,
             attachments,
-            finished: kit.target("picture", studio.size, format, 1, TextureUsages::COPY_SRC),
+            finished: factory.target("picture", resources.size, format, 1, TextureUsages::COPY_SRC),
             backdrop: cover("backdrop", include_str!("backdrop.wgsl"), &[], linear, Some(behind)),
-            ambient: studio.painter(linear, "ambient", Onto::Nearest, None),
-            lit: studio.painter(linear, "lit", Onto::Lit, ADD),
+            ambient: resources.receivers(linear, "ambient", Onto::Nearest, None),
+            lit: resources.receivers(linear, "lit", Onto::Lit, ADD),
             shade: shade.map(|(fragment, blend)| {
                 let nothing = ColorWrites::empty();
                 [
-                    Painter::new(kit, &studio.layouts, linear, "averted", Onto::Lit, None, nothing),
-                    studio.painter(linear, fragment, Onto::Shadowed, blend),
+                    ReceiverPipelines::new(factory, &resources.layouts, linear, "averted", Onto::Lit, None, nothing),
+                    resources.receivers(linear, fragment, Onto::Shadowed, blend),
                 ]
             }),
             tone: (cover("tone", &tone, &[&layout], Target { format, samples: 1 }, None), group),
             resolved: (!in_parts).then_some(light),
-            glass: volumes.then(|| Glass::new(gpu, studio, linear)),
+            volume_overlay: volumes.then(|| VolumeOverlay::new(gpu, resources, linear)),
         })
     }
 
@@ -109,16 +110,16 @@ impl Pictures {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        studio: &Studio<'_>,
-        subject: &Subject<'_>,
+        resources: &RenderResources<'_>,
+        subject: &DrawInputs<'_>,
         part: usize,
     ) -> Result<(), GpuError> {
-        let Subject { casters, has_ground, samples, .. } = *subject;
+        let DrawInputs { casters, has_ground, samples, .. } = *subject;
         let Self { pipelines, .. } = self;
         let attachments = &self.attachments[part];
         {
             let mut pass = attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None);
-            studio.select(&mut pass, 0);
+            resources.select(&mut pass, 0);
             pass.set_pipeline(&self.backdrop);
             pass.draw(0..3, 0..1);
             self.ambient.paint(&mut pass, casters, 0, has_ground);
@@ -128,28 +129,32 @@ impl Pictures {
             if self.shade.is_none() {
                 draw_volumes(&mut pass, pipelines, casters, light)?;
             }
-            studio.select(&mut pass, light);
+            resources.select(&mut pass, light);
             self.lit.paint(&mut pass, casters, light, has_ground);
         }
         if let Some(shade) = &self.shade {
             for light in 0..samples {
                 let mut pass = attachments.pass(encoder, "shade", None, None);
                 draw_volumes(&mut pass, pipelines, casters, light)?;
-                studio.select(&mut pass, light);
-                for painter in shade {
-                    painter.paint(&mut pass, casters, light, has_ground);
+                resources.select(&mut pass, light);
+                for receivers in shade {
+                    receivers.paint(&mut pass, casters, light, has_ground);
                 }
             }
         }
         let mut pass = attachments.pass(encoder, "resolve", None, self.resolved.as_ref());
-        if let Some(glass) = &self.glass {
-            glass.draw(&mut pass, studio, subject)?;
+        if let Some(volume_overlay) = &self.volume_overlay {
+            volume_overlay.draw(&mut pass, resources, subject)?;
         }
         Ok(())
     }
 
     /// Records how the light becomes a picture, and returns its texture.
-    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder, studio: &Studio<'_>) -> &wgpu::Texture {
+    pub(crate) fn develop(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &RenderResources<'_>,
+    ) -> &wgpu::Texture {
         let finished = self.finished.create_view(&wgpu::TextureViewDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tone"),
@@ -161,7 +166,7 @@ impl Pictures {
             })],
             ..Default::default()
         });
-        pass.set_bind_group(0, &studio.kit.frame_group, &[]);
+        pass.set_bind_group(0, &resources.factory.frame_group, &[]);
         pass.set_bind_group(1, &self.tone.1, &[]);
         pass.set_pipeline(&self.tone.0);
         pass.draw(0..3, 0..1);
@@ -170,20 +175,20 @@ impl Pictures {
 }
 
 /// The attachments of a whole picture and the texture of its light.
-fn whole(studio: &Studio<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
-    let light = studio.target("light", LINEAR.format, 1, TextureUsages::TEXTURE_BINDING);
-    (vec![Attachments::new(studio, LINEAR)], light)
+fn whole(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
+    let light = resources.target("light", LINEAR.format, 1, TextureUsages::TEXTURE_BINDING);
+    (vec![Attachments::new(resources, LINEAR)], light)
 }
 
 /// The attachments of a picture's parts and the layers of their light.
-fn parts(studio: &Studio<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
-    let size = Part::size(studio.size);
+fn parts(resources: &RenderResources<'_>) -> (Vec<Attachments>, wgpu::TextureView) {
+    let size = Part::size(resources.size);
     let none = TextureUsages::empty();
-    let depth = studio
-        .kit
-        .target("depth", size, depth_format(studio.kit.device), 1, none)
+    let depth = resources
+        .factory
+        .target("depth", size, depth_format(resources.factory.device), 1, none)
         .create_view(&wgpu::TextureViewDescriptor::default());
-    let layers = studio.kit.layers("light", size, PARTS as u32, PART.format, TextureUsages::TEXTURE_BINDING);
+    let layers = resources.factory.layers("light", size, PARTS as u32, PART.format, TextureUsages::TEXTURE_BINDING);
     let attachments = (0..PARTS as u32).map(|layer| {
         let color = layers.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),

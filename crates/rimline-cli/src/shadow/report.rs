@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use rimline::gpu::{ReadError, read_back_vec};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics, Statistics};
-use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PAPER, COUNT_ZP_PLUS};
+use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use serde_json::{Value, json};
 
 use super::caster::Caster;
 use super::counts::{self, CountBound};
-use super::set::Set;
+use super::shadow_scene::ShadowScene;
 use crate::device::{Gpu, describe};
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
@@ -45,14 +45,14 @@ fn counting(light: &ShadowLight) -> &'static str {
         COUNT_Z_PASS => "z-pass",
         COUNT_ZP_PLUS => "zp+",
         COUNT_Z_FAIL => "z-fail",
-        COUNT_ZP_PAPER => "zp+paper",
+        COUNT_ZP_PLUS_2005 => "zp+paper",
         _ => "unknown",
     }
 }
 
 impl Report {
     /// Waits for the device.
-    pub(super) fn read(gpu: &Gpu, set: &Set<'_>, casters: &[Caster]) -> Result<Self, ReadError> {
+    pub(super) fn read(gpu: &Gpu, set: &ShadowScene<'_>, casters: &[Caster]) -> Result<Self, ReadError> {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let samples = set.samples();
         let mut found = Vec::new();
@@ -76,8 +76,12 @@ impl Report {
             adapter: describe(&gpu.info),
             bound: CountBound::new(&bounds),
             found,
-            lights: set.lamps.iter().map(|lamp| (lamp.light.to_array(), lamp.range, lamp.color)).collect(),
-            samples: samples / set.lamps.len().max(1),
+            lights: set
+                .shaded_lights
+                .iter()
+                .map(|shaded| (shaded.light.to_array(), shaded.range, shaded.color))
+                .collect(),
+            samples: samples / set.shaded_lights.len().max(1),
         })
     }
 

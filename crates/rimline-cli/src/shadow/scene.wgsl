@@ -33,7 +33,7 @@ struct Frame {
 }
 
 // A light, or a sample of one with an area.
-struct Lamp {
+struct ShadedLight {
   // Homogeneous, relative to the eye, in units.
   light: vec4<f32>,
   color: vec3<f32>,
@@ -53,7 +53,7 @@ struct Lamp {
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<uniform> lamp: Lamp;
+@group(1) @binding(0) var<uniform> shaded: ShadedLight;
 
 fn from_eye(position: vec3<f32>) -> vec3<f32> {
   return frame.per_unit * (position - frame.eye);
@@ -95,28 +95,28 @@ struct Arriving {
 
 // Bergeron's falloff, as `rimline::shadow::falloff`.
 fn falloff(distance: f32) -> f32 {
-  if (distance >= lamp.range) {
+  if (distance >= shaded.range) {
     return 0.0;
   }
-  if (distance <= lamp.begin) {
+  if (distance <= shaded.begin) {
     return 1.0;
   }
-  let left = saturate((lamp.range - distance) / (lamp.range - lamp.begin));
-  return select(0.0, pow(left, lamp.exponent), left > 0.0);
+  let left = saturate((shaded.range - distance) / (shaded.range - shaded.begin));
+  return select(0.0, pow(left, shaded.exponent), left > 0.0);
 }
 
 fn arriving(q: vec3<f32>) -> Arriving {
-  let l = lamp.light.xyz - lamp.light.w * q;
+  let l = shaded.light.xyz - shaded.light.w * q;
   let towards = direction_of(l);
-  let cone = saturate(lamp.cone_offset - lamp.cone_scale * dot(lamp.axis, towards));
+  let cone = saturate(shaded.cone_offset - shaded.cone_scale * dot(shaded.axis, towards));
   var share = cone * cone;
   var reached = cone > 0.0;
-  if (lamp.range > 0.0) {
+  if (shaded.range > 0.0) {
     let distance = length_of(l);
     share *= falloff(distance);
-    reached = reached && distance < lamp.range;
+    reached = reached && distance < shaded.range;
   }
-  return Arriving(towards, lamp.color * share, reached);
+  return Arriving(towards, shaded.color * share, reached);
 }
 
 // Where in the picture a pixel drawn is.

@@ -50,7 +50,7 @@ fn is_finite(p: vec3<f32>) -> bool {
     return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u);
   }
   let p = position(faces[corner]);
-  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[face] >> lamp.bit) & 1u);
+  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[face] >> shaded.bit) & 1u);
 }
 
 // Towards the eye; interpolated normals may lean away from it at the rim.

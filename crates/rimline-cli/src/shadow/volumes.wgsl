@@ -1,4 +1,4 @@
-// The shadow volumes themselves: sides as tinted glass, and the lines they are made of.
+// The shadow volumes themselves: sides as tinted volume_overlay, and the lines they are made of.
 
 @vertex fn volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
   -> @builtin(position) vec4<f32> {
@@ -13,7 +13,7 @@ struct Edge {
 
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
   // Many lines would hide everything.
-  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(lamp.bit)));
+  let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(shaded.bit)));
   // As a line strip: from infinity along one ray, along the edge, and out along the other.
   return Edge(corner(instance, vertex >= 2u, vertex == 0u || vertex == 3u), opacity);
 }
@@ -24,7 +24,7 @@ fn is_finite(p: vec3<f32>) -> bool {
 }
 
 fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
-  let edge = rimline_silhouette(lamp.bit, instance);
+  let edge = rimline_silhouette(shaded.bit, instance);
   let a = rimline_position(edge.a);
   let b = rimline_position(edge.b);
   if (!edge.valid || !is_finite(a) || !is_finite(b)) {
@@ -32,21 +32,21 @@ fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
   }
   let p = select(a, b, second);
   if (far) {
-    return direction_to_clip(lamp.light.w * from_eye(p) - lamp.light.xyz);
+    return direction_to_clip(shaded.light.w * from_eye(p) - shaded.light.xyz);
   }
   return to_clip(p);
 }
 
 fn tint() -> vec3<f32> {
-  let brightest = max(max(lamp.color.r, lamp.color.g), max(lamp.color.b, 1e-6));
-  return lamp.color / brightest;
+  let brightest = max(max(shaded.color.r, shaded.color.g), max(shaded.color.b, 1e-6));
+  return shaded.color / brightest;
 }
 
 @fragment fn volumes_fragment() -> @location(0) vec4<f32> {
-  let glass = mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36);
-  return vec4<f32>(glass / frame.exposure, 0.14 * lamp.density);
+  let volume_overlay = mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36);
+  return vec4<f32>(volume_overlay / frame.exposure, 0.14 * shaded.density);
 }
 
 @fragment fn edges_fragment(in: Edge) -> @location(0) vec4<f32> {
-  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, in.opacity * lamp.density);
+  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, in.opacity * shaded.density);
 }

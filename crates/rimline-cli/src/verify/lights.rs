@@ -2,7 +2,7 @@
 
 use rimline::Light;
 
-/// Two words of lights, the second not full.
+/// Two batches of lights, the second not full.
 pub(super) const COUNT: usize = 40;
 
 /// Points and directions about the mesh, some of them on its vertices and edges, in its faces' planes, with other w.

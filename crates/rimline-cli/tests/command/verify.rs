@@ -66,7 +66,7 @@ fn all_equal(json: &Value, files: usize, devices: usize) -> Outcome {
     for file in list {
         let results = file["results"].as_array().ok_or("no results")?;
         ensure!(results.len() == devices && results.iter().all(|result| result["equal"] == true), "{file:#}");
-        ensure!(file["lights"].as_u64() > Some(32), "not two words of lights: {file:#}");
+        ensure!(file["lights"].as_u64() > Some(32), "not two batches of lights: {file:#}");
     }
     Ok(())
 }

@@ -83,7 +83,7 @@ fn workgroup_bytes(module: &Module, info: &naga::valid::ModuleInfo, entry_point:
         .sum()
 }
 
-/// Two stages of shadow volumes take a workgroup a light of a word, and a query takes 64 points of a word of lights, as many
+/// Two stages of shadow volumes take a workgroup a light of a word, and a query takes 64 points of a batch of lights, as many
 /// invocations a workgroup. What else is too much for one dispatch is cut, or takes turns.
 fn workgroups(subject: Subject) -> u64 {
     if matches!(subject, Subject::Shadow | Subject::Query) { 32 } else { 1 }

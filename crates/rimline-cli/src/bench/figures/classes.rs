@@ -1,7 +1,7 @@
 //! What the classes of scenes are.
 
+use super::super::bench_mesh::ORDINARY;
 use super::super::results::Results;
-use super::super::subject::ORDINARY;
 use super::super::text::grouped;
 use crate::page::{Figure, Table};
 

@@ -1,9 +1,9 @@
 //! What exactness costs.
 
+use super::super::bench_mesh::ORDINARY;
 use super::super::measure::Summary;
 use super::super::method::{CPU_EXACT, CPU_FAST, GPU_EXACT, GPU_FAST};
 use super::super::results::{Results, Row};
-use super::super::subject::ORDINARY;
 use super::super::text::{figures, grouped, times};
 use super::{lights_text, usual_lights};
 use crate::chart::{Axis, Bars, BarsKind, Chart, Group, Key, Scale, Value};

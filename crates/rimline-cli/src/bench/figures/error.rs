@@ -2,9 +2,9 @@
 
 use rimline_measure::error_metrics::Score;
 
+use super::super::bench_mesh::ORDINARY;
 use super::super::method::{CPU_EXACT, Contestant, GPU_EXACT};
 use super::super::results::{Entry, Results, Row};
-use super::super::subject::ORDINARY;
 use super::super::text::{figures, grouped, tick};
 use super::{lights_text, usual_lights};
 use crate::chart::{Axis, Chart, Curve, Plane, Point, Scale, ZeroBand};

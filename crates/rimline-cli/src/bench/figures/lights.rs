@@ -50,7 +50,7 @@ pub(super) fn time_against_lights(results: &Results, all: &[usize]) -> Option<Fi
     Some(Figure {
         id: "time_against_lights",
         title: format!("Run time against lights, closed mesh of {} faces", grouped(faces)),
-        lead: "A word of 32 lights is decided and compared at once, so many lights cost less than each by itself."
+        lead: "A batch of 32 lights is decided and compared at once, so many lights cost less than each by itself."
             .to_owned(),
         chart: Some(chart),
         table,

@@ -22,7 +22,7 @@ pub(crate) const AUTO: &str = "auto";
 pub(crate) const METHODS: [ShadowMethod; 5] = [
     method(Z_PASS, "z-pass", Counting::ZPass, 6, 2),
     method(Z_FAIL, "z-fail", Counting::ZFail, 0, 1),
-    method("zp+paper", "ZP+ as published", Counting::ZpPlusPaper, 1, 4),
+    method("zp+paper", "ZP+ as published", Counting::ZpPlus2005, 1, 4),
     method("zp+", "ZP+ clipped", Counting::ZpPlus, 2, 3),
     method(AUTO, "auto", Counting::Auto, 4, 0),
 ];

@@ -3,10 +3,10 @@
 use serde_json::{Value, json};
 
 use super::super::measure::Summary;
-use super::super::results::summary_json;
+use super::super::summary_json::summary_json;
 use super::method::{METHODS, ShadowMethod, Z_PASS};
+use super::renderer::FrameTime;
 use super::scene::Path;
-use super::theatre::FrameTime;
 
 /// Everything.
 pub(crate) struct ShadowResults {

@@ -5,7 +5,7 @@ use rimline::Light;
 use rimline::reference::cpu;
 use rimline_measure::shapes::Shape;
 
-use super::theatre::Stage;
+use super::renderer::Stage;
 use crate::render::camera::Camera;
 use crate::shadow::frame::shadow_camera;
 use rimline_measure::rays::Tracer;

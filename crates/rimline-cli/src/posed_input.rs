@@ -1,24 +1,24 @@
-//! A model at a moment: what `extract`, `query` and `draw` read before they open a device.
+//! A model at a posed: what `extract`, `query` and `draw` read before they open a device.
 
 use std::path::Path;
 
 use rimline::{Displacement, Light};
 
-use crate::args::{ModelArgs, MomentArgs};
 use crate::device::{self, Device, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, UsageError};
 use crate::input::{Input, Scene};
+use crate::input_args::{ModelArgs, MomentArgs};
 use crate::spec::LightSpec;
 
-pub(crate) struct Moment<'a> {
+pub(crate) struct PosedInput<'a> {
     args: &'a MomentArgs,
     pub(crate) input: Input,
     animation: Option<usize>,
     pub(crate) displacement: Option<Displacement>,
 }
 
-impl<'a> Moment<'a> {
+impl<'a> PosedInput<'a> {
     /// Reads the model and the displacement.
     pub(crate) fn read(args: &'a MomentArgs, model: &ModelArgs) -> Result<Self, Failure> {
         if Wanted::parse(&args.device.device) == Wanted::Cpu && args.displace.is_some() {

@@ -1,17 +1,17 @@
-//! A file's model at one moment.
+//! A file's model at one posed.
 
 use rimline::reference::cpu::is_finite;
 use rimline::{Displacement, wgpu};
 
-use crate::args::PoseArgs;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::input::{Input, Scene, Shape};
+use crate::input_args::PoseArgs;
 use crate::positions::Positions;
 
 /// A model and where its vertices are.
-pub(crate) struct Body<'a> {
+pub(crate) struct PosedModel<'a> {
     pub(crate) input: &'a Input,
     animation: Option<usize>,
     displaced: bool,
@@ -21,7 +21,7 @@ pub(crate) struct Body<'a> {
     pub(crate) world: Vec<[f32; 3]>,
 }
 
-impl<'a> Body<'a> {
+impl<'a> PosedModel<'a> {
     pub(crate) fn new(
         gpu: &Gpu,
         input: &'a Input,
@@ -37,7 +37,7 @@ impl<'a> Body<'a> {
         Ok(body)
     }
 
-    /// Moves to another moment.
+    /// Moves to another posed.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         if let Shape::Posed { .. } = self.scene.shape {
             self.scene = self.input.scene(self.animation, time_s, self.displaced)?;

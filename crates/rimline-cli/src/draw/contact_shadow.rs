@@ -3,27 +3,28 @@
 use rimline::wgpu;
 use wgpu::{BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, TextureFormat};
 
-use super::picture::color_pass;
-use crate::render::kit::{Kit, Pass};
+use super::passes::color_pass;
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
 const SIZE: u32 = 512;
 const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
 /// Records the map and returns the group that `shadow.wgsl` reads it with.
 pub(super) fn record(
-    kit: &Kit<'_>,
+    factory: &PipelineFactory<'_>,
     encoder: &mut wgpu::CommandEncoder,
     geometry: (&BindGroupLayout, &BindGroup),
     corners: u32,
 ) -> (BindGroupLayout, BindGroup) {
     let [first, second] = ["contact map", "blurred contact map"].map(|label| {
-        kit.target(label, [SIZE; 2], FORMAT, 1, wgpu::TextureUsages::TEXTURE_BINDING)
+        factory
+            .target(label, [SIZE; 2], FORMAT, 1, wgpu::TextureUsages::TEXTURE_BINDING)
             .create_view(&wgpu::TextureViewDescriptor::default())
     });
     // Whatever is nearest to the ground counts, in any order.
     let nearest =
         BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Max };
-    let below = kit.pipeline(&Pass {
+    let below = factory.pipeline(&Pass {
         name: "below",
         vertex: "below",
         source: include_str!("ground.wgsl"),
@@ -39,12 +40,12 @@ pub(super) fn record(
     {
         let mut pass = color_pass(encoder, "below", &first, None, wgpu::LoadOp::Clear(wgpu::Color::BLACK), None);
         pass.set_pipeline(&below);
-        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_bind_group(1, geometry.1, &[]);
         pass.draw(0..corners, 0..1);
     }
 
-    let layout = kit.layout(&[
+    let layout = factory.layout(&[
         wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -52,20 +53,20 @@ pub(super) fn record(
         },
         wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
     ]);
-    let sampler = kit.device.create_sampler(&wgpu::SamplerDescriptor {
+    let sampler = factory.device.create_sampler(&wgpu::SamplerDescriptor {
         mag_filter: wgpu::FilterMode::Linear,
         min_filter: wgpu::FilterMode::Linear,
         ..Default::default()
     });
     let group = |view| {
         let resources = [wgpu::BindingResource::TextureView(view), wgpu::BindingResource::Sampler(&sampler)];
-        kit.group(&layout, &resources)
+        factory.group(&layout, &resources)
     };
     let groups = [group(&first), group(&second)];
     for (step, across) in [(1.6, true), (1.6, false), (0.7, true), (0.7, false)] {
         let (source, target) = if across { (0, &second) } else { (1, &first) };
         let step = if across { [step, 0.0] } else { [0.0, step] };
-        let pipeline = kit.pipeline(&Pass {
+        let pipeline = factory.pipeline(&Pass {
             name: "blur",
             vertex: "blur",
             source: include_str!("blur.wgsl"),
@@ -80,7 +81,7 @@ pub(super) fn record(
         });
         let mut pass = color_pass(encoder, "blur", target, None, wgpu::LoadOp::Clear(wgpu::Color::BLACK), None);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_bind_group(1, &groups[source], &[]);
         pass.draw(0..3, 0..1);
     }

@@ -16,9 +16,9 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 use crate::render::camera::Camera;
-use crate::render::kit::{Kit, Pass};
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
 use crate::shadow::frame::shadow_camera;
-use crate::shadow::painter::{ADD, Onto};
+use crate::shadow::receiver_pipelines::{ADD, Onto};
 
 /// What is drawn: the caster, and the room that receives.
 pub(super) struct Stage<'a> {
@@ -55,10 +55,10 @@ const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// The passes that draw, as the timer has them.
 const PASSES: [&str; 3] = ["depth", "stencil", "light"];
 
-pub(super) struct Theatre<'a> {
+pub(super) struct ShadowBenchRenderer<'a> {
     gpu: &'a Gpu,
     stage: &'a Stage<'a>,
-    kit: Kit<'a>,
+    factory: PipelineFactory<'a>,
     depth: wgpu::RenderPipeline,
     light: wgpu::RenderPipeline,
     /// Each with its number of corners.
@@ -74,18 +74,18 @@ pub(super) struct Theatre<'a> {
     timer: Option<StageTimer>,
 }
 
-impl<'a> Theatre<'a> {
+impl<'a> ShadowBenchRenderer<'a> {
     pub(super) fn new(gpu: &'a Gpu, stage: &'a Stage<'a>, method: &ShadowMethod) -> Result<Self, GpuError> {
         let nothing = vec![0; size_of::<Frame>()];
-        let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), &nothing);
+        let factory = PipelineFactory::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), &nothing);
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let layout = kit.layout(&[storage, storage]);
+        let layout = factory.layout(&[storage, storage]);
         let pipeline = |name, onto: Onto, blend| {
-            kit.pipeline(&Pass {
+            factory.pipeline(&Pass {
                 name,
                 vertex: "surface",
                 source: "",
@@ -100,20 +100,20 @@ impl<'a> Theatre<'a> {
             })
         };
         let [depth, light] = [pipeline("ambient", Onto::Nearest, None), pipeline("lit", Onto::Lit, ADD)];
-        let positions = kit.buffer(&gpu.queue, "positions", bytemuck::cast_slice(&stage.caster.positions));
+        let positions = factory.buffer(&gpu.queue, "positions", bytemuck::cast_slice(&stage.caster.positions));
         let body = |shape: &Shape, positions: &wgpu::Buffer| {
-            let faces = kit.buffer(&gpu.queue, "faces", bytemuck::cast_slice(&shape.faces));
+            let faces = factory.buffer(&gpu.queue, "faces", bytemuck::cast_slice(&shape.faces));
             let buffers = [positions, &faces].map(wgpu::Buffer::as_entire_binding);
-            (kit.group(&layout, &buffers), 3 * shape.faces.len() as u32)
+            (factory.group(&layout, &buffers), 3 * shape.faces.len() as u32)
         };
-        let walls = kit.buffer(&gpu.queue, "walls", bytemuck::cast_slice(&stage.room.positions));
+        let walls = factory.buffer(&gpu.queue, "walls", bytemuck::cast_slice(&stage.room.positions));
         let bodies = [body(stage.caster, &positions), body(stage.room, &walls)];
         let extractor = Extractor::new(&gpu.pipelines, stage.mesh, ExtractorOptions::default())?;
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let pipelines = ShadowPipelines::new(&gpu.pipelines, &format, method.counting)?;
         let volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
         let size = [stage.size; 2];
-        let texture = |label, format, usage| kit.target(label, size, format, 1, usage);
+        let texture = |label, format, usage| factory.target(label, size, format, 1, usage);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth_texture = texture("depth", DEPTH, TextureUsages::COPY_SRC);
         Ok(Self {
@@ -131,7 +131,7 @@ impl<'a> Theatre<'a> {
             depth_view: view(&depth_texture),
             depth_texture,
             timer: StageTimer::new(&gpu.device, &gpu.queue),
-            kit,
+            factory,
         })
     }
 
@@ -146,7 +146,7 @@ impl<'a> Theatre<'a> {
             light: [x - camera.eye.x, y - camera.eye.y, z - camera.eye.z],
             reserved_1: 0,
         };
-        self.kit.set_frame(&gpu.queue, bytemuck::bytes_of(&frame));
+        self.factory.set_frame(&gpu.queue, bytemuck::bytes_of(&frame));
         let mut timer = self.timer.take();
         let time = match &mut timer {
             Some(timer) => self.timed(&view, light, timer).map_err(|error| error.on(gpu)),
@@ -257,7 +257,7 @@ impl<'a> Theatre<'a> {
             return Ok(());
         }
         pass.set_pipeline(if is_first { &self.depth } else { &self.light });
-        pass.set_bind_group(0, &self.kit.frame_group, &[]);
+        pass.set_bind_group(0, &self.factory.frame_group, &[]);
         for (group, corners) in &self.bodies {
             pass.set_bind_group(1, group, &[]);
             pass.draw(0..*corners, 0..1);

@@ -4,19 +4,20 @@ use rimline::gpu::{Extraction, PositionBuffer, include_wgsl, results_bind_group_
 use rimline::wgpu;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, PrimitiveTopology, TextureFormat, TextureUsages};
 
-use super::contact;
+use super::contact_shadow;
 use super::frame::Frame;
+use super::passes::{color_pass, depth_test};
 use super::survey::{SEEN, Survey};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::kit::{Kit, Pass};
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
 /// The picture's format: sRGB, so that blending and resolving work on light.
 pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 const SAMPLES: u32 = 4;
 
 /// What is drawn.
-pub(super) struct Subject<'a> {
+pub(super) struct DrawInputs<'a> {
     /// Tightly packed.
     pub(super) positions: PositionBuffer<'a>,
     /// Faces with finite corners only.
@@ -33,7 +34,7 @@ pub(super) fn record(
     encoder: &mut wgpu::CommandEncoder,
     frame: &Frame,
     size: [u32; 2],
-    subject: &Subject<'_>,
+    subject: &DrawInputs<'_>,
 ) -> Result<wgpu::Texture, GpuError> {
     let canvas = Canvas::new(gpu, frame, size);
     let faces = canvas.model(gpu, encoder, frame, subject);
@@ -44,7 +45,7 @@ pub(super) fn record(
 
 /// The targets, and what reads them.
 struct Canvas<'a> {
-    kit: Kit<'a>,
+    factory: PipelineFactory<'a>,
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
     survey: Survey,
@@ -56,20 +57,21 @@ struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     fn new(gpu: &'a Gpu, frame: &Frame, size: [u32; 2]) -> Self {
-        let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), bytemuck::bytes_of(frame));
-        let target = |label, format, samples, usage| view(&kit.target(label, size, format, samples, usage));
+        let factory =
+            PipelineFactory::new(&gpu.device, &gpu.queue, include_str!("frame.wgsl"), bytemuck::bytes_of(frame));
+        let target = |label, format, samples, usage| view(&factory.target(label, size, format, samples, usage));
         let readable = TextureUsages::TEXTURE_BINDING;
-        let survey = Survey::new(&kit, size, frame.places());
-        let seen_layout = kit.layout(&[SEEN]);
+        let survey = Survey::new(&factory, size, frame.places());
+        let seen_layout = factory.layout(&[SEEN]);
         Self {
             colour: target("colour", FORMAT, SAMPLES, TextureUsages::empty()),
             depth: target("depth", TextureFormat::Depth32Float, SAMPLES, TextureUsages::empty()),
-            seen_group: kit.group(&seen_layout, &[wgpu::BindingResource::TextureView(&survey.seen)]),
+            seen_group: factory.group(&seen_layout, &[wgpu::BindingResource::TextureView(&survey.seen)]),
             survey,
             seen_layout,
             occlusion: target("occlusion", TextureFormat::R8Unorm, 1, readable),
-            finished: kit.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
-            kit,
+            finished: factory.target("picture", size, FORMAT, 1, TextureUsages::COPY_SRC),
+            factory,
         }
     }
 
@@ -79,36 +81,38 @@ impl<'a> Canvas<'a> {
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
-        subject: &Subject<'_>,
+        subject: &DrawInputs<'_>,
     ) -> wgpu::Buffer {
-        let kit = &self.kit;
+        let factory = &self.factory;
         let storage = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: true },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let faces = kit.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(subject.faces));
-        let normals = kit.buffer(&gpu.queue, "normals", bytemuck::cast_slice(subject.normals));
-        let layout = kit.layout(&[storage; 3]);
+        let faces = factory.buffer(&gpu.queue, "drawn faces", bytemuck::cast_slice(subject.faces));
+        let normals = factory.buffer(&gpu.queue, "normals", bytemuck::cast_slice(subject.normals));
+        let layout = factory.layout(&[storage; 3]);
         let resources = [subject.positions.buffer, &faces, &normals].map(wgpu::Buffer::as_entire_binding);
-        let geometry = kit.group(&layout, &resources);
+        let geometry = factory.group(&layout, &resources);
         let corners = 3 * subject.faces.len() as u32;
-        self.survey.record(kit, encoder, (&layout, &geometry), corners);
-        let shadow = frame.sees_ground().then(|| contact::record(kit, encoder, (&layout, &geometry), corners));
+        self.survey.record(factory, encoder, (&layout, &geometry), corners);
+        let shadow =
+            frame.sees_ground().then(|| contact_shadow::record(factory, encoder, (&layout, &geometry), corners));
 
         let triangles = PrimitiveTopology::TriangleList;
-        let backdrop = onto_picture(kit, "backdrop", include_str!("backdrop.wgsl"), &[], triangles, None, Some(false));
+        let backdrop =
+            onto_picture(factory, "backdrop", include_str!("backdrop.wgsl"), &[], triangles, None, Some(false));
         let surface =
-            onto_picture(kit, "surface", include_str!("surface.wgsl"), &[&layout], triangles, None, Some(true));
+            onto_picture(factory, "surface", include_str!("surface.wgsl"), &[&layout], triangles, None, Some(true));
         let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
         let mut pass = color_pass(encoder, "model", &self.colour, None, clear, Some(&self.depth));
-        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_pipeline(&backdrop);
         pass.draw(0..3, 0..1);
         if let Some((layout, group)) = &shadow {
             let source = include_str!("shadow.wgsl");
             let strip = PrimitiveTopology::TriangleStrip;
-            let pipeline = onto_picture(kit, "shadow", source, &[layout], strip, Some(MULTIPLY), Some(false));
+            let pipeline = onto_picture(factory, "shadow", source, &[layout], strip, Some(MULTIPLY), Some(false));
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(1, group, &[]);
             pass.draw(0..4, 0..1);
@@ -122,7 +126,7 @@ impl<'a> Canvas<'a> {
 
     /// How little light from all around comes to each pixel.
     fn occlusion(&self, encoder: &mut wgpu::CommandEncoder) {
-        let pipeline = self.kit.pipeline(&Pass {
+        let pipeline = self.factory.pipeline(&Pass {
             name: "occlusion",
             vertex: "occlusion",
             source: include_str!("occlusion.wgsl"),
@@ -138,7 +142,7 @@ impl<'a> Canvas<'a> {
         let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
         let mut pass = color_pass(encoder, "occlusion", &self.occlusion, None, clear, None);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &self.kit.frame_group, &[]);
+        pass.set_bind_group(0, &self.factory.frame_group, &[]);
         pass.set_bind_group(1, &self.seen_group, &[]);
         pass.draw(0..3, 0..1);
     }
@@ -148,26 +152,27 @@ impl<'a> Canvas<'a> {
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        subject: &Subject<'_>,
+        subject: &DrawInputs<'_>,
         faces: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
-        let kit = &self.kit;
+        let factory = &self.factory;
         let occlusion_type = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let layout = kit.layout(&[SEEN, occlusion_type]);
-        let group = kit.group(&layout, &[&self.survey.seen, &self.occlusion].map(wgpu::BindingResource::TextureView));
+        let layout = factory.layout(&[SEEN, occlusion_type]);
+        let group =
+            factory.group(&layout, &[&self.survey.seen, &self.occlusion].map(wgpu::BindingResource::TextureView));
         let source = include_str!("darken.wgsl");
         let triangles = PrimitiveTopology::TriangleList;
-        let darken = onto_picture(kit, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
+        let darken = onto_picture(factory, "darken", source, &[&layout], triangles, Some(MULTIPLY), None);
         let extraction = subject.extraction;
         let results_layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let results = extraction.bind_group(&results_layout, 0)?;
-        let (lines_layout, lines_group) = self.survey.group(kit, subject.positions.buffer, faces);
+        let (lines_layout, lines_group) = self.survey.group(factory, subject.positions.buffer, faces);
         let lines = onto_picture(
-            kit,
+            factory,
             "lines",
             &format!("{}\n{}", include_wgsl(2), include_str!("lines.wgsl")),
             &[&lines_layout, &results_layout],
@@ -178,7 +183,7 @@ impl<'a> Canvas<'a> {
         let finished = view(&self.finished);
         let load = wgpu::LoadOp::Load;
         let mut pass = color_pass(encoder, "lines", &self.colour, Some(&finished), load, None);
-        pass.set_bind_group(0, &kit.frame_group, &[]);
+        pass.set_bind_group(0, &factory.frame_group, &[]);
         pass.set_pipeline(&darken);
         pass.set_bind_group(1, &group, &[]);
         pass.draw(0..3, 0..1);
@@ -197,7 +202,7 @@ fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
 
 /// A pipeline onto the multisampled picture.
 fn onto_picture(
-    kit: &Kit<'_>,
+    factory: &PipelineFactory<'_>,
     name: &'static str,
     source: &str,
     groups: &[&wgpu::BindGroupLayout],
@@ -205,7 +210,7 @@ fn onto_picture(
     blend: Option<BlendState>,
     depth: Option<bool>,
 ) -> wgpu::RenderPipeline {
-    kit.pipeline(&Pass {
+    factory.pipeline(&Pass {
         name,
         vertex: name,
         source,
@@ -220,48 +225,9 @@ fn onto_picture(
     })
 }
 
-/// The nearest is drawn and written, or whatever comes without being written.
-pub(super) fn depth_test(write: bool) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: TextureFormat::Depth32Float,
-        depth_write_enabled: Some(write),
-        depth_compare: Some(if write { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
-    }
-}
-
 /// What is there times what is drawn.
 const MULTIPLY: BlendState = {
     let multiply =
         BlendComponent { src_factor: BlendFactor::Dst, dst_factor: BlendFactor::Zero, operation: BlendOperation::Add };
     BlendState { color: multiply, alpha: BlendComponent::OVER }
 };
-
-/// A pass onto one colour target, and a depth buffer that is cleared to the infinitely far.
-pub(super) fn color_pass<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    label: &str,
-    target: &wgpu::TextureView,
-    resolve_target: Option<&wgpu::TextureView>,
-    load: wgpu::LoadOp<wgpu::Color>,
-    depth: Option<&wgpu::TextureView>,
-) -> wgpu::RenderPass<'e> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target,
-            depth_slice: None,
-            resolve_target,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        })],
-        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: None,
-        occlusion_query_set: None,
-        multiview_mask: None,
-    })
-}

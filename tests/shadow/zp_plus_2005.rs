@@ -34,7 +34,7 @@ fn published() -> Result<(), String> {
         let frames = if is_long() { 105 } else { 1 + 2 * u64::from(is_outside) };
         for number in 0..frames {
             let traced = Traced::new(class, number);
-            let counted = renderer.count(&traced.frame, Counting::ZpPlusPaper)?;
+            let counted = renderer.count(&traced.frame, Counting::ZpPlus2005)?;
             let lit = traced.compared().lit(&counted.stencils[0], &every(&counted, 0));
             if is_outside {
                 let ours = renderer.count(&traced.frame, Counting::Auto)?;
@@ -71,7 +71,7 @@ fn twin(frame: &Frame, chosen: &[Vec<ShadowLight>]) -> Result<Vec<u32>, String> 
             let ends = silhouettes.map(|(edge, _)| edge.map(|vertex| shape.positions[vertex as usize]));
             Ok(match lights[0].casting {
                 0 => 0,
-                _ if cpu::paper_cases(&view, &lights[0], ends) => Z_FAIL,
+                _ if cpu::zp_plus_2005_cases(&view, &lights[0], ends) => Z_FAIL,
                 _ => ZP_PLUS_PAPER,
             })
         })
@@ -87,7 +87,7 @@ fn switches() -> Result<(), String> {
         for number in 30..if is_long() { 60 } else { 33 } {
             let seed = seed(class, number);
             let frame = (class.frame)(&mut Random::new(seed));
-            let counted = Renderer::new(&gpu).count(&frame, Counting::ZpPlusPaper)?;
+            let counted = Renderer::new(&gpu).count(&frame, Counting::ZpPlus2005)?;
             let got: Vec<u32> = counted.chosen.iter().map(|lights| lights[0].counting).collect();
             let expected = twin(&frame, &counted.chosen)?;
             if got != expected {

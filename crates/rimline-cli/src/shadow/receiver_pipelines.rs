@@ -8,9 +8,9 @@ use wgpu::{
 
 use super::caster::Caster;
 use super::depth::depth_format;
-use crate::render::kit::{Kit, Pass};
+use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
-/// Which pixels a painter draws onto.
+/// Which pixels a receivers draws onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Onto {
     /// What is nearest, and it is so found.
@@ -22,7 +22,7 @@ pub(crate) enum Onto {
     Shadowed,
 }
 
-/// What a painter does to the colour that is there.
+/// What a receivers does to the colour that is there.
 pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
 /// There times drawn.
 pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));
@@ -41,32 +41,32 @@ pub(super) struct Target {
 
 /// Bind groups' layouts beyond the frame's.
 pub(super) struct Layouts {
-    pub(super) lamp: wgpu::BindGroupLayout,
+    pub(super) shaded: wgpu::BindGroupLayout,
     pub(super) geometry: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
-    pub(super) fn new(kit: &Kit<'_>) -> Self {
+    pub(super) fn new(factory: &PipelineFactory<'_>) -> Self {
         let buffer =
             |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
         Self {
-            lamp: kit.layout(&[buffer(uniform, true)]),
-            geometry: kit.layout(&[buffer(uniform, false), storage, storage, storage, storage]),
+            shaded: factory.layout(&[buffer(uniform, true)]),
+            geometry: factory.layout(&[buffer(uniform, false), storage, storage, storage, storage]),
         }
     }
 }
 
 /// Draws bodies and ground with fragment shaders of one name.
-pub(super) struct Painter {
+pub(super) struct ReceiverPipelines {
     surface: wgpu::RenderPipeline,
     ground: wgpu::RenderPipeline,
 }
 
-impl Painter {
+impl ReceiverPipelines {
     pub(super) fn new(
-        kit: &Kit<'_>,
+        factory: &PipelineFactory<'_>,
         layouts: &Layouts,
         target: Target,
         fragment: &'static str,
@@ -75,7 +75,7 @@ impl Painter {
         write: ColorWrites,
     ) -> Self {
         let pipeline = |vertex, source, groups: &[&wgpu::BindGroupLayout]| {
-            kit.pipeline(&Pass {
+            factory.pipeline(&Pass {
                 name: fragment,
                 vertex,
                 source,
@@ -85,13 +85,13 @@ impl Painter {
                 blend,
                 samples: target.samples,
                 write,
-                depth: Some(onto.state(depth_format(kit.device))),
+                depth: Some(onto.state(depth_format(factory.device))),
                 constants: &[],
             })
         };
         Self {
-            surface: pipeline("surface", include_str!("surface.wgsl"), &[&layouts.lamp, &layouts.geometry]),
-            ground: pipeline("ground", include_str!("ground.wgsl"), &[&layouts.lamp]),
+            surface: pipeline("surface", include_str!("surface.wgsl"), &[&layouts.shaded, &layouts.geometry]),
+            ground: pipeline("ground", include_str!("ground.wgsl"), &[&layouts.shaded]),
         }
     }
 

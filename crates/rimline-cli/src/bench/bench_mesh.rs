@@ -10,7 +10,7 @@ pub(crate) const ORDINARY: &str = "ordinary";
 
 /// A mesh to be measured, not made yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Subject {
+pub(crate) enum BenchMesh {
     /// A torus of about so many faces.
     Torus(usize),
     /// A stress scene, by name.
@@ -33,7 +33,7 @@ pub(crate) struct Case<'a> {
     pub(crate) lights: &'a [Light],
 }
 
-impl Subject {
+impl BenchMesh {
     pub(crate) fn make(self) -> Result<Made, MeshError> {
         match self {
             Self::Torus(faces) => {

@@ -7,23 +7,23 @@ use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 use super::caster::Caster;
 use super::depth::depth_format;
 use super::frame::Frame;
-use super::lamps::LampData;
-use super::painter::{Layouts, Onto, Painter, Target};
+use super::receiver_pipelines::{Layouts, Onto, ReceiverPipelines, Target};
+use super::shaded_lights::ShadedLightData;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::kit::Kit;
+use crate::render::pipeline_factory::PipelineFactory;
 
 /// Everything that stays from frame to frame.
-pub(crate) struct Studio<'a> {
-    pub(crate) kit: Kit<'a>,
+pub(crate) struct RenderResources<'a> {
+    pub(crate) factory: PipelineFactory<'a>,
     pub(super) layouts: Layouts,
     pub(super) size: [u32; 2],
-    lamps: wgpu::Buffer,
+    shaded_lights: wgpu::Buffer,
     lamp_group: wgpu::BindGroup,
 }
 
 /// What a picture is of.
-pub(crate) struct Subject<'a> {
+pub(crate) struct DrawInputs<'a> {
     pub(crate) casters: &'a [Caster],
     /// Of all lights together.
     pub(crate) samples: usize,
@@ -33,18 +33,19 @@ pub(crate) struct Subject<'a> {
 /// From a light's data to the next's.
 const STRIDE: u64 = 256;
 
-impl<'a> Studio<'a> {
+impl<'a> RenderResources<'a> {
     pub(crate) fn new(gpu: &'a Gpu, frame: &Frame, size: [u32; 2], samples: usize) -> Self {
-        let kit = Kit::new(&gpu.device, &gpu.queue, include_str!("scene.wgsl"), bytemuck::bytes_of(frame));
-        let layouts = Layouts::new(&kit);
-        let lamps = kit.uniform(&gpu.queue, "lamps", &vec![0; STRIDE as usize * samples]);
+        let factory =
+            PipelineFactory::new(&gpu.device, &gpu.queue, include_str!("scene.wgsl"), bytemuck::bytes_of(frame));
+        let layouts = Layouts::new(&factory);
+        let shaded_lights = factory.uniform(&gpu.queue, "shaded_lights", &vec![0; STRIDE as usize * samples]);
         let one = wgpu::BufferBinding {
-            buffer: &lamps,
+            buffer: &shaded_lights,
             offset: 0,
-            size: wgpu::BufferSize::new(size_of::<LampData>() as u64),
+            size: wgpu::BufferSize::new(size_of::<ShadedLightData>() as u64),
         };
-        let lamp_group = kit.group(&layouts.lamp, &[wgpu::BindingResource::Buffer(one)]);
-        Self { kit, layouts, size, lamps, lamp_group }
+        let lamp_group = factory.group(&layouts.shaded, &[wgpu::BindingResource::Buffer(one)]);
+        Self { factory, layouts, size, shaded_lights, lamp_group }
     }
 
     pub(crate) fn geometry_layout(&self) -> &wgpu::BindGroupLayout {
@@ -52,21 +53,21 @@ impl<'a> Studio<'a> {
     }
 
     /// Frame and lights, for what is submitted from now on.
-    pub(crate) fn set(&self, gpu: &Gpu, frame: &Frame, lamps: &[LampData]) {
-        self.kit.set_frame(&gpu.queue, bytemuck::bytes_of(frame));
-        for (place, lamp) in (0..).map(|number| number * STRIDE).zip(lamps) {
-            gpu.queue.write_buffer(&self.lamps, place, bytemuck::bytes_of(lamp));
+    pub(crate) fn set(&self, gpu: &Gpu, frame: &Frame, shaded_lights: &[ShadedLightData]) {
+        self.factory.set_frame(&gpu.queue, bytemuck::bytes_of(frame));
+        for (place, shaded) in (0..).map(|number| number * STRIDE).zip(shaded_lights) {
+            gpu.queue.write_buffer(&self.shaded_lights, place, bytemuck::bytes_of(shaded));
         }
     }
 
-    pub(super) fn painter(
+    pub(super) fn receivers(
         &self,
         target: Target,
         fragment: &'static str,
         onto: Onto,
         blend: Option<BlendState>,
-    ) -> Painter {
-        Painter::new(&self.kit, &self.layouts, target, fragment, onto, blend, ColorWrites::ALL)
+    ) -> ReceiverPipelines {
+        ReceiverPipelines::new(&self.factory, &self.layouts, target, fragment, onto, blend, ColorWrites::ALL)
     }
 
     pub(super) fn target(
@@ -76,11 +77,13 @@ impl<'a> Studio<'a> {
         samples: u32,
         usage: TextureUsages,
     ) -> wgpu::TextureView {
-        self.kit.target(label, self.size, format, samples, usage).create_view(&wgpu::TextureViewDescriptor::default())
+        self.factory
+            .target(label, self.size, format, samples, usage)
+            .create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     pub(super) fn select(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) {
-        pass.set_bind_group(0, &self.kit.frame_group, &[]);
+        pass.set_bind_group(0, &self.factory.frame_group, &[]);
         pass.set_bind_group(1, &self.lamp_group, &[light as u32 * STRIDE as u32]);
     }
 
@@ -112,11 +115,11 @@ pub(super) struct Attachments {
 }
 
 impl Attachments {
-    pub(super) fn new(studio: &Studio<'_>, target: Target) -> Self {
+    pub(super) fn new(resources: &RenderResources<'_>, target: Target) -> Self {
         let none = TextureUsages::empty();
         Self {
-            color: studio.target("color", target.format, target.samples, none | TextureUsages::COPY_SRC),
-            depth: studio.target("depth", depth_format(studio.kit.device), target.samples, none),
+            color: resources.target("color", target.format, target.samples, none | TextureUsages::COPY_SRC),
+            depth: resources.target("depth", depth_format(resources.factory.device), target.samples, none),
         }
     }
 

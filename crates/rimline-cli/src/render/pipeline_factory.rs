@@ -3,7 +3,7 @@
 use rimline::wgpu;
 
 /// Makes pipelines and bind groups; group 0 is always the frame.
-pub(crate) struct Kit<'a> {
+pub(crate) struct PipelineFactory<'a> {
     pub(crate) device: &'a wgpu::Device,
     /// WGSL that declares the frame and what every pass knows.
     prelude: &'static str,
@@ -30,7 +30,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) constants: &'a [(&'a str, f64)],
 }
 
-impl<'a> Kit<'a> {
+impl<'a> PipelineFactory<'a> {
     /// `frame` is the uniform that `prelude` declares as group 0, binding 0.
     pub(crate) fn new(device: &'a wgpu::Device, queue: &wgpu::Queue, prelude: &'static str, frame: &[u8]) -> Self {
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {

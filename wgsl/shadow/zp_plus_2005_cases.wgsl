@@ -15,20 +15,20 @@ var<workgroup> found: atomic<u32>;
 
 fn is_case_d(light: ShadowLight, a: vec3<f32>, b: vec3<f32>) -> bool {
   let cuts_edge = is_cut(view, to_clip(view, a)) != is_cut(view, to_clip(view, b));
-  let a_far = direction_to_clip(view, away(light, a));
-  let b_far = direction_to_clip(view, away(light, b));
+  let a_far = direction_to_clip(view, extrusion(light, a));
+  let b_far = direction_to_clip(view, extrusion(light, b));
   return cuts_edge && is_cut(view, a_far) != is_cut(view, b_far);
 }
 
 @compute @workgroup_size(64)
-fn paper_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+fn zp_plus_2005_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
   let number = draw.first_light + group.x;
   let light = shadow_lights[number];
   let count = silhouette_counts[number];
   // A list that overflowed does not say which edges are silhouettes: any edge then counts, and z-fail is right, too.
   let overflowed = count > shape.capacity;
   var edges = select(count, shape.edges, overflowed);
-  if (light.casting == CAST_NOTHING || light.counting != COUNT_ZP_PAPER) {
+  if (light.casting == CAST_NOTHING || light.counting != COUNT_ZP_PLUS_2005) {
     edges = 0u;
   }
   for (var entry = thread; entry < edges; entry += 64u) {

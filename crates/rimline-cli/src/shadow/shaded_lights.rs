@@ -10,13 +10,13 @@ use crate::failure::{Failure, UsageError};
 use crate::input::ChosenLight;
 use crate::render::camera::{AZIMUTH, Camera};
 use crate::shadow::args::ShadowSceneArgs;
-use crate::spec::{AreaKind, AreaSpec, LampSpec, SpecError};
+use crate::spec::{AreaKind, AreaSpec, ShadedLightSpec, SpecError};
 
-use super::body::Body;
+use super::posed_model::PosedModel;
 
 /// A light of the picture.
 #[derive(Clone, Debug)]
-pub(crate) struct Lamp {
+pub(crate) struct ShadedLight {
     pub(crate) light: Light,
     /// Times its intensity.
     pub(crate) color: [f32; 3],
@@ -32,7 +32,7 @@ pub(crate) struct Lamp {
 /// As in `scene.wgsl`.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(crate) struct LampData {
+pub(crate) struct ShadedLightData {
     light: [f32; 4],
     color: [f32; 3],
     range: f32,
@@ -51,30 +51,34 @@ const DEFAULT_COLOR: [f32; 3] = [1.0, 0.95, 0.87];
 
 /// Where the models are: what is chosen for lights and camera follows it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stage {
+pub(crate) struct SceneBounds {
     pub(crate) centre: [f32; 3],
     pub(crate) extent: f32,
     pub(crate) ground: f32,
     pub(crate) bounds: Bounds,
 }
 
-impl Lamp {
+impl ShadedLight {
     /// The lights of the command line, or the one that is there by default.
-    pub(crate) fn all(args: &ShadowSceneArgs, first: &Body<'_>, stage: &Stage) -> Result<Vec<Self>, Failure> {
+    pub(crate) fn all(
+        args: &ShadowSceneArgs,
+        first: &PosedModel<'_>,
+        stage: &SceneBounds,
+    ) -> Result<Vec<Self>, Failure> {
         let mut chosen = Vec::new();
         for spec in &args.lights {
             let wanted = std::slice::from_ref(&spec.light);
-            let lights = first.input.chosen_lights(wanted, first.animation(), args.moment.pose.time)?;
+            let lights = first.input.chosen_lights(wanted, first.animation(), args.posed.pose.time)?;
             check_options(spec, &lights)?;
             chosen.extend(lights.into_iter().map(|light| (spec, light)));
         }
         let of_file = chosen.iter().filter_map(|(_, chosen)| chosen.own.as_ref());
         let brightest = of_file.map(|own| illuminance(own, stage)).fold(0.0, f64::max);
-        let mut lamps: Vec<Self> =
+        let mut shaded_lights: Vec<Self> =
             chosen.iter().map(|(spec, chosen)| Self::new(spec, chosen, brightest, stage)).collect();
-        if lamps.is_empty() {
+        if shaded_lights.is_empty() {
             let light = default_light(args, stage);
-            lamps.push(Self {
+            shaded_lights.push(Self {
                 light,
                 color: DEFAULT_COLOR,
                 range: f32::INFINITY,
@@ -86,15 +90,15 @@ impl Lamp {
             });
         }
         if let Some(area) = args.area {
-            for lamp in &mut lamps {
-                lamp.spread(area, args.samples(), stage);
+            for shaded in &mut shaded_lights {
+                shaded.spread(area, args.samples(), stage);
             }
         }
-        Ok(lamps)
+        Ok(shaded_lights)
     }
 
     /// What the command line says of a light, and else the file. Its file's brightest light counts as 1.
-    fn new(spec: &LampSpec, chosen: &ChosenLight, brightest: f64, stage: &Stage) -> Self {
+    fn new(spec: &ShadedLightSpec, chosen: &ChosenLight, brightest: f64, stage: &SceneBounds) -> Self {
         let light = chosen.light;
         let own = chosen.own.as_ref();
         let relative = |own| if brightest > 0.0 { (illuminance(own, stage) / brightest) as f32 } else { 0.0 };
@@ -113,7 +117,7 @@ impl Lamp {
         }
     }
 
-    fn spread(&mut self, area: AreaSpec, count: usize, stage: &Stage) {
+    fn spread(&mut self, area: AreaSpec, count: usize, stage: &SceneBounds) {
         let normal = vector(stage.centre) - self.place();
         let distance = normal.length().max(1e-3 * f64::from(stage.extent));
         let shape = match area {
@@ -156,8 +160,8 @@ impl Lamp {
         camera: &Camera,
         unit: f32,
         first: usize,
-        lamps: usize,
-    ) -> impl Iterator<Item = LampData> + '_ {
+        shaded_lights: usize,
+    ) -> impl Iterator<Item = ShadedLightData> + '_ {
         let eye = camera.eye.as_dvec3();
         let share = 1.0 / self.samples.len() as f32;
         let unit = f64::from(unit);
@@ -171,14 +175,14 @@ impl Lamp {
             let [x, y, z] = (from_eye / scale).as_vec3().to_array();
             // Of the light's distance times its w, as the shaders have it.
             let reach = |distance: f32| (f64::from(distance) / unit * (w / scale)).min(1e38) as f32;
-            LampData {
+            ShadedLightData {
                 light: [x, y, z, (w / scale) as f32],
                 color: self.color.map(|c| c * share),
                 range: if self.range.is_finite() { reach(self.range).max(f32::MIN_POSITIVE) } else { 0.0 },
                 begin: reach(self.begin),
                 exponent: self.exponent,
                 bit: number as u32 % 32,
-                density: share / lamps as f32,
+                density: share / shaded_lights as f32,
                 axis: self.cone.map_or([0.0; 3], |cone| cone.direction),
                 cone_scale,
                 cone_offset,
@@ -202,13 +206,13 @@ impl Lamp {
     }
 
     /// The shadow that a point throws onto the ground, or as much of the way there as a picture should show.
-    pub(crate) fn shadow_of(&self, point: [f32; 3], stage: &Stage) -> [f32; 3] {
+    pub(crate) fn shadow_of(&self, point: [f32; 3], stage: &SceneBounds) -> [f32; 3] {
         self.shadow_within(point, stage, self.reach(stage))
     }
 
     /// The shadow that a point throws onto the ground, or what lies so many extents along the way there: the point itself
     /// where the light does not come, and no more of the way than the light goes.
-    pub(crate) fn shadow_within(&self, point: [f32; 3], stage: &Stage, extents: f64) -> [f32; 3] {
+    pub(crate) fn shadow_within(&self, point: [f32; 3], stage: &SceneBounds, extents: f64) -> [f32; 3] {
         let p = Vec3::from(point).as_dvec3();
         let Light { xyz, w, .. } = self.light;
         let away = f64::from(w) * p - Vec3::from(xyz).as_dvec3();
@@ -227,7 +231,7 @@ impl Lamp {
 
     /// How far from a point the picture follows its shadow, in extents. Lights beside the models throw shadows one way;
     /// those among them all around, and the picture is of the models first.
-    fn reach(&self, stage: &Stage) -> f64 {
+    fn reach(&self, stage: &SceneBounds) -> f64 {
         const MOST: f64 = 1.3;
         if self.light.w == 0.0 {
             return MOST;
@@ -247,7 +251,7 @@ fn vector(v: [f32; 3]) -> DVec3 {
 
 /// What the file's light brings to the middle of the models, in lux, on a surface across its rays and out of range and
 /// cone. Lights among the models count as half their extent away.
-fn illuminance(own: &SceneLight, stage: &Stage) -> f64 {
+fn illuminance(own: &SceneLight, stage: &SceneBounds) -> f64 {
     let intensity = f64::from(own.intensity);
     if own.light.w == 0.0 {
         return intensity;
@@ -264,7 +268,7 @@ fn cone_ramp(cone: SpotCone) -> [f32; 2] {
 }
 
 /// Refuses options that none of the lights that they are given to can have.
-fn check_options(spec: &LampSpec, lights: &[ChosenLight]) -> Result<(), UsageError> {
+fn check_options(spec: &ShadedLightSpec, lights: &[ChosenLight]) -> Result<(), UsageError> {
     let mut first = None;
     let mut wrong = 0;
     for ChosenLight { light, own } in lights {
@@ -285,7 +289,7 @@ fn check_options(spec: &LampSpec, lights: &[ChosenLight]) -> Result<(), UsageErr
 }
 
 /// To the left of the eye, above, and a little before the models: their shadow falls beside them.
-fn default_light(args: &ShadowSceneArgs, stage: &Stage) -> Light {
+fn default_light(args: &ShadowSceneArgs, stage: &SceneBounds) -> Light {
     let azimuth = AZIMUTH.to_radians();
     let target = vector(args.view.target.unwrap_or(stage.centre));
     let level = args.view.eye.map(|eye| (vector(eye) - target) * DVec3::new(1.0, 0.0, 1.0));
@@ -301,7 +305,7 @@ mod tests {
     use super::*;
     use crate::spec;
 
-    const STAGE: Stage = Stage {
+    const STAGE: SceneBounds = SceneBounds {
         centre: [0.0, 1.0, 0.0],
         extent: 2.0,
         ground: 0.0,
@@ -316,15 +320,15 @@ mod tests {
         }
     }
 
-    fn lamp(light: Light) -> Lamp {
-        let spec = spec::lamp("file:all").expect("a good light");
-        Lamp::new(&spec, &chosen(light, 1.0, None), 1.0, &STAGE)
+    fn shaded(light: Light) -> ShadedLight {
+        let spec = spec::shaded("file:all").expect("a good light");
+        ShadedLight::new(&spec, &chosen(light, 1.0, None), 1.0, &STAGE)
     }
 
     #[test]
     fn shadows_are_followed_far_from_beside_and_little_from_among_the_models() {
         let far = |light| {
-            let [x, _, z] = lamp(light).shadow_of([0.5, 1.0, 0.0], &STAGE);
+            let [x, _, z] = shaded(light).shadow_of([0.5, 1.0, 0.0], &STAGE);
             f64::from(x - 0.5).hypot(f64::from(z))
         };
         assert!(far(Light::directional([-9.0, 1.0, 0.0])) > 2.0);
@@ -334,34 +338,35 @@ mod tests {
 
     #[test]
     fn shadows_end_where_the_light_does() {
-        let at = |mut lamp: Lamp, range: f32| {
-            lamp.range = range;
-            lamp.shadow_of([0.5, 1.0, 0.0], &STAGE)
+        let at = |mut shaded: ShadedLight, range: f32| {
+            shaded.range = range;
+            shaded.shadow_of([0.5, 1.0, 0.0], &STAGE)
         };
-        let above = || lamp(Light::point([0.5, 4.0, 0.0]));
+        let above = || shaded(Light::point([0.5, 4.0, 0.0]));
         assert_eq!(at(above(), f32::INFINITY), [0.5, 0.0, 0.0]);
         assert_eq!(at(above(), 3.5), [0.5, 0.5, 0.0]);
         assert_eq!(at(above(), 2.0), [0.5, 1.0, 0.0]);
         let cone = SpotCone { direction: [1.0, 0.0, 0.0], inner_angle: 0.1, outer_angle: 0.5 };
-        assert_eq!(at(Lamp { cone: Some(cone), ..above() }, f32::INFINITY), [0.5, 1.0, 0.0]);
+        assert_eq!(at(ShadedLight { cone: Some(cone), ..above() }, f32::INFINITY), [0.5, 1.0, 0.0]);
     }
 
     #[test]
     fn the_files_brightest_light_counts_as_1() {
-        let spec = spec::lamp("file:all").expect("a good light");
+        let spec = spec::shaded("file:all").expect("a good light");
         let [near, far] = [2.0, 4.0].map(|x| chosen(Light::point([x, 1.0, 0.0]), 80.0, None));
         let brightest = near.own.as_ref().map_or(0.0, |own| illuminance(own, &STAGE));
-        let color = |chosen| Lamp::new(&spec, chosen, brightest, &STAGE).color;
+        let color = |chosen| ShadedLight::new(&spec, chosen, brightest, &STAGE).color;
         assert_eq!((color(&near), color(&far)), ([1.0; 3], [0.25; 3]));
         assert_eq!(illuminance(&chosen(Light::directional([0.0, 3.0, 0.0]), 7.0, None).own.expect("own"), &STAGE), 7.0);
-        let dark = Lamp::new(&spec, &chosen(Light::point([9.0; 3]), 0.0, None), 0.0, &STAGE);
+        let dark = ShadedLight::new(&spec, &chosen(Light::point([9.0; 3]), 0.0, None), 0.0, &STAGE);
         assert_eq!(dark.color, [0.0; 3]);
     }
 
     #[test]
     fn options_serve_those_lights_of_a_file_that_can_have_them() {
         let (point, sun) = (Light::point([1.0; 3]), Light::directional([1.0; 3]));
-        let check = |text: &str, lights: &[ChosenLight]| check_options(&spec::lamp(text).expect(text), lights).is_ok();
+        let check =
+            |text: &str, lights: &[ChosenLight]| check_options(&spec::shaded(text).expect(text), lights).is_ok();
         let both = [chosen(point, 1.0, Some(5.0)), chosen(sun, 1.0, None)];
         assert!(check("file:all,range=3", &both) && check("file:all,begin=3", &both));
         assert!(!check("file:all,range=3", &both[1..]) && !check("file:all,begin=3", &both[1..]));

@@ -1,4 +1,4 @@
-//! Arithmetic with the liberties that WGSL leaves an implementation, and the stages' `f32` formulas in it.
+//! Arithmetic with the rounding_models that WGSL leaves an implementation, and the stages' `f32` formulas in it.
 
 use rimline::Light;
 
@@ -27,14 +27,14 @@ enum Taken {
 }
 
 /// An implementation: how it rounds, fuses and flushes.
-pub(crate) struct Liberties {
+pub(crate) struct RoundingModels {
     random: Random,
     rounding: Rounding,
     fusing: Taken,
     flushing: Taken,
 }
 
-impl Liberties {
+impl RoundingModels {
     pub(crate) fn new(seed: u64) -> Self {
         let random = Random::new(seed);
         Self { random, rounding: Rounding::ByChance, fusing: Taken::ByChance, flushing: Taken::ByChance }

@@ -6,30 +6,30 @@ use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilF
 
 use super::caster::Caster;
 use super::depth::depth_format;
-use super::painter::{Target, depth_state};
-use super::studio::{Studio, Subject};
+use super::receiver_pipelines::{Target, depth_state};
+use super::render_resources::{DrawInputs, RenderResources};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
-use crate::render::kit::Pass;
+use crate::render::pipeline_factory::Pass;
 
 /// Draws the volumes themselves.
-pub(super) struct Glass {
+pub(super) struct VolumeOverlay {
     layout: wgpu::BindGroupLayout,
     sides: wgpu::RenderPipeline,
     edges: wgpu::RenderPipeline,
 }
 
-impl Glass {
-    pub(super) fn new(gpu: &Gpu, studio: &Studio<'_>, target: Target) -> Self {
+impl VolumeOverlay {
+    pub(super) fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target) -> Self {
         let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
         let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
         let format = depth_format(&gpu.device);
         let pipeline = |name, topology| {
-            studio.kit.pipeline(&Pass {
+            resources.factory.pipeline(&Pass {
                 name,
                 vertex: name,
                 source: &source,
-                groups: &[&studio.layouts.lamp, &layout],
+                groups: &[&resources.layouts.shaded, &layout],
                 topology,
                 format: target.format,
                 blend: Some(BlendState::ALPHA_BLENDING),
@@ -49,13 +49,13 @@ impl Glass {
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        studio: &Studio<'_>,
-        subject: &Subject<'_>,
+        resources: &RenderResources<'_>,
+        subject: &DrawInputs<'_>,
     ) -> Result<(), GpuError> {
         for extraction in subject.casters.iter().filter_map(Caster::extraction) {
             for light in 0..subject.samples {
                 let group = extraction.bind_group(&self.layout, light / 32)?;
-                studio.select(pass, light);
+                resources.select(pass, light);
                 pass.set_bind_group(2, &group, &[]);
                 for pipeline in [&self.sides, &self.edges] {
                     pass.set_pipeline(pipeline);

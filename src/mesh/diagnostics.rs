@@ -4,7 +4,7 @@ use super::{Edge, EdgeCounts, EdgeKind, Mesh, is_degenerate};
 
 /// The findings of [`Mesh::survey`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Survey {
+pub struct MeshDiagnostics {
     /// Parts that share no vertex with each other, degenerate faces left out.
     pub components: usize,
     /// Edge records by kind.
@@ -19,7 +19,7 @@ pub struct Survey {
     pub offending_edges: Vec<Edge>,
 }
 
-impl Survey {
+impl MeshDiagnostics {
     /// Every record is of kind [`EdgeKind::Consistent`]; a mesh of degenerate faces alone has none, so it counts.
     pub fn is_closed(&self) -> bool {
         self.edges.boundary == 0 && self.edges.inconsistent == 0
@@ -28,9 +28,9 @@ impl Survey {
 
 impl Mesh {
     /// Looks the mesh over; at most `offending_limit` edges are listed. Takes time like a sort of the faces.
-    pub fn survey(&self, offending_limit: usize) -> Survey {
+    pub fn survey(&self, offending_limit: usize) -> MeshDiagnostics {
         let offends = |edge: &Edge| edge.kind != EdgeKind::Consistent;
-        Survey {
+        MeshDiagnostics {
             components: components(self.vertex_count() as usize, self.faces()),
             edges: self.edges().counts(),
             non_manifold_edges: non_manifold_edges(self.edges().vertices()),
@@ -122,7 +122,7 @@ fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
 mod tests {
     use super::*;
 
-    fn survey(vertices: usize, faces: &[[u32; 3]]) -> Survey {
+    fn survey(vertices: usize, faces: &[[u32; 3]]) -> MeshDiagnostics {
         Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").survey(2)
     }
 

@@ -6,13 +6,13 @@ use glam::Vec3;
 use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS};
 
-use super::body::{Body, animations};
 use super::caster::Caster;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, part_camera, unit};
-use super::lamps::{Lamp, LampData, Stage};
 use super::part::{PARTS, Part};
-use super::studio::{Studio, Subject};
+use super::posed_model::{PosedModel, animations};
+use super::render_resources::{DrawInputs, RenderResources};
+use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
@@ -28,31 +28,31 @@ use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 const ELEVATION: f64 = 24.0;
 
 /// What was read before any device is opened.
-pub(crate) struct Props {
+pub(crate) struct ShadowInputs {
     pub(crate) inputs: Vec<Input>,
     pub(crate) animations: Vec<Option<usize>>,
     pub(crate) displacement: Option<Displacement>,
 }
 
-impl Props {
+impl ShadowInputs {
     pub(crate) fn read(args: &ShadowSceneArgs) -> Result<Self, Failure> {
-        if Wanted::parse(&args.moment.device.device) == Wanted::Cpu {
+        if Wanted::parse(&args.posed.device.device) == Wanted::Cpu {
             return Err(UsageError::DrawOnCpu.into());
         }
         if let (Some(_), mode @ (ModeArg::Ambient | ModeArg::Black | ModeArg::Composited)) = (args.area, &args.mode) {
             return Err(UsageError::AreaMode(value_name(mode)).into());
         }
-        let displacement = args.moment.displace.as_deref().map(displacement::read).transpose()?;
+        let displacement = args.posed.displace.as_deref().map(displacement::read).transpose()?;
         let options = args.load.options(args.weld.weld());
         let open = |file: &std::path::PathBuf| Input::read(file, options);
         let inputs = args.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let animations = animations(&inputs, &args.moment.pose)?;
+        let animations = animations(&inputs, &args.posed.pose)?;
         Ok(Self { inputs, animations, displacement })
     }
 
     /// The files that were read, and those that models name.
     pub(crate) fn files<'a>(&'a self, args: &'a ShadowSceneArgs) -> impl Iterator<Item = &'a Path> {
-        self.inputs.iter().flat_map(Input::files).chain(args.moment.displace.as_deref())
+        self.inputs.iter().flat_map(Input::files).chain(args.posed.displace.as_deref())
     }
 
     /// Plays each file's first animation, and says which that is.
@@ -67,15 +67,15 @@ impl Props {
         }
     }
 
-    pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<Body<'_>>, Failure> {
-        let body = |(input, &animation)| Body::new(gpu, input, animation, time_s, self.displacement.as_ref());
+    pub(crate) fn bodies(&self, gpu: &Gpu, time_s: f32) -> Result<Vec<PosedModel<'_>>, Failure> {
+        let body = |(input, &animation)| PosedModel::new(gpu, input, animation, time_s, self.displacement.as_ref());
         self.inputs.iter().zip(&self.animations).map(body).collect()
     }
 }
 
 /// Opens the device, if it can draw such a picture.
 pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
-    let gpu = device::open_gpu(&Wanted::parse(&args.moment.device.device))?;
+    let gpu = device::open_gpu(&Wanted::parse(&args.posed.device.device))?;
     check_size(&gpu, args.view.size)?;
     let [width, height] = args.view.size;
     // The multisampled linear picture is the largest array.
@@ -88,47 +88,53 @@ pub(crate) fn open_gpu(args: &ShadowSceneArgs) -> Result<Gpu, Failure> {
 }
 
 /// Where everything is.
-pub(crate) struct Set<'a> {
+pub(crate) struct ShadowScene<'a> {
     args: &'a ShadowSceneArgs,
-    pub(crate) bodies: Vec<Body<'a>>,
-    pub(crate) stage: Stage,
-    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) bodies: Vec<PosedModel<'a>>,
+    pub(crate) stage: SceneBounds,
+    pub(crate) shaded_lights: Vec<ShadedLight>,
     pub(crate) camera: Camera,
     part: Part,
     reach: f32,
 }
 
-impl<'a> Set<'a> {
+impl<'a> ShadowScene<'a> {
     /// `points` are those that the camera must see, if it is not given.
-    pub(crate) fn new(args: &'a ShadowSceneArgs, bodies: Vec<Body<'a>>, points: &[[f32; 3]]) -> Result<Self, Failure> {
+    pub(crate) fn new(
+        args: &'a ShadowSceneArgs,
+        bodies: Vec<PosedModel<'a>>,
+        points: &[[f32; 3]],
+    ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let nothing = || Failure::input(&first.input.file)(InputError::NoFinitePosition);
         let bounds = Bounds::of(points).ok_or_else(nothing)?;
-        let stage = Stage {
+        let stage = SceneBounds {
             centre: centre(&bounds),
             extent: extent(&bounds),
             ground: args.ground.unwrap_or_else(|| ground(&bounds)),
             bounds,
         };
-        let lamps = Lamp::all(args, first, &stage)?;
+        let shaded_lights = ShadedLight::all(args, first, &stage)?;
         let samples = args.samples();
-        if lamps.len() * samples > MAX_LIGHTS {
-            let (lights, limit) = (lamps.len(), MAX_LIGHTS);
+        if shaded_lights.len() * samples > MAX_LIGHTS {
+            let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
             return Err(UsageError::Samples { lights, samples, limit }.into());
         }
         let mut shadows: Vec<[f32; 3]> = Vec::new();
         let outermost = outermost(points, stage.centre);
-        let reach = reach(&lamps, &outermost, &stage);
+        let reach = reach(&shaded_lights, &outermost, &stage);
         if args.view.eye.is_none() {
-            shadows.extend(lamps.iter().flat_map(|lamp| outermost.iter().map(|&point| lamp.shadow_of(point, &stage))));
+            shadows.extend(
+                shaded_lights.iter().flat_map(|shaded| outermost.iter().map(|&point| shaded.shadow_of(point, &stage))),
+            );
         }
         let seen = points.iter().chain(&shadows).copied();
         let mut camera = Camera::new(&args.view, elevation(ELEVATION, &bounds), stage.centre, stage.extent, seen)?;
         camera.near = args.near.unwrap_or_else(|| near(&camera, &stage, points));
-        Ok(Self { args, bodies, stage, lamps, camera, part: Part::WHOLE, reach })
+        Ok(Self { args, bodies, stage, shaded_lights, camera, part: Part::WHOLE, reach })
     }
 
-    /// Moves everything to another moment; the camera stays.
+    /// Moves everything to another posed; the camera stays.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
         self.bodies.iter_mut().try_for_each(|body| body.pose(gpu, time_s))
     }
@@ -150,28 +156,33 @@ impl<'a> Set<'a> {
     }
 
     pub(crate) fn ranged(&self) -> Vec<Light> {
-        self.lamps.iter().flat_map(Lamp::ranged).collect()
+        self.shaded_lights.iter().flat_map(ShadedLight::ranged).collect()
     }
 
     pub(crate) fn samples(&self) -> usize {
-        self.lamps.iter().map(|lamp| lamp.samples.len()).sum()
+        self.shaded_lights.iter().map(|shaded| shaded.samples.len()).sum()
     }
 
     pub(crate) fn frame(&self) -> Frame {
-        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.lamps, self.reach)
+        Frame::new(&self.camera, self.args.view.size, &self.part, &self.stage, &self.shaded_lights, self.reach)
     }
 
-    pub(crate) fn lamp_data(&self) -> Vec<LampData> {
+    pub(crate) fn shaded_light_data(&self) -> Vec<ShadedLightData> {
         let mut data = Vec::new();
-        for lamp in &self.lamps {
-            data.extend(lamp.data(&self.camera, unit(&self.camera, &self.stage), data.len(), self.lamps.len()));
+        for shaded in &self.shaded_lights {
+            data.extend(shaded.data(
+                &self.camera,
+                unit(&self.camera, &self.stage),
+                data.len(),
+                self.shaded_lights.len(),
+            ));
         }
         data
     }
 
-    pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> Subject<'a> {
+    pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> DrawInputs<'a> {
         let has_ground = self.frame().sees_ground();
-        Subject { casters, samples: self.samples(), has_ground }
+        DrawInputs { casters, samples: self.samples(), has_ground }
     }
 
     /// Pixels take turns with patterns of samples.
@@ -183,22 +194,22 @@ impl<'a> Set<'a> {
     pub(crate) fn take_part(&mut self, part: Option<usize>) {
         self.part = part.map_or(Part::WHOLE, |part| Part::of(self.args.view.size, part));
         let (pattern, patterns) = part.map_or((0, 1), |part| (part, PARTS));
-        self.lamps.iter_mut().for_each(|lamp| lamp.take_pattern(pattern, patterns));
+        self.shaded_lights.iter_mut().for_each(|shaded| shaded.take_pattern(pattern, patterns));
     }
 
-    /// Records what the casters need for the moment at hand.
+    /// Records what the casters need for the posed at hand.
     pub(crate) fn encode(
         &self,
         gpu: &Gpu,
         encoder: &mut rimline::wgpu::CommandEncoder,
-        studio: &Studio<'_>,
+        resources: &RenderResources<'_>,
         casters: &mut [Caster],
         mut timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
-            caster.place(gpu, &studio.kit, studio.geometry_layout(), body);
+            caster.place(gpu, &resources.factory, resources.geometry_layout(), body);
         }
-        self.encode_lights(gpu, encoder, studio, casters, timer.as_deref_mut())
+        self.encode_lights(gpu, encoder, resources, casters, timer.as_deref_mut())
     }
 
     /// The same for bodies that are where they were.
@@ -206,11 +217,11 @@ impl<'a> Set<'a> {
         &self,
         gpu: &Gpu,
         encoder: &mut rimline::wgpu::CommandEncoder,
-        studio: &Studio<'_>,
+        resources: &RenderResources<'_>,
         casters: &mut [Caster],
         mut timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
-        studio.set(gpu, &self.frame(), &self.lamp_data());
+        resources.set(gpu, &self.frame(), &self.shaded_light_data());
         let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.encode(encoder, body, &camera, &lights, timer.as_deref_mut())?;
@@ -220,11 +231,12 @@ impl<'a> Set<'a> {
 }
 
 /// How far from below the models' middle their shadows on the ground lie, those of lights at the horizon left out.
-fn reach(lamps: &[Lamp], points: &[[f32; 3]], stage: &Stage) -> f32 {
+fn reach(shaded_lights: &[ShadedLight], points: &[[f32; 3]], stage: &SceneBounds) -> f32 {
     const MOST: f64 = 60.0;
     let [x, _, z] = stage.centre;
     let from_centre = |[a, _, b]: [f32; 3]| (a - x).hypot(b - z);
-    let shadows = lamps.iter().flat_map(|lamp| points.iter().map(|&point| lamp.shadow_within(point, stage, MOST)));
+    let shadows =
+        shaded_lights.iter().flat_map(|shaded| points.iter().map(|&point| shaded.shadow_within(point, stage, MOST)));
     shadows.map(from_centre).fold(0.0, f32::max).min(MOST as f32 * stage.extent)
 }
 
@@ -236,7 +248,7 @@ fn ground(bounds: &Bounds) -> f32 {
 }
 
 /// A near plane as far as the models, and the ground below the eye, allow: depth is then finest.
-fn near(camera: &Camera, stage: &Stage, points: &[[f32; 3]]) -> f32 {
+fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     let ahead = |&point: &[f32; 3]| (Vec3::from(point) - camera.eye).dot(camera.forward);
     let nearest = points.iter().map(ahead).fold(f32::INFINITY, f32::min);
     let height = camera.eye.y - stage.ground;

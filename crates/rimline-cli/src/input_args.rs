@@ -1,0 +1,121 @@
+//! Arguments that several subcommands share.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use rimline::gltf::LoadOptions;
+use rimline::mesh::Weld;
+
+use crate::load_args::LoadArgs;
+use crate::spec;
+/// The model and how its vertices are joined.
+#[derive(Args, Debug)]
+pub(crate) struct ModelArgs {
+    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
+    pub(crate) file: PathBuf,
+
+    #[command(flatten)]
+    weld: WeldArgs,
+
+    #[command(flatten)]
+    load: LoadArgs,
+}
+
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WeldArgs {
+    /// Which vertices become one
+    #[arg(long, value_enum, default_value_t = WeldArg::Data)]
+    weld: WeldArg,
+
+    /// Join no vertices: take them as the file has them
+    #[arg(long, conflicts_with = "weld")]
+    no_weld: bool,
+}
+
+impl WeldArgs {
+    pub(crate) fn weld(self) -> Weld {
+        match self.weld {
+            _ if self.no_weld => Weld::Keep,
+            WeldArg::Data => Weld::Data,
+            WeldArg::Position => Weld::Position,
+        }
+    }
+}
+
+/// Where the model's vertices are, and who says so.
+#[derive(Args, Debug)]
+pub(crate) struct MomentArgs {
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
+
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
+    /// after morph and skin; needs a GPU; - for standard input
+    #[arg(long, value_name = "FILE.wgsl")]
+    pub(crate) displace: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+/// The posed.
+#[derive(Args, Debug)]
+pub(crate) struct PoseArgs {
+    /// The animation to pose the model with, by name or by number from 0; without it the model is at rest
+    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
+    pub(crate) animation: Option<String>,
+
+    /// Seconds into the animation (and the time that `displace` sees)
+    #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::seconds)]
+    pub(crate) time: f32,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DeviceArgs {
+    /// `auto` (a GPU, else the CPU), `gpu` (any wgpu adapter), `cpu`, or part of an adapter's name or backend (see
+    /// `rimline devices`)
+    #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
+    pub(crate) device: String,
+}
+
+/// Help of `--device` where pictures are drawn, which takes a GPU.
+pub(crate) fn drawing_device(arg: clap::Arg) -> clap::Arg {
+    arg.value_name("auto|gpu|NAME").help(
+        "`auto` or `gpu` (any wgpu adapter, Mesa's software Vulkan included), or part of an adapter's name or backend \
+         (see `rimline devices`)",
+    )
+}
+
+/// Where the picture is taken from, and its size.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ViewArgs {
+    /// Where the eye is; by default in front of the model, to the right and above, as near as
+    /// shows all of it
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) eye: Option<[f32; 3]>,
+
+    /// What the eye looks at; by default the middle of the model
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
+    pub(crate) target: Option<[f32; 3]>,
+
+    /// The vertical field of view in degrees
+    #[arg(long, value_name = "DEG", default_value = "35", allow_hyphen_values = true, value_parser = spec::field_of_view)]
+    pub(crate) fov: f32,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x960", allow_hyphen_values = true, value_parser = spec::size)]
+    pub(crate) size: [u32; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WeldArg {
+    /// Those with equal positions and equal skin and morph data
+    Data,
+    /// Those with equal positions, whatever their skin and morph data
+    Position,
+}
+
+impl ModelArgs {
+    pub(crate) fn options(&self) -> LoadOptions {
+        self.load.options(self.weld.weld())
+    }
+}
