@@ -70,7 +70,7 @@ impl Results {
         self.rows_done() == self.rows_planned()
     }
 
-    /// As `docs/bench.schema.json` describes.
+    /// As `bench.schema.json` describes.
     pub(crate) fn json(&self) -> Value {
         let Machine { os, cpu, threads, is_optimised, date } = &self.machine;
         let methods: Vec<Value> = self.contestants().map(|contestant| {

@@ -23,7 +23,7 @@ fn read_json(file: &Path) -> Result<Value, String> {
 }
 
 pub(crate) fn schema() -> Result<Value, String> {
-    read_json(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/bench.schema.json"))
+    read_json(&Path::new(env!("CARGO_MANIFEST_DIR")).join("bench.schema.json"))
 }
 
 /// The data are as the schema says, and what refers to a name refers to one that is there.

@@ -44,7 +44,7 @@ fn bomb() -> Outcome {
     let model = folder.path().join("bomb.gltf");
     write(&model, BOMB)?;
     info(&model, &["--memory-limit", "100MiB"])
-        .expect(1, &["bomb.gltf: accessors[0], used as meshes[0]", "more than the limit of 100 MiB", "--memory-limit"])
+        .expect(1, &["bomb.gltf: meshes[0].primitives[0]", "more than the limit of 100 MiB", "--memory-limit"])
 }
 
 fn limit() -> Outcome {

@@ -22,7 +22,7 @@ pub(crate) fn trials() -> Vec<Trial> {
         trial("every_stress_scene_is_the_same_on_every_device", stress_scenes),
         trial("the_devices_asked_for_are_checked", chosen_devices),
         trial("every_good_file_is_the_same_on_every_device", good_files).with_ignored_flag(assets().is_none()),
-        trial("opengl_finds_the_same_and_does_not_draw", opengl).with_ignored_flag(no_opengl),
+        trial("opengl_finds_the_same_and_draws", opengl).with_ignored_flag(no_opengl),
     ]
 }
 
@@ -160,8 +160,8 @@ fn opengl() -> Outcome {
     all_equal(&json, 1, devices.len())?;
     let (model, picture) = (one.join("one.npz"), folder.path().join("picture.png"));
     let line = ["draw".as_ref(), model.as_os_str(), "--device".as_ref(), "opengl".as_ref(), "--out".as_ref()];
-    rimline(line.into_iter().chain([picture.as_os_str()])).expect(3, &["OpenGL", "depth"])?;
-    ensure!(!picture.exists(), "a picture in spite of the error");
+    rimline(line.into_iter().chain([picture.as_os_str()])).expect(0, &[])?;
+    ensure!(picture.exists(), "no picture");
     // Mesa can be told to offer less, and then it is said what is missing.
     let less = [("MESA_GL_VERSION_OVERRIDE", "4.2"), ("MESA_EXTENSION_OVERRIDE", "-GL_ARB_compute_shader")];
     let shown = rimline_with(["devices"], &less);

@@ -140,7 +140,7 @@ impl ShadowResults {
         Some((ratios.iter().sum::<f64>() / ratios.len() as f64, [range.0, range.1]))
     }
 
-    /// As `docs/bench.schema.json` describes.
+    /// As `bench.schema.json` describes.
     pub(crate) fn json(&self) -> Value {
         let methods: Vec<Value> =
             METHODS.iter().map(|method| json!({ "id": method.id, "name": method.name })).collect();
