@@ -17,25 +17,29 @@
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
 //!
 //! ```no_run
-//! use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
+//! use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer};
 //! use rimline::{Light, Mesh, mesh::Weld, wgpu};
 //!
-//! fn silhouettes(
+//! /// Once a mesh.
+//! fn prepare(
 //!     device: &wgpu::Device,
-//!     encoder: &mut wgpu::CommandEncoder,
 //!     positions: &[[f32; 3]],
 //!     faces: &[[u32; 3]],
-//!     position_buffer: &wgpu::Buffer,
 //! ) -> Result<Extractor, Box<dyn std::error::Error>> {
-//!     // Once a mesh:
 //!     let mesh = Mesh::new(positions, faces, Weld::Position)?;
-//!     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
-//!     // Every frame, after whatever moves the vertices:
+//!     Ok(Extractor::new(device, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?)
+//! }
+//!
+//! /// Every frame, after whatever moves the vertices.
+//! fn silhouettes(
+//!     extractor: &mut Extractor,
+//!     encoder: &mut wgpu::CommandEncoder,
+//!     position_buffer: &wgpu::Buffer,
+//! ) -> Result<Extraction, Box<dyn std::error::Error>> {
 //!     let vertices = PositionBuffer { buffer: position_buffer, offset: 0, stride: 12 };
 //!     let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
-//!     extractor.encode(encoder, vertices, &lights, None)?;
-//!     // Then draw: extractor.results().draw_arguments holds an indirect draw for each light.
-//!     Ok(extractor)
+//!     // `Extraction::draw` then draws a light's silhouette edges with your pipeline.
+//!     Ok(extractor.encode(encoder, vertices, &lights, None)?)
 //! }
 //! ```
 

@@ -59,7 +59,7 @@ fn like_waiting() -> Result<(), String> {
     let mut random = Random::new(seed);
     // Below a piece of 16 MiB, and past two; items of 12 bytes lie across the pieces' ends.
     for words in [3, 1000, (33 << 20) / 4] {
-        let contents: Vec<u32> = (0..words).map(|_| random.next() as u32).collect();
+        let contents: Vec<u32> = (0..words).map(|_| random.next_u64() as u32).collect();
         let buffer = watched.gpu.storage(&contents);
         let gpu = &watched.gpu;
         let waited: Vec<[u32; 3]> = read_back_vec(&gpu.device, &gpu.queue, &buffer).map_err(text)?;

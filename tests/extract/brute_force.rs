@@ -195,7 +195,7 @@ fn compaction_is_a_filter_in_order() -> Outcome {
     let mut random = Random::new(seed);
     for _ in 0..50 {
         let plane: Vec<_> = (0..random.below(400))
-            .map(|_| Masks { silhouette: random.next() as u32, winding: random.next() as u32 })
+            .map(|_| Masks { silhouette: random.next_u64() as u32, winding: random.next_u64() as u32 })
             .collect();
         let bit = random.below(32) as u32;
         let mut naive = Vec::new();

@@ -96,10 +96,10 @@ fn number(random: &mut Random, like: f32) -> f32 {
         0 => 0.0,
         1 => like,
         2 => f32::from_bits(like.to_bits() ^ 1),
-        3 => f32::from_bits(random.next() as u32 & 0x807f_ffff),
+        3 => f32::from_bits(random.next_u64() as u32 & 0x807f_ffff),
         4 => random.between(-1.0, 1.0),
         _ => loop {
-            let value = f32::from_bits(random.next() as u32);
+            let value = f32::from_bits(random.next_u64() as u32);
             if value.is_finite() {
                 break value;
             }

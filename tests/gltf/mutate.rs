@@ -103,7 +103,7 @@ fn guarded(run: impl FnOnce() -> Result<bool, Failed>) -> Result<bool, String> {
 struct Random(u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -112,7 +112,7 @@ impl Random {
     }
 
     fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
+        (self.next_u64() % count.max(1) as u64) as usize
     }
 }
 
@@ -141,7 +141,7 @@ fn mutated(file: &[u8], random: &mut Random) -> Vec<u8> {
         1 => flip(&mut file, random),
         2 => {
             let at = random.below(28);
-            file[at] = random.next() as u8;
+            file[at] = random.next_u64() as u8;
         }
         _ => {}
     }

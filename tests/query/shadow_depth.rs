@@ -166,7 +166,7 @@ fn the_order_of_faces_vertices_and_corners_does_not_matter() -> Outcome {
     cases.extend(shadow_cases(&mut random, 30, 6).into_iter().filter(|case| case.name != "not finite"));
     for case in cases {
         let expected = case_depths(&case);
-        let shuffled = case.shape.shuffled(random.next());
+        let shuffled = case.shape.shuffled(random.next_u64());
         same(&format!("{}, shuffled", case.name), &depths(&shuffled, &case.points, &case.lights), &expected)?;
         let turned = case.shape.faces.iter().map(|&[a, b, c]| match random.below(4) {
             0 => [b, c, a],

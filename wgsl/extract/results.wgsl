@@ -1,5 +1,5 @@
 // Reads Rimline's results in a caller's own shaders: up to 32 lights, whose numbers here count from the word's first.
-// Bind group GROUP is made by `Extractor::results_bind_group`.
+// Bind group GROUP is made by `Extraction::bind_group`.
 
 struct RimlineInfo {
   edges: u32,

@@ -282,7 +282,7 @@ fn subnormal(random: &mut Random, source: &Source) -> Corners {
     if random.below(3) != 0 {
         return coplanar(random, source);
     }
-    [[(); 3]; 3].map(|corner| corner.map(|()| f32::from_bits(random.next() as u32 & 0x807f_ffff)))
+    [[(); 3]; 3].map(|corner| corner.map(|()| f32::from_bits(random.next_u64() as u32 & 0x807f_ffff)))
 }
 
 fn huge(random: &mut Random, source: &Source) -> Corners {
@@ -292,7 +292,7 @@ fn huge(random: &mut Random, source: &Source) -> Corners {
     [[(); 3]; 3].map(|corner| {
         corner.map(|()| {
             let exponent = between(random, 248, 254) as u32;
-            f32::from_bits(random.next() as u32 & 0x807f_ffff | exponent << 23)
+            f32::from_bits(random.next_u64() as u32 & 0x807f_ffff | exponent << 23)
         })
     })
 }
@@ -303,7 +303,7 @@ fn wild(random: &mut Random) -> f32 {
         return 0.0;
     }
     loop {
-        let value = f32::from_bits(random.next() as u32);
+        let value = f32::from_bits(random.next_u64() as u32);
         if value.is_finite() {
             return value;
         }

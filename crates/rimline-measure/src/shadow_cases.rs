@@ -173,9 +173,9 @@ fn any_magnitude(random: &mut Random, counts: [usize; 2]) -> ShadowCase {
             0 => 0.0,
             1 => like,
             2 => f32::from_bits(like.to_bits() ^ 1),
-            3 => f32::from_bits(random.next() as u32 & 0x807f_ffff),
+            3 => f32::from_bits(random.next_u64() as u32 & 0x807f_ffff),
             4 => random.between(-1.0, 1.0),
-            _ => f32::from_bits(random.next() as u32),
+            _ => f32::from_bits(random.next_u64() as u32),
         };
         like = if like.is_finite() { like } else { 1.0 };
         like

@@ -24,7 +24,7 @@ fn size_3(a: Vec3) -> f32 {
     a.x.abs().max(a.y.abs()).max(a.z.abs())
 }
 
-/// Rounding must not part the signs of height and far_height: what is above the near plane rises if the light is below, and
+/// Rounding must not part the signs of `height` and `far_height`: what is above the near plane rises if the light is below, and
 /// what is below does not if the light is not.
 fn consistent_rise(light: &ShadowLight, height: f32, far_height: f32) -> f32 {
     match (light.height < 0.0, height < 0.0) {

@@ -1,5 +1,6 @@
 //! What every subject's stages share: pipelines, passes, buffers, limits, uniforms, timing, reading back.
 
+pub(crate) mod bindings;
 pub(crate) mod cache;
 pub(crate) mod dispatch_limits;
 pub(crate) mod download;

@@ -1,8 +1,10 @@
 //! Pipelines made from the list of stages, and what shares them.
 
+use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::bindings::Bindings;
 use super::cache::Cache;
 use super::dispatch_limits::binding;
 use super::memory::any_error;
@@ -45,6 +47,8 @@ struct Shared {
     /// By their source.
     modules: Cache<String, wgpu::ShaderModule>,
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
+    /// By the stage's name.
+    bindings: Mutex<HashMap<&'static str, Arc<Bindings>>>,
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
     /// Whether the device serves, by [`Subject`]; asked once.
@@ -59,7 +63,6 @@ type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
 struct ComputeKey {
     stage: &'static str,
     entry_point: &'static str,
-    slots: &'static [Slot],
     /// Names and bits.
     constants: Vec<(&'static str, u64)>,
     /// The caller's part of the module, and its bind group.
@@ -74,6 +77,7 @@ impl Pipelines {
             device: device.clone(),
             modules: Cache::default(),
             layouts: Cache::default(),
+            bindings: Mutex::default(),
             compute: Cache::default(),
             volumes: Cache::default(),
             serves: Default::default(),
@@ -112,25 +116,22 @@ impl Pipelines {
         &self,
         stage: &Stage,
         entry_point: &'static str,
-        slots: &'static [Slot],
         constants: &[(&'static str, f64)],
     ) -> Pipeline {
         let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
-        let key = ComputeKey { stage: stage.name, entry_point, slots, constants, displacement: None, further: None };
+        let key = ComputeKey { stage: stage.name, entry_point, constants, displacement: None, further: None };
         self.made(&key, || stage.wgsl())
     }
 
     /// The deform stage's pipeline; `further` is the layout of the displacement's bind group.
     pub(crate) fn deform(
         &self,
-        slots: &'static [Slot],
         displacement: Option<&Displacement>,
         further: Option<&wgpu::BindGroupLayout>,
     ) -> Pipeline {
         let key = ComputeKey {
             stage: DEFORM.name,
             entry_point: DEFORM.name,
-            slots,
             constants: Vec::new(),
             displacement: displacement.cloned(),
             further: further.cloned(),
@@ -147,6 +148,12 @@ impl Pipelines {
         self.0.volumes.get(self.device(), key, make)
     }
 
+    /// The bindings of a stage, read from its WGSL once.
+    fn bindings(&self, stage: &'static str, wgsl: &str) -> Arc<Bindings> {
+        let mut read = self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(read.entry(stage).or_insert_with(|| Arc::new(Bindings::of(wgsl))))
+    }
+
     /// A shader module.
     pub(crate) fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
         self.0.modules.get(self.device(), wgsl, || {
@@ -159,7 +166,11 @@ impl Pipelines {
 
     /// Refuses a caller's buffer that the device cannot bind.
     pub(crate) fn check_bindable(&self, buffer: &wgpu::Buffer) -> Result<(), PositionError> {
-        let layout = self.layout("bindable", entries(&[Slot::Read]));
+        let read = wgpu::BufferBindingType::Storage { read_only: true };
+        let ty = wgpu::BindingType::Buffer { ty: read, has_dynamic_offset: false, min_binding_size: None };
+        let visibility = wgpu::ShaderStages::COMPUTE;
+        let entry = wgpu::BindGroupLayoutEntry { binding: 0, visibility, ty, count: None };
+        let layout = self.layout("bindable", vec![entry]);
         bound(self.device(), || drop(group(self.device(), "bindable", &layout, &[binding(buffer, 0..4)])))
     }
 
@@ -198,53 +209,25 @@ impl From<&Self> for Pipelines {
     }
 }
 
-/// What a binding of a stage holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Slot {
-    /// A uniform, of which a dispatch picks one by dynamic offset.
-    Uniform,
-    /// Storage that the stage reads.
-    Read,
-    /// Storage that the stage writes.
-    Write,
-}
-
-/// The entries of a stage's bind group layout, its bindings numbered from 0 in the order of `slots`.
-fn entries(slots: &[Slot]) -> Vec<wgpu::BindGroupLayoutEntry> {
-    let entry = |(binding, slot): (u32, &Slot)| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: match slot {
-                Slot::Uniform => wgpu::BufferBindingType::Uniform,
-                Slot::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                Slot::Write => wgpu::BufferBindingType::Storage { read_only: false },
-            },
-            has_dynamic_offset: *slot == Slot::Uniform,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    (0..).zip(slots).map(entry).collect()
-}
-
 /// One pipeline of a stage, with its bind group layout.
 #[derive(Clone, Debug)]
 pub(crate) struct Pipeline {
     pub(crate) label: &'static str,
     pub(crate) compute: wgpu::ComputePipeline,
     pub(crate) layout: wgpu::BindGroupLayout,
+    bindings: Arc<Bindings>,
     /// Words a window of its gathered array, 0 for a single one; see `DispatchLimits::windows`.
     pub(crate) window_words: u32,
 }
 
 impl Pipeline {
     fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
-        let ComputeKey { stage, entry_point, slots, ref constants, ref further, .. } = *key;
+        let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
         let windows = constants.iter().find(|(name, _)| *name == "WINDOW_WORDS");
         let module = pipelines.module(stage, wgsl);
-        let layout = pipelines.layout(stage, entries(slots));
+        let bindings = pipelines.bindings(stage, wgsl);
+        let layout = pipelines.layout(stage, bindings.entries().to_vec());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));
         let device = pipelines.device();
@@ -261,12 +244,24 @@ impl Pipeline {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        Self { label: entry_point, compute, layout, window_words: windows.map_or(0, |(_, words)| *words as u32) }
+        Self {
+            label: entry_point,
+            compute,
+            layout,
+            bindings,
+            window_words: windows.map_or(0, |(_, words)| *words as u32),
+        }
     }
 
-    /// A bind group with `resources` numbered from 0.
-    pub(crate) fn bind(&self, device: &wgpu::Device, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-        group(device, self.label, &self.layout, resources)
+    /// A bind group with resources by the names that the WGSL gives them.
+    pub(crate) fn bind(
+        &self,
+        device: &wgpu::Device,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> wgpu::BindGroup {
+        let entries = self.bindings.numbered(resources);
+        let (label, layout) = (Some(self.label), &self.layout);
+        device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 }
 

@@ -110,13 +110,18 @@ pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Resul
 impl BoundPositions {
     /// The first window: everything, where there is one.
     pub(crate) fn first_binding<'a>(&self, buffer: &'a wgpu::Buffer) -> wgpu::BindingResource<'a> {
-        let [first, ..] = self.bindings(buffer);
-        first
+        let [first, ..] = &self.windows.ranges;
+        binding(buffer, self.base + first.start..self.base + first.end)
     }
 
     /// The four windows of the buffer, as `positions.wgsl` binds them.
-    pub(crate) fn bindings<'a>(&self, buffer: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 4] {
+    pub(crate) fn bindings<'a>(
+        &self,
+        buffer: &'a wgpu::Buffer,
+    ) -> impl Iterator<Item = (&'static str, wgpu::BindingResource<'a>)> + use<'a> {
         let base = self.base;
-        self.windows.ranges.clone().map(|window| binding(buffer, base + window.start..base + window.end))
+        let windows = self.windows.ranges.clone();
+        let windows = windows.into_iter().map(move |window| binding(buffer, base + window.start..base + window.end));
+        ["positions_0", "positions_1", "positions_2", "positions_3"].into_iter().zip(windows)
     }
 }

@@ -7,7 +7,7 @@ use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -74,8 +74,6 @@ pub enum DeformError {
 /// displacement's own.
 const MOST_TERMS: u32 = 60_000;
 
-const SLOTS: [Slot; 7] = [Uniform, Read, Read, Read, Read, Read, Write];
-
 /// Deforms a model, frame after frame, into a position buffer of its own: all instances, in the vertex order of
 /// [`Model::mesh`], three tightly packed `f32` a vertex, in world space.
 #[derive(Debug)]
@@ -122,7 +120,7 @@ impl Deformer {
         let bytes = data.check(&split, options.memory_limit)?;
         // Only a caller's displacement or layout can make this fail.
         let pipeline = scoped(device, wgpu::ErrorFilter::Validation, || {
-            pipelines.deform(&SLOTS, options.displacement, options.displacement_layout)
+            pipelines.deform(options.displacement, options.displacement_layout)
         })
         .map_err(|message| DeformError::Pipeline { message })?;
         guarded(device, bytes, || {
@@ -155,13 +153,13 @@ impl Deformer {
             .zip(&dispatches_planned)
             .map(|(index, planned)| {
                 let resources = [
-                    entry::<DeformChunk>(&chunks),
-                    binding(&rest, planned.rest.clone()),
-                    binding(&morph, planned.morph.clone()),
-                    binding(&skin, planned.skin.clone()),
-                    pose.as_entire_binding(),
-                    binding(&source_vertices, planned.sources.clone()),
-                    binding(&positions, planned.positions.clone()),
+                    ("chunk", entry::<DeformChunk>(&chunks)),
+                    ("rest", binding(&rest, planned.rest.clone())),
+                    ("morph", binding(&morph, planned.morph.clone())),
+                    ("skin", binding(&skin, planned.skin.clone())),
+                    ("pose", pose.as_entire_binding()),
+                    ("source_vertices", binding(&source_vertices, planned.sources.clone())),
+                    ("positions", binding(&positions, planned.positions.clone())),
                 ];
                 let group = Some(pipeline.bind(device, &resources));
                 Dispatch {

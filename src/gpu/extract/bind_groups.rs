@@ -6,7 +6,7 @@ use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
 use super::options::ExtractorOptions;
 use crate::gpu::common::dispatch_limits::{Windows, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, DrawShape, LightBatch, Masks};
@@ -23,12 +23,6 @@ pub(crate) struct BindGroupBuilder<'a> {
     pub(crate) light_batches: &'a wgpu::Buffer,
 }
 
-const FACING_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
-const EXACT_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Read];
-const EDGE_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Write, Write, Write];
-const COMPACT_SLOTS: [Slot; 5] = [Uniform, Read, Write, Write, Write];
-const ARGUMENTS_SLOTS: [Slot; 4] = [Uniform, Read, Write, Write];
-
 impl BindGroupBuilder<'_> {
     /// The pipeline that reads positions: facing, or the per-edge method.
     pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
@@ -37,16 +31,16 @@ impl BindGroupBuilder<'_> {
         let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
         if options.method().is_per_edge() {
             let [masks, append] = emit_constants(options);
-            return self.pipelines.compute(&PER_EDGE, "per_edge", &EDGE_SLOTS, &[windows, plane, masks, append]);
+            return self.pipelines.compute(&PER_EDGE, "per_edge", &[windows, plane, masks, append]);
         }
         let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
-        self.pipelines.compute(&FACING, "facing", &FACING_SLOTS, &[windows, plane, exact])
+        self.pipelines.compute(&FACING, "facing", &[windows, plane, exact])
     }
 
     /// Exact facing, which reads positions too.
     pub(crate) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
         let windows = [("WINDOW_WORDS", f64::from(window_words))];
-        self.pipelines.compute(&EXACT_FACING, "exact_facing", &EXACT_SLOTS, &windows)
+        self.pipelines.compute(&EXACT_FACING, "exact_facing", &windows)
     }
 
     /// The list of undecided faces; its length tells the shaders its capacity.
@@ -57,16 +51,19 @@ impl BindGroupBuilder<'_> {
     /// Binds the dispatches of a pipeline to positions.
     pub(crate) fn bind_positions(&self, pass: &mut Pass, positions: &wgpu::Buffer, bound: &BoundPositions) {
         for dispatch in &mut pass.dispatches {
-            let mut resources = vec![entry::<LightBatch>(self.light_batches), entry::<Chunk>(self.chunks)];
+            let mut resources =
+                vec![("word", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
             resources.extend(bound.bindings(positions));
             if let Some(corners) = &self.buffers.edge_corners {
-                resources.push(binding(corners, dispatch.bytes(16)));
+                resources.push(("edge_corners", binding(corners, dispatch.bytes(16))));
                 resources.extend(self.emit_targets(dispatch));
             } else {
-                resources.push(binding(&self.buffers.faces, dispatch.bytes(12)));
-                resources.push(binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4)));
-                resources.push(self.buffers.statistics.as_entire_binding());
-                resources.push(self.undecided());
+                resources.extend([
+                    ("faces", binding(&self.buffers.faces, dispatch.bytes(12))),
+                    ("facing_masks", binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4))),
+                    ("statistics", self.buffers.statistics.as_entire_binding()),
+                    ("undecided", self.undecided()),
+                ]);
             }
             dispatch.offsets = Self::word_and_chunk(dispatch);
             dispatch.group = Some(pass.pipeline.bind(self.device, &resources));
@@ -77,12 +74,15 @@ impl BindGroupBuilder<'_> {
     pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
         let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
-        let pipeline = self.pipelines.compute(&EDGES, "edges", &EDGE_SLOTS, &constants);
+        let pipeline = self.pipelines.compute(&EDGES, "edges", &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.word];
-            let mut resources = vec![entry::<LightBatch>(self.light_batches), entry::<Chunk>(self.chunks)];
-            resources.extend(windows.ranges.iter().map(|window| binding(facing, window.clone())));
-            resources.push(binding(&self.buffers.edge_faces, dispatch.bytes(8)));
+            let mut resources =
+                vec![("word", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
+            let names = ["facing_0", "facing_1", "facing_2", "facing_3"];
+            resources
+                .extend(names.into_iter().zip(windows.ranges.iter().map(|window| binding(facing, window.clone()))));
+            resources.push(("edge_faces", binding(&self.buffers.edge_faces, dispatch.bytes(8))));
             resources.extend(self.emit_targets(dispatch));
             dispatch.offsets = Self::word_and_chunk(dispatch);
             dispatch.group = Some(pipeline.bind(self.device, &resources));
@@ -93,18 +93,18 @@ impl BindGroupBuilder<'_> {
     /// Compaction in the order of the edges: count, scan, scatter.
     pub(crate) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
         COMPACT_ENTRY_POINTS.map(|entry_point| {
-            let pipeline = self.pipelines.compute(&COMPACT, entry_point, &COMPACT_SLOTS, &[]);
+            let pipeline = self.pipelines.compute(&COMPACT, entry_point, &[]);
             let scans = entry_point == "compact_scan";
             // The scan goes over all blocks of a word at once, a workgroup a light.
             let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
             let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_word).cloned().collect();
             for dispatch in &mut dispatches {
                 let resources = [
-                    entry::<Chunk>(self.chunks),
-                    self.masks_of(dispatch),
-                    self.buffers.places.as_entire_binding(),
-                    self.buffers.counts.as_entire_binding(),
-                    self.buffers.lists[dispatch.word].as_entire_binding(),
+                    ("chunk", entry::<Chunk>(self.chunks)),
+                    ("masks", self.masks_of(dispatch)),
+                    ("places", self.buffers.places.as_entire_binding()),
+                    ("counts", self.buffers.counts.as_entire_binding()),
+                    ("list", self.buffers.lists[dispatch.word].as_entire_binding()),
                 ];
                 dispatch.offsets = vec![dispatch.chunk_offset];
                 dispatch.group = Some(pipeline.bind(self.device, &resources));
@@ -122,12 +122,12 @@ impl BindGroupBuilder<'_> {
         let mut table = UniformTable::default();
         table.push(&DrawShape { lights: max_lights as u32, capacity, edges: edges as u32, vertices_per_edge });
         let shape = table.into_buffer(self.device, "draw shape");
-        let pipeline = self.pipelines.compute(&ARGUMENTS, "arguments", &ARGUMENTS_SLOTS, &[]);
+        let pipeline = self.pipelines.compute(&ARGUMENTS, "arguments", &[]);
         let resources = [
-            entry::<DrawShape>(&shape),
-            self.buffers.counts.as_entire_binding(),
-            self.buffers.draw_arguments.as_entire_binding(),
-            self.buffers.statistics.as_entire_binding(),
+            ("shape", entry::<DrawShape>(&shape)),
+            ("counts", self.buffers.counts.as_entire_binding()),
+            ("draw_arguments", self.buffers.draw_arguments.as_entire_binding()),
+            ("statistics", self.buffers.statistics.as_entire_binding()),
         ];
         let group = Some(pipeline.bind(self.device, &resources));
         let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));
@@ -142,10 +142,10 @@ impl BindGroupBuilder<'_> {
     }
 
     /// Masks, counts and list, as `emit.wgsl` binds them.
-    fn emit_targets(&self, dispatch: &Dispatch) -> [BindingResource<'_>; 3] {
+    fn emit_targets(&self, dispatch: &Dispatch) -> [(&'static str, BindingResource<'_>); 3] {
         let unused = self.buffers.unused.as_entire_binding();
         let list = self.buffers.lists.get(dispatch.word).map_or(unused, wgpu::Buffer::as_entire_binding);
-        [self.masks_of(dispatch), self.buffers.counts.as_entire_binding(), list]
+        [("masks", self.masks_of(dispatch)), ("counts", self.buffers.counts.as_entire_binding()), ("list", list)]
     }
 
     /// The chunk's masks: its word's, those that all words share, or nothing.

@@ -19,7 +19,7 @@ const MOST_QUERIES: u64 = 1 << 17;
 const MOST_GROUPS: u64 = 32;
 /// Points of a run are a multiple of this, so that depths may be bound at the first of them.
 const POINTS: u64 = 64;
-/// Bytes before the undecided_pairs, and of those of a pair of point and light.
+/// Bytes before the undecided pairs, and of those of a pair of point and light.
 const DOUBTS_HEAD: u64 = 8;
 const DOUBT: u64 = size_of::<UndecidedFaces>() as u64;
 

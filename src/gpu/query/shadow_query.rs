@@ -10,7 +10,7 @@ use super::plan::{
 use crate::cpu::query::shadow_boxes::clustered;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::gpu::common::requirements::{DeviceError, Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
@@ -94,10 +94,6 @@ pub enum QueryError {
     },
 }
 
-const BOX_SLOTS: [Slot; 7] = [Uniform, Uniform, Read, Read, Read, Read, Write];
-const ARGUMENTS_SLOTS: [Slot; 3] = [Uniform, Write, Write];
-const DEPTH_SLOTS: [Slot; 11] = [Uniform, Uniform, Read, Read, Read, Read, Uniform, Read, Read, Write, Write];
-
 /// Counts the faces of one mesh that lie strictly between points and lights: each face once, whatever its orientation
 /// and whatever the mesh, so that on a closed one the parity tells inside from outside. A point in shadow has a depth
 /// above 0. Equal on every device to [`crate::cpu::shadow_depth`], which says what becomes of ties.
@@ -137,15 +133,15 @@ impl Passes {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
         let skip = ("SKIP", f64::from(u8::from(skip)));
         let pair = |stage: &Stage, entry_point: usize| {
-            pipelines.compute(stage, stage.entry_points[entry_point], &DEPTH_SLOTS, &[windows, skip])
+            pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip])
         };
         let (boxes, arguments) = (&SHADOW_BOXES, &DEPTH_ARGUMENTS);
         let most = [("MOST_WORKGROUPS", f64::from(pipelines.device().limits().max_compute_workgroups_per_dimension))];
         Self {
-            boxes: pipelines.compute(boxes, boxes.name, &BOX_SLOTS, &[windows]),
+            boxes: pipelines.compute(boxes, boxes.name, &[windows]),
             depth: pair(&SHADOW_DEPTH, 0),
             exact: pair(&EXACT_SHADOW_DEPTH, 0),
-            arguments: pipelines.compute(arguments, arguments.name, &ARGUMENTS_SLOTS, &most),
+            arguments: pipelines.compute(arguments, arguments.name, &most),
             recount: pair(&EXACT_SHADOW_DEPTH, 1),
         }
     }
@@ -276,9 +272,10 @@ impl ShadowQuery {
         let mut pass = begin(encoder, SHADOW_BOXES.name, timer.as_deref_mut());
         pass.set_pipeline(&self.passes.boxes.compute);
         for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
-            let mut resources = vec![entry::<LightBatch>(&tables.words), entry::<FaceRange>(&tables.ranges)];
+            let mut resources =
+                vec![("word", entry::<LightBatch>(&tables.words)), ("range", entry::<FaceRange>(&tables.ranges))];
             resources.extend(bound.bindings(positions.buffer));
-            resources.push(binding(&self.cluster_buffer, cluster_bytes(clusters)));
+            resources.push(("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))));
             pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
             pass.dispatch_workgroups(clusters.len().div_ceil(GROUP) as u32, 1, 1);
         }
@@ -287,9 +284,9 @@ impl ShadowQuery {
         let arguments = self.passes.arguments.bind(
             self.pipelines.device(),
             &[
-                entry::<FaceRange>(&tables.ranges),
-                binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries)),
-                binding(&self.recount_dispatch, 0..12),
+                ("range", entry::<FaceRange>(&tables.ranges)),
+                ("undecided_pairs", binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries))),
+                ("dispatch", binding(&self.recount_dispatch, 0..12)),
             ],
         );
         for (points_at, chunk) in (0_u64..).zip(&chunks) {
@@ -334,18 +331,19 @@ impl ShadowQuery {
         chunk: &Range<u32>,
         clusters: &Range<usize>,
         lights: usize,
-    ) -> Vec<wgpu::BindingResource<'a>> {
+    ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
         let first_byte = points.offset + u64::from(chunk.start) * points.stride;
         let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
         let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
-        let mut resources = vec![entry::<LightBatch>(&tables.words), entry::<PointChunk>(&tables.chunks)];
+        let mut resources =
+            vec![("word", entry::<LightBatch>(&tables.words)), ("chunk", entry::<PointChunk>(&tables.chunks))];
         resources.extend(bound.bindings(positions.buffer));
         resources.extend([
-            entry::<FaceRange>(&tables.ranges),
-            binding(&self.cluster_buffer, cluster_bytes(clusters)),
-            binding(points.buffer, self.split.align_down(first_byte)..end),
-            binding(&self.depths, depths[0]..depths[1]),
-            binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries)),
+            ("range", entry::<FaceRange>(&tables.ranges)),
+            ("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))),
+            ("points", binding(points.buffer, self.split.align_down(first_byte)..end)),
+            ("depths", binding(&self.depths, depths[0]..depths[1])),
+            ("undecided_pairs", binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries))),
         ]);
         resources
     }

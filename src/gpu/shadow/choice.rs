@@ -4,20 +4,13 @@ use super::buffers::Buffers;
 use super::options::ShadowOptions;
 use crate::Counting;
 use crate::gpu::common::dispatch_limits::binding;
-use crate::gpu::common::pipelines::{Pipeline, Pipelines, Slot, Slot::Read, Slot::Uniform, Slot::Write};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::results::Results;
 use crate::layout::ShadowDraw;
 use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
-
-const BOUNDS_SLOTS: [Slot; 4] = [Uniform, Read, Read, Write];
-const CHOOSE_SLOTS: [Slot; 5] = [Uniform, Uniform, Read, Write, Write];
-const ZP_PLUS_2005_CASES_SLOTS: [Slot; 8] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write];
-const STENCIL_BOUND_SLOTS: [Slot; 10] = [Uniform, Uniform, Read, Read, Read, Read, Read, Read, Read, Write];
-const CAPS_SLOTS: [Slot; 9] = [Uniform, Uniform, Uniform, Read, Read, Read, Read, Write, Write];
-const ARGUMENTS_SLOTS: [Slot; 6] = [Uniform, Read, Read, Read, Write, Write];
 
 /// Pipelines and bind groups of the stages that choose.
 #[derive(Debug)]
@@ -63,38 +56,36 @@ impl Choice {
         options: ShadowOptions,
     ) -> Self {
         let device = pipelines.device();
-        let pipeline = |stage: &Stage, slots| pipelines.compute(stage, stage.name, slots, &[]);
-        let choose = pipeline(&CHOOSE, &CHOOSE_SLOTS);
-        let arguments = pipeline(&SHADOW_ARGUMENTS, &ARGUMENTS_SLOTS);
+        let pipeline = |stage: &Stage| pipelines.compute(stage, stage.name, &[]);
+        let choose = pipeline(&CHOOSE);
+        let arguments = pipeline(&SHADOW_ARGUMENTS);
         let whole = wgpu::Buffer::as_entire_binding;
         let choose_group = choose.bind(
             device,
             &[
-                whole(&buffers.shape),
-                whole(&buffers.view),
-                whole(&buffers.bounds),
-                whole(&buffers.lights),
-                whole(&buffers.cap_dispatches),
+                ("shape", whole(&buffers.shape)),
+                ("view", whole(&buffers.view)),
+                ("box", whole(&buffers.bounds)),
+                ("shadow_lights", whole(&buffers.lights)),
+                ("cap_dispatches", whole(&buffers.cap_dispatches)),
             ],
         );
         let arguments_group = arguments.bind(
             device,
             &[
-                whole(&buffers.shape),
-                whole(results.counts),
-                whole(&buffers.cap_counts),
-                whole(&buffers.lights),
-                whole(&buffers.draws),
-                whole(&buffers.statistics),
+                ("shape", whole(&buffers.shape)),
+                ("silhouette_counts", whole(results.counts)),
+                ("cap_counts", whole(&buffers.cap_counts)),
+                ("shadow_lights", whole(&buffers.lights)),
+                ("shadow_draws", whole(&buffers.draws)),
+                ("shadow_statistics", whole(&buffers.statistics)),
             ],
         );
         Self {
-            bounds: pipeline(&BOUNDS, &BOUNDS_SLOTS),
-            zp_plus_2005_cases: counting
-                .is_zp_plus_2005()
-                .then(|| pipeline(&ZP_PLUS_2005_CASES, &ZP_PLUS_2005_CASES_SLOTS)),
-            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND, &STENCIL_BOUND_SLOTS)),
-            caps: pipeline(&CAPS, &CAPS_SLOTS),
+            bounds: pipeline(&BOUNDS),
+            zp_plus_2005_cases: counting.is_zp_plus_2005().then(|| pipeline(&ZP_PLUS_2005_CASES)),
+            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND)),
+            caps: pipeline(&CAPS),
             choose,
             arguments,
             choose_group,
@@ -114,22 +105,28 @@ impl Choice {
     ) {
         let whole = wgpu::Buffer::as_entire_binding;
         let positions = bound.first_binding(positions);
-        let bounds = self
-            .bounds
-            .bind(device, &[whole(&buffers.shape), positions.clone(), whole(&buffers.faces), whole(&buffers.bounds)]);
+        let bounds = self.bounds.bind(
+            device,
+            &[
+                ("shape", whole(&buffers.shape)),
+                ("positions", positions.clone()),
+                ("faces", whole(&buffers.faces)),
+                ("box", whole(&buffers.bounds)),
+            ],
+        );
         let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
             self.caps.bind(
                 device,
                 &[
-                    whole(&buffers.shape),
-                    whole(&buffers.view),
-                    binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
-                    positions.clone(),
-                    whole(&buffers.faces),
-                    whole(facing),
-                    whole(&buffers.lights),
-                    whole(&buffers.cap_counts),
-                    whole(list),
+                    ("shape", whole(&buffers.shape)),
+                    ("view", whole(&buffers.view)),
+                    ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
+                    ("positions", positions.clone()),
+                    ("faces", whole(&buffers.faces)),
+                    ("facing_masks", whole(facing)),
+                    ("shadow_lights", whole(&buffers.lights)),
+                    ("cap_counts", whole(&buffers.cap_counts)),
+                    ("cap_list", whole(list)),
                 ],
             )
         });
@@ -138,14 +135,14 @@ impl Choice {
                 stage.bind(
                     device,
                     &[
-                        whole(&buffers.shape),
-                        whole(&buffers.view),
-                        binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
-                        positions.clone(),
-                        whole(results.edge_vertices),
-                        whole(list),
-                        whole(results.counts),
-                        whole(&buffers.lights),
+                        ("shape", whole(&buffers.shape)),
+                        ("view", whole(&buffers.view)),
+                        ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
+                        ("positions", positions.clone()),
+                        ("edge_vertices", whole(results.edge_vertices)),
+                        ("list", whole(list)),
+                        ("silhouette_counts", whole(results.counts)),
+                        ("shadow_lights", whole(&buffers.lights)),
                     ],
                 )
             })
@@ -155,16 +152,16 @@ impl Choice {
                 stage.bind(
                     device,
                     &[
-                        whole(&buffers.shape),
-                        binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
-                        whole(&buffers.bounds),
-                        positions.clone(),
-                        whole(results.edge_vertices),
-                        whole(results.edge_faces),
-                        whole(list),
-                        whole(results.counts),
-                        whole(&buffers.lights),
-                        whole(&buffers.statistics),
+                        ("shape", whole(&buffers.shape)),
+                        ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
+                        ("box", whole(&buffers.bounds)),
+                        ("positions", positions.clone()),
+                        ("edge_vertices", whole(results.edge_vertices)),
+                        ("edge_faces", whole(results.edge_faces)),
+                        ("list", whole(list)),
+                        ("silhouette_counts", whole(results.counts)),
+                        ("shadow_lights", whole(&buffers.lights)),
+                        ("shadow_statistics", whole(&buffers.statistics)),
                     ],
                 )
             })

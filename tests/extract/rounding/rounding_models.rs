@@ -1,4 +1,4 @@
-//! Arithmetic with the rounding_models that WGSL leaves an implementation, and the stages' `f32` formulas in it.
+//! Arithmetic with the freedoms of rounding that WGSL leaves an implementation, and the stages' `f32` formulas in it.
 
 use rimline::Light;
 
@@ -54,7 +54,7 @@ impl RoundingModels {
         match liberty {
             Taken::Never => false,
             Taken::Always => true,
-            Taken::ByChance => self.random.next() >> 63 != 0,
+            Taken::ByChance => self.random.next_u64() >> 63 != 0,
         }
     }
 
@@ -103,7 +103,7 @@ impl RoundingModels {
 
     /// a·d − b·c, either product first.
     fn cross(&mut self, [a, b]: [f32; 2], [c, d]: [f32; 2], effect: f64) -> f32 {
-        if self.random.next() >> 63 != 0 {
+        if self.random.next_u64() >> 63 != 0 {
             let second = self.product_sum(-b, c, 0.0, effect);
             self.product_sum(a, d, second, effect)
         } else {

@@ -65,7 +65,7 @@ fn casters_that_touch_the_near_rectangle_cast_with_every_face() {
         }
         let Shape { positions, faces } = block(low, high);
         let light = Light::point((near_high + DVec3::splat(10.0 * scale + size)).as_vec3().to_array());
-        let (_, light) = chosen(&camera, light.into(), CLOSED, &positions, &faces);
+        let (_, light) = chosen(&camera, light, CLOSED, &positions, &faces);
         if touches {
             touching += 1;
             assert_eq!(light.casting, CAST_EVERY, "{number}: {low:?} to {high:?}, near {near_low} to {near_high}");
@@ -113,7 +113,7 @@ fn lights_in_the_casters_box_make_every_face_cast() {
         let is_within =
             w > 0.0 && (0..3).all(|axis| product(low[axis]) <= xyz[axis] && xyz[axis] <= product(high[axis]));
         let Shape { positions, faces } = block(low, high);
-        let (_, light) = chosen(&camera, light.into(), CLOSED, &positions, &faces);
+        let (_, light) = chosen(&camera, light, CLOSED, &positions, &faces);
         if is_within {
             within += 1;
             at_the_edge += usize::from(!is_free);
@@ -157,7 +157,7 @@ fn the_published_frustum_begins_before_the_caster() {
         let cap =
             rimline::reference::cpu::zp_plus_2005_cap(&view, &light, [0, 1, 2].map(|at| (at as u32, corners[at])));
         for (corner, clip) in corners.into_iter().zip(cap) {
-            let ([x, y], part) = eye.from_light(given, DVec3::from(corner.map(f64::from)));
+            let ([x, y], part) = eye.seen_from_light(given, DVec3::from(corner.map(f64::from)));
             if x.abs().max(y.abs()) < 0.999 && part > 0.005 && part < 0.99 {
                 seen += 1;
                 near += usize::from(part < 0.2);

@@ -157,7 +157,7 @@ fn faces_that_graze_the_pyramid_have_their_caps() {
         let is_clear = number % 4 == 0;
         let corners = [corner(if is_clear { 0.01 } else { -1e-9 }), corner(0.1), corner(0.2)];
         let [inside, part] = {
-            let (at, part) = eye.from_light(given, DVec3::from(corners[0].map(f64::from)));
+            let (at, part) = eye.seen_from_light(given, DVec3::from(corners[0].map(f64::from)));
             [at[0].abs().max(at[1].abs()), part]
         };
         let shape = ShadowShape { counting: COUNT_ZP_PLUS, ..bytemuck::Zeroable::zeroed() };

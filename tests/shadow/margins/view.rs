@@ -52,7 +52,7 @@ impl Eye {
 
     /// Where on the picture the light, which is a point, has a place, and how far on the way from the light to the near
     /// plane that is: 0 at the light, 1 on the plane.
-    pub(crate) fn from_light(&self, light: DVec3, place: DVec3) -> ([f64; 2], f64) {
+    pub(crate) fn seen_from_light(&self, light: DVec3, place: DVec3) -> ([f64; 2], f64) {
         let at = |p: DVec3| self.plane.dot((p - self.origin).extend(1.0));
         let (from, to) = (at(light), at(place));
         let part = (from - to) / from;

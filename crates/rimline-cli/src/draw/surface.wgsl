@@ -1,4 +1,4 @@
-// The model as matte clay in a small resources: a warm key from the upper left, a cool fill from the right, a rim light
+// The model as matte clay in a small studio: a warm key from the upper left, a cool fill from the right, a rim light
 // from behind, all of which move with the eye.
 
 @group(1) @binding(0) var<storage, read> positions: array<f32>;

@@ -10,7 +10,7 @@ use super::caster::Caster;
 use super::depth::depth_format;
 use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
-/// Which pixels a receivers draws onto.
+/// Which pixels receivers are drawn onto.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Onto {
     /// What is nearest, and it is so found.
@@ -22,7 +22,7 @@ pub(crate) enum Onto {
     Shadowed,
 }
 
-/// What a receivers does to the colour that is there.
+/// What drawing does to the colour that is there.
 pub(crate) const ADD: Option<BlendState> = Some(blend(BlendFactor::One, BlendFactor::One));
 /// There times drawn.
 pub(super) const MULTIPLY: Option<BlendState> = Some(blend(BlendFactor::Dst, BlendFactor::Zero));

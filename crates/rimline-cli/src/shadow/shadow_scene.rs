@@ -204,12 +204,12 @@ impl<'a> ShadowScene<'a> {
         encoder: &mut rimline::wgpu::CommandEncoder,
         resources: &RenderResources<'_>,
         casters: &mut [Caster],
-        mut timer: Option<&mut rimline::gpu::StageTimer>,
+        timer: Option<&mut rimline::gpu::StageTimer>,
     ) -> Result<(), GpuError> {
         for (caster, body) in casters.iter_mut().zip(&self.bodies) {
             caster.place(gpu, &resources.factory, resources.geometry_layout(), body);
         }
-        self.encode_lights(gpu, encoder, resources, casters, timer.as_deref_mut())
+        self.encode_lights(gpu, encoder, resources, casters, timer)
     }
 
     /// The same for bodies that are where they were.

@@ -1,4 +1,4 @@
-// The shadow volumes themselves: sides as tinted volume_overlay, and the lines they are made of.
+// The shadow volumes themselves: sides as tinted glass, and the lines they are made of.
 
 @vertex fn volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
   -> @builtin(position) vec4<f32> {

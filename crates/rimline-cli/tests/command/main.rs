@@ -41,7 +41,7 @@ type Outcome = Result<(), String>;
 /// Fails with a message unless the condition holds.
 macro_rules! ensure {
     ($condition:expr, $($message:tt)+) => {
-        if !$condition {
+        if let false = $condition {
             return Err(format!($($message)+));
         }
     };

@@ -6,7 +6,7 @@ pub(crate) const TESTS: &[Test] = &[("plot_labels::colliding_texts_are_found", n
 
 /// A horizontal text of an SVG.
 struct Text {
-    text: String,
+    words: String,
     x: [f64; 2],
     y: [f64; 2],
 }
@@ -40,7 +40,7 @@ fn texts(svg: &str) -> Result<Vec<Text>, String> {
             other => return Err(format!("{text} lies at {other:?}")),
         };
         let y = [middle - 0.5 * height, middle + 0.5 * height];
-        texts.push(Text { text, x: [left, left + width], y });
+        texts.push(Text { words: text, x: [left, left + width], y });
     }
     Ok(texts)
 }
@@ -53,14 +53,14 @@ pub(crate) fn check(svg: &str) -> Outcome {
     ensure!(view.len() == 4 && texts.len() > 5, "{} texts in {view:?}", texts.len());
     for (index, one) in texts.iter().enumerate() {
         let is_inside = one.x[0] >= 0.0 && one.x[1] <= view[2] && one.y[0] >= 0.0 && one.y[1] <= view[3];
-        ensure!(is_inside, "`{}` at {:?}, {:?} leaves the plot of {view:?}", one.text, one.x, one.y);
+        ensure!(is_inside, "`{}` at {:?}, {:?} leaves the plot of {view:?}", one.words, one.x, one.y);
         for other in &texts[..index] {
             let apart = |a: [f64; 2], b: [f64; 2]| a[1] <= b[0] || b[1] <= a[0];
             ensure!(
                 apart(one.x, other.x) || apart(one.y, other.y),
                 "`{}` and `{}` collide at {:?}, {:?}",
-                one.text,
-                other.text,
+                one.words,
+                other.words,
                 one.x,
                 one.y
             );

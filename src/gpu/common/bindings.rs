@@ -1,0 +1,95 @@
+//! A stage's bindings, as its WGSL declares them: the layout of its bind group, and the number of each name.
+
+use naga::{AddressSpace, StorageAccess};
+
+/// The bindings of bind group 0, ordered by number.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bindings {
+    names: Vec<String>,
+    entries: Vec<wgpu::BindGroupLayoutEntry>,
+}
+
+impl Bindings {
+    /// Reads them from a module's source. What does not parse has none; making a pipeline of it then tells the error.
+    pub(crate) fn of(wgsl: &str) -> Self {
+        let Ok(module) = naga::front::wgsl::parse_str(wgsl) else { return Self::default() };
+        let mut found: Vec<(String, wgpu::BindGroupLayoutEntry)> = Vec::new();
+        for (_, variable) in module.global_variables.iter() {
+            let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
+            let Some(ty) = buffer_type(variable.space).filter(|_| place.group == 0) else { continue };
+            let visibility = wgpu::ShaderStages::COMPUTE;
+            found.push((
+                name.clone(),
+                wgpu::BindGroupLayoutEntry { binding: place.binding, visibility, ty, count: None },
+            ));
+        }
+        found.sort_by_key(|(_, entry)| entry.binding);
+        let (names, entries) = found.into_iter().unzip();
+        Self { names, entries }
+    }
+
+    pub(crate) fn entries(&self) -> &[wgpu::BindGroupLayoutEntry] {
+        &self.entries
+    }
+
+    /// The resources by their numbers. A name that the stage does not declare, or one that lacks, makes a group that the
+    /// device refuses; tests bind every stage.
+    pub(crate) fn numbered<'a>(
+        &self,
+        resources: &[(&str, wgpu::BindingResource<'a>)],
+    ) -> Vec<wgpu::BindGroupEntry<'a>> {
+        let number = |name: &str| {
+            let at = self.names.iter().position(|own| own == name);
+            at.and_then(|at| self.entries.get(at)).map_or(u32::MAX, |entry| entry.binding)
+        };
+        let entry = |(name, resource): &(&str, wgpu::BindingResource<'a>)| wgpu::BindGroupEntry {
+            binding: number(name),
+            resource: resource.clone(),
+        };
+        resources.iter().map(entry).collect()
+    }
+}
+
+/// Uniforms lie in tables of which a dispatch picks an entry by dynamic offset.
+fn buffer_type(space: AddressSpace) -> Option<wgpu::BindingType> {
+    let ty = match space {
+        AddressSpace::Uniform => wgpu::BufferBindingType::Uniform,
+        AddressSpace::Storage { access } => {
+            wgpu::BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) }
+        }
+        _ => return None,
+    };
+    let has_dynamic_offset = ty == wgpu::BufferBindingType::Uniform;
+    Some(wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WGSL: &str = "
+        @group(0) @binding(3) var<storage, read_write> out: array<u32>;
+        @group(0) @binding(1) var<uniform> word: vec4<f32>;
+        @group(1) @binding(0) var<storage, read> others: array<u32>;
+        @group(0) @binding(2) var<storage, read> faces: array<u32>;
+        var<workgroup> sums: array<u32, 4>;
+    ";
+
+    #[test]
+    fn bindings_are_those_of_the_wgsl() {
+        let bindings = Bindings::of(WGSL);
+        assert_eq!(bindings.names, ["word", "faces", "out"]);
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let found: Vec<_> = bindings
+            .entries()
+            .iter()
+            .map(|entry| match entry.ty {
+                wgpu::BindingType::Buffer { ty, has_dynamic_offset, .. } => (entry.binding, ty, has_dynamic_offset),
+                _ => panic!("{entry:?}"),
+            })
+            .collect();
+        let uniform = wgpu::BufferBindingType::Uniform;
+        assert_eq!(found, [(1, uniform, true), (2, storage(true), false), (3, storage(false), false)]);
+        assert_eq!(Bindings::of("not WGSL"), Bindings::default());
+    }
+}
