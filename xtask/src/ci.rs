@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::summary::Summary;
 use crate::test::BENCH;
-use crate::{process, test, wgsl};
+use crate::{circles, process, test, wgsl};
 
 /// Every check runs, also after one that failed, so that one run shows all there is to mend.
 pub(crate) fn run() -> Summary {
@@ -21,6 +21,7 @@ pub(crate) fn run() -> Summary {
     let mut documentation: Command = process::cargo(["doc", "--no-deps"]);
     documentation.args(everything).env("RUSTDOCFLAGS", "-D warnings");
     summary.check("documentation", process::run(&mut documentation));
+    summary.check("module circles", circles::run());
     test::add(&mut summary);
     wgsl::add(&mut summary);
     summary

@@ -1,6 +1,7 @@
 //! Rimline's set-up and its commands: pictures, tests, and what continuous integration checks.
 
 mod ci;
+mod circles;
 mod demo;
 mod features;
 mod packages;
@@ -18,9 +19,11 @@ Rimline's commands
 Usage: cargo xtask COMMAND
 
 Commands:
-  demo    Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
-  test    Run every test; ends with a line `N passed, N failed, N skipped`
-  ci      Check format, lints and documentation, then do what `test` does, then check the WGSL with other compilers
+  demo     Make a walking figure and other models by code, and draw their outlines and shadows to PNG files in demo/
+  test     Run every test; ends with a line `N passed, N failed, N skipped`
+  circles  Check that no modules of a crate import one another in a circle
+  ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
+           compilers
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
 system's package manager if that needs no password, and otherwise print the command that does.
@@ -39,9 +42,10 @@ fn main() -> ExitCode {
         }
         ["demo"] => finish(demo::run()),
         ["test"] => test::run().finish(),
+        ["circles"] => finish(circles::run()),
         ["ci"] => ci::run().finish(),
         [] => misused("no command given"),
-        [command @ ("demo" | "test" | "ci"), rest @ ..] => {
+        [command @ ("demo" | "test" | "circles" | "ci"), rest @ ..] => {
             misused(&format!("`{command}` takes no arguments, but was given `{}`", rest.join(" ")))
         }
         [command, ..] => misused(&format!("unknown command `{command}`")),
