@@ -1,6 +1,15 @@
 //! A caller's displacement function: checked with naga and composed into the deform stage before any pipeline is made.
 
+mod bounds;
+mod tokens;
+
+use naga::valid::ModuleInfo;
 use naga::{Binding, Module, Span, TypeInner, VectorSize};
+
+pub use bounds::{
+    MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_FUNCTION_BYTES, MAX_NESTING, MAX_OPERATIONS, MAX_PRIVATE_BYTES,
+    MAX_SOURCE_BYTES, MAX_WORKGROUP_BYTES,
+};
 
 use crate::stages::{DEFORM, INCLUDES};
 
@@ -11,7 +20,7 @@ pub const DISPLACE_GROUP: u32 = 1;
 ///
 /// `position` is in world space, after morph and skin; `vertex` is the source vertex index; `time` is in seconds. The
 /// source may declare resources of its own in bind group [`DISPLACE_GROUP`], up to two storage buffers within
-/// `wgpu::Limits::default()`.
+/// `wgpu::Limits::default()`. Its size is bounded, see [`DisplaceError::TooLarge`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Displacement {
     source: String,
@@ -29,7 +38,7 @@ pub enum DisplaceError {
         line: u32,
         /// Column from 1.
         column: u32,
-        /// What naga says.
+        /// What naga says, or the first 500 characters of it.
         message: String,
     },
     /// There is no function `displace`.
@@ -53,6 +62,22 @@ pub enum DisplaceError {
         /// The group it is in.
         group: u32,
     },
+    /// It is larger than naga or a driver may be given: more could end the process. The bounds are [`MAX_SOURCE_BYTES`],
+    /// [`MAX_NESTING`], [`MAX_DECLARATIONS`] and [`MAX_ARRAY_ELEMENTS`], checked before it is parsed, and then
+    /// [`MAX_PRIVATE_BYTES`], [`MAX_FUNCTION_BYTES`], [`MAX_WORKGROUP_BYTES`] and [`MAX_OPERATIONS`].
+    #[error(
+        "displacement, line {line}: it has {needed} {what}, more than the {limit} that are allowed; make it smaller"
+    )]
+    TooLarge {
+        /// Line from 1.
+        line: u32,
+        /// What there is too much of, in the plural.
+        what: &'static str,
+        /// How many there are, or at least as many.
+        needed: u64,
+        /// The bound.
+        limit: u64,
+    },
     /// The source has an entry point.
     #[error("the displacement declares the entry point `{name}`; it must have functions only")]
     EntryPoint {
@@ -60,6 +85,9 @@ pub enum DisplaceError {
         name: String,
     },
 }
+
+/// Characters of what naga says that are kept.
+const LONGEST_MESSAGE: usize = 500;
 
 const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";
 
@@ -69,6 +97,7 @@ impl Displacement {
     /// # Errors
     /// [`DisplaceError`] that points at the line of `source`.
     pub fn new(source: &str) -> Result<Self, DisplaceError> {
+        tokens::check(source)?;
         let module = parse(source, source)?;
         if let Some(entry_point) = module.entry_points.first() {
             return Err(DisplaceError::EntryPoint { name: entry_point.name.clone() });
@@ -85,7 +114,7 @@ impl Displacement {
             }
         }
         check_overrides(&module, source)?;
-        validate(&module, source, source)?;
+        bounds::check(&module, &validate(&module, source, source)?, source)?;
         let displacement = Self { source: source.to_owned(), uses_resources };
         let composed = displacement.deform_wgsl();
         validate(&parse(&composed, source)?, &composed, source)?;
@@ -117,10 +146,10 @@ fn parse(text: &str, source: &str) -> Result<Module, DisplaceError> {
     })
 }
 
-fn validate(module: &Module, text: &str, source: &str) -> Result<(), DisplaceError> {
+fn validate(module: &Module, text: &str, source: &str) -> Result<ModuleInfo, DisplaceError> {
     let mut validator =
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
-    validator.validate(module).map(drop).map_err(|error| {
+    validator.validate(module).map_err(|error| {
         let spans: Vec<Span> = error.spans().map(|(span, _)| *span).collect();
         // The error proper is wrapped in one that names the function.
         let mut message = error.as_inner().to_string();
@@ -142,6 +171,11 @@ fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
         Span::new(range.start.min(end) as u32, end as u32)
     });
     let place = span.location(source);
+    // naga cites whole words, which may be as long as the source.
+    let message = match message.char_indices().nth(LONGEST_MESSAGE) {
+        Some((end, _)) => format!("{}…", &message[..end]),
+        None => message,
+    };
     DisplaceError::Wgsl { line: place.line_number.max(1), column: place.line_position.max(1), message }
 }
 

@@ -1,4 +1,5 @@
 //! Deforming without a device.
 
 mod displace;
+mod displace_bounds;
 mod model;

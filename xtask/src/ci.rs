@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::summary::Summary;
 use crate::test::BENCH;
-use crate::{circles, process, test, wgsl};
+use crate::{circles, fuzz, process, test, wgsl};
 
 /// Every check runs, also after one that failed, so that one run shows all there is to mend.
 pub(crate) fn run() -> Summary {
@@ -24,6 +24,7 @@ pub(crate) fn run() -> Summary {
     summary.check("module circles", circles::run());
     test::add(&mut summary);
     wgsl::add(&mut summary);
+    fuzz::add(&mut summary, fuzz::CI_SECONDS);
     summary
 }
 

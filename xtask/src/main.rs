@@ -4,6 +4,8 @@ mod ci;
 mod circles;
 mod demo;
 mod features;
+mod fuzz;
+mod mutants;
 mod packages;
 mod process;
 mod summary;
@@ -23,7 +25,9 @@ Commands:
   test     Run every test; ends with a line `N passed, N failed, N skipped`
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
-           compilers
+           compilers, then fuzz for 4 minutes
+  fuzz     Feed mutated glTF, .npz, WGSL and arguments to what reads them; --seconds N for each of the four (60)
+  mutants  Make the code wrong in a copy, in one place after the other, and say whether tests notice; --only TEXT
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the
 system's package manager if that needs no password, and otherwise print the command that does.
@@ -44,6 +48,14 @@ fn main() -> ExitCode {
         ["test"] => test::run().finish(),
         ["circles"] => finish(circles::run()),
         ["ci"] => ci::run().finish(),
+        ["fuzz"] => fuzz::run(fuzz::CI_SECONDS).finish(),
+        ["fuzz", "--seconds", seconds] => match seconds.parse() {
+            Ok(seconds) => fuzz::run(seconds).finish(),
+            Err(_) => misused(&format!("`--seconds {seconds}` is no number")),
+        },
+        ["mutants"] => finish(mutants::run(None)),
+        ["mutants", "--only", text] => finish(mutants::run(Some(text))),
+        ["fuzz" | "mutants", rest @ ..] => misused(&format!("unknown arguments `{}`", rest.join(" "))),
         [] => misused("no command given"),
         [command @ ("demo" | "test" | "circles" | "ci"), rest @ ..] => {
             misused(&format!("`{command}` takes no arguments, but was given `{}`", rest.join(" ")))

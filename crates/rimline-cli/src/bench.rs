@@ -3,6 +3,7 @@
 pub(crate) mod args;
 mod bench_mesh;
 mod figures;
+mod grouped;
 mod machine;
 mod measure;
 mod method;

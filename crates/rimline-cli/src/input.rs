@@ -12,6 +12,7 @@ use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, LightErr
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PoseArgs};
 use crate::npz;
+use crate::output::note;
 use crate::source;
 use crate::spec::LightSpec;
 
@@ -59,7 +60,24 @@ impl Input {
 
     pub(crate) fn read(file: &Path, options: LoadOptions) -> Result<Self, Failure> {
         let source = open(file, options).map_err(Failure::input(file))?;
-        Ok(Self { file: file.to_owned(), source })
+        let input = Self { file: file.to_owned(), source };
+        input.note_non_finite();
+        Ok(input)
+    }
+
+    /// Every subcommand takes positions that are infinite or NaN alike, so it is said where every one reads its model.
+    fn note_non_finite(&self) {
+        let is_finite = |position: &&[f32; 3]| position.iter().all(|c| c.is_finite());
+        let positions = self.model().geometries().iter().flat_map(Geometry::positions);
+        let count = positions.filter(|position| !is_finite(position)).count();
+        if count > 0 {
+            let (vertices, are) = if count == 1 { ("vertex", "is") } else { ("vertices", "are") };
+            note(&format!(
+                "warning: {}: {count} {vertices} {are} infinite or NaN; their faces face no light, cast no shadow and are \
+                 not drawn",
+                self.file.display()
+            ));
+        }
     }
 
     /// The file, and those that it names, textures included.
@@ -236,7 +254,7 @@ fn open_gltf(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
 }
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
-    let arrays = npz::read(reader)?;
+    let arrays = npz::read(reader, options.memory_limit)?;
     let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
     let (geometry, weld) = geometry.welded(options.weld);
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;

@@ -11,7 +11,8 @@ use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type
+    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type.
+    /// Positions may be infinite or NaN: faces there face no light, cast no shadow and are not drawn, and a warning counts them
     pub(crate) file: PathBuf,
 
     #[command(flatten)]

@@ -7,7 +7,7 @@ use rimline::mesh::Weld;
 /// What a model file may do.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LoadArgs {
-    /// The most memory that reading one glTF file may take, such as 512MiB, 16GiB or a number of bytes. Small files can
+    /// The most memory that reading one model file, and making its mesh, may take, such as 512MiB, 16GiB or a number of bytes. Small files can
     /// unpack to much
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     memory_limit: u64,

@@ -19,7 +19,6 @@ mod input;
 mod input_args;
 mod interrupt;
 mod load_args;
-mod npz;
 mod output;
 mod overwrite;
 mod page;
@@ -40,6 +39,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
+use rimline_cli::npz;
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;

@@ -35,13 +35,17 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     let lights = posed.lights(&args.lights)?;
     check_shadow_lights(&lights, MAX_LIGHTS).map_err(UsageError::Lights)?;
     progress.step("reading the points");
-    let points = times.measure("points", || read_points(&args.points))?;
+    let points = times.measure("points", || read_points(&args.points, args.model.options().memory_limit))?;
     let scene = times.measure("topology", || posed.scene())?;
     Inputs::new(posed.files().chain([&*args.points])).spare(&args.out)?;
     let output = Output::create(&args.out)?;
     // Asked for before any long work.
     let mut depths: Vec<i32> = Vec::new();
     let count = points.len() * lights.len();
+    let (needed, limit) = (count as u64 * size_of::<i32>() as u64, args.model.options().memory_limit);
+    if needed > limit {
+        return Err(Failure::input(&args.points)(InputError::TooLarge { what: "the depths".into(), needed, limit }));
+    }
     let too_many = |_| InputError::Depths { points: points.len(), lights: lights.len() };
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
@@ -72,8 +76,8 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     print(&if args.json { report.json() } else { report.text(&args.out) })
 }
 
-fn read_points(file: &Path) -> Result<Vec<[f32; 3]>, Failure> {
-    let read = || -> Result<_, InputError> { Ok(npz::read_points(source::open(file)?)?) };
+fn read_points(file: &Path, memory_limit: u64) -> Result<Vec<[f32; 3]>, Failure> {
+    let read = || -> Result<_, InputError> { Ok(npz::read_points(source::open(file)?, memory_limit)?) };
     read().map_err(Failure::input(file))
 }
 

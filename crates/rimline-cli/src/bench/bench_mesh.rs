@@ -55,7 +55,7 @@ impl BenchMesh {
     /// What a progress line says.
     pub(crate) fn title(self) -> String {
         match self {
-            Self::Torus(faces) => format!("torus of {} faces", super::text::grouped(faces)),
+            Self::Torus(faces) => format!("torus of {} faces", super::grouped::grouped(faces)),
             Self::Scene(name, _) => name.to_owned(),
         }
     }

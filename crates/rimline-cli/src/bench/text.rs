@@ -2,21 +2,9 @@
 
 use std::fmt::Write as _;
 
+pub(crate) use super::grouped::grouped;
 use super::method::{GPU_FAST, PER_EDGE};
 use super::results::Row;
-
-/// 1048576 as `1,048,576`.
-pub(crate) fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
 
 /// Three figures that count.
 pub(crate) fn figures(number: f64) -> String {

@@ -10,7 +10,7 @@ use super::read::{NpzError, listed, shown};
 
 /// A difference between an archive and the one expected of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Difference {
+pub enum Difference {
     /// It has other arrays, or in another order.
     Arrays { given: Vec<String>, expected: Vec<String> },
     /// An array's elements are of another type, or its shape is another.
@@ -23,25 +23,25 @@ pub(crate) enum Difference {
 
 /// An element in two archives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Element {
-    pub(crate) row: usize,
-    pub(crate) column: usize,
+pub struct Element {
+    pub row: usize,
+    pub column: usize,
     /// The light of the lowest bit that differs, where the array's bits are lights'.
-    pub(crate) light: Option<usize>,
+    pub light: Option<usize>,
     /// The element's bits.
-    pub(crate) given: u64,
-    pub(crate) expected: u64,
+    pub given: u64,
+    pub expected: u64,
 }
 
 impl Difference {
-    pub(crate) fn array(&self) -> Option<&str> {
+    pub fn array(&self) -> Option<&str> {
         match self {
             Self::Form { array, .. } | Self::Bits { array, .. } => Some(array),
             Self::Arrays { .. } | Self::Container { .. } => None,
         }
     }
 
-    pub(crate) fn bits(&self) -> u64 {
+    pub fn bits(&self) -> u64 {
         if let Self::Bits { count, .. } = self { *count } else { 0 }
     }
 }
@@ -79,7 +79,7 @@ impl fmt::Display for Element {
 }
 
 /// Everything that `given` has otherwise than `expected`, an archive of ours.
-pub(crate) fn compare(given: &[u8], expected: &[u8]) -> Result<Vec<Difference>, NpzError> {
+pub fn compare(given: &[u8], expected: &[u8]) -> Result<Vec<Difference>, NpzError> {
     if given == expected {
         return Ok(Vec::new());
     }

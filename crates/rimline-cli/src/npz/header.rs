@@ -8,12 +8,12 @@ use std::io::{self, Read};
 
 /// What an array's elements are, as NumPy writes it: `<f4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct ElementType {
+pub struct ElementType {
     /// `f` float, `i` and `u` integer.
-    pub(crate) kind: char,
+    pub kind: char,
     /// Bytes an element.
-    pub(crate) size: usize,
-    pub(crate) big_endian: bool,
+    pub size: usize,
+    pub big_endian: bool,
 }
 
 impl ElementType {
@@ -21,13 +21,13 @@ impl ElementType {
         Self { kind, size, big_endian: cfg!(target_endian = "big") }
     }
     /// `u8`.
-    pub(crate) const U8: Self = Self::native('u', 1);
+    pub const U8: Self = Self::native('u', 1);
     /// `u32`, in this machine's byte order.
-    pub(crate) const U32: Self = Self::native('u', 4);
+    pub const U32: Self = Self::native('u', 4);
     /// `i32`, in this machine's byte order.
-    pub(crate) const I32: Self = Self::native('i', 4);
+    pub const I32: Self = Self::native('i', 4);
     /// `f32`, in this machine's byte order.
-    pub(crate) const F32: Self = Self::native('f', 4);
+    pub const F32: Self = Self::native('f', 4);
 
     fn parse(descr: &str) -> Option<Self> {
         let mut chars = descr.chars();
@@ -68,7 +68,7 @@ pub(crate) struct Header {
 
 /// Why a header is refused.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum HeaderError {
+pub enum HeaderError {
     #[error("it ends within the header: {0}")]
     Read(#[from] io::Error),
     #[error("it does not begin as a .npy array does")]

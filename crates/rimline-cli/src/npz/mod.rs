@@ -5,7 +5,7 @@ mod header;
 mod read;
 mod write;
 
-pub(crate) use compare::{Difference, compare};
-pub(crate) use header::ElementType;
-pub(crate) use read::{Arrays, NpzError, read, read_points, read_with_lights};
-pub(crate) use write::NpzWriter;
+pub use compare::{Difference, compare};
+pub use header::ElementType;
+pub use read::{Arrays, NpzError, read, read_points, read_with_lights};
+pub use write::NpzWriter;

@@ -9,14 +9,14 @@ use super::header::{ElementType, Header, HeaderError};
 
 /// Positions, as they lie in the file bit for bit, and faces whose indices are below their number.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Arrays {
-    pub(crate) positions: Vec<[f32; 3]>,
-    pub(crate) faces: Vec<[u32; 3]>,
+pub struct Arrays {
+    pub positions: Vec<[f32; 3]>,
+    pub faces: Vec<[u32; 3]>,
 }
 
 /// Why an archive is refused.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum NpzError {
+pub enum NpzError {
     #[error("it is not a ZIP archive that can be read: {0}")]
     Archive(#[source] ZipError),
     #[error("it has no array `{array}`, which is needed here; it has {}", listed(.found))]
@@ -35,6 +35,11 @@ pub(crate) enum NpzError {
     Length { array: &'static str, wanted: u64, held: u64 },
     #[error("array `{array}` with {rows} rows does not fit into memory")]
     Memory { array: &'static str, rows: u64 },
+    #[error(
+        "array `{array}` with {rows} rows takes {needed} bytes of memory with what is made of it, more than the limit of \
+         {limit}; if it is meant to be that large, give a larger --memory-limit"
+    )]
+    TooLarge { array: &'static str, rows: u64, needed: u64, limit: u64 },
     #[error("array `{array}`, row {row}, names vertex {index}, which no mesh can have")]
     Index { array: &'static str, row: usize, index: i128 },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
@@ -58,30 +63,48 @@ pub(super) fn shown(shape: &[u64]) -> String {
     shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// Reads the two arrays: `positions` (V,3) float32, `faces` (F,3) integers; either byte order, either array order.
-pub(crate) fn read(reader: impl Read + Seek) -> Result<Arrays, NpzError> {
-    read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?)
+/// What a list that grows takes at most for each byte of its elements: the old and the new array while it doubles.
+const GROWTH: u64 = 3;
+/// Bytes for a vertex and for a face: as read, then welded, then in a mesh with its edge records. As the library counts
+/// those of a glTF.
+const VERTEX: u64 = 12 * GROWTH + 128;
+const FACE: u64 = 12 * GROWTH + 144;
+
+/// The memory that reading one archive may take. What is charged is never given back.
+struct Budget {
+    limit: u64,
+    used: u64,
+}
+
+/// Reads the two arrays: `positions` (V,3) float32, `faces` (F,3) integers; either byte order, either array order. What
+/// takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is read.
+pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
+    let mut budget = Budget { limit: memory_limit, used: 0 };
+    read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?, &mut budget)
 }
 
 /// The same, and `lights` (N,4) float32 as `extract` writes them.
-pub(crate) fn read_with_lights(reader: impl Read + Seek) -> Result<(Arrays, Vec<[f32; 4]>), NpzError> {
+pub fn read_with_lights(reader: impl Read + Seek, memory_limit: u64) -> Result<(Arrays, Vec<[f32; 4]>), NpzError> {
     let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
-    let arrays = read_arrays(&mut archive)?;
+    let mut budget = Budget { limit: memory_limit, used: 0 };
+    let arrays = read_arrays(&mut archive, &mut budget)?;
     let lights = Entry {
         array: "lights",
         shape: "(N, 4)",
         limit: u64::from(u32::MAX),
+        row_bytes: 16 * GROWTH + 16,
         wanted: "float32 is needed",
         accepts: is_float,
     };
-    Ok((arrays, lights.rows(&mut archive, float)?))
+    Ok((arrays, lights.rows(&mut archive, &mut budget, float)?))
 }
 
-fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, NpzError> {
+fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<Arrays, NpzError> {
     let positions = Entry {
         array: "positions",
         shape: "(V, 3)",
         limit: u64::from(u32::MAX) - 1,
+        row_bytes: VERTEX,
         wanted: "float32 is needed (NumPy: `positions.astype('f4')`)",
         accepts: is_float,
     };
@@ -89,11 +112,12 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, Npz
         array: "faces",
         shape: "(F, 3)",
         limit: rimline::mesh::MAX_FACES as u64,
+        row_bytes: FACE,
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
         accepts: |element| matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8)),
     };
-    let positions = positions.rows(archive, float)?;
-    let faces: Vec<[u32; 3]> = faces.rows(archive, index)?;
+    let positions = positions.rows(archive, budget, float)?;
+    let faces: Vec<[u32; 3]> = faces.rows(archive, budget, index)?;
     let vertices = positions.len();
     for (row, face) in faces.iter().enumerate() {
         if let Some(&index) = face.iter().find(|&&index| index as usize >= vertices) {
@@ -103,17 +127,19 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>) -> Result<Arrays, Npz
     Ok(Arrays { positions, faces })
 }
 
-/// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order.
-pub(crate) fn read_points(reader: impl Read + Seek) -> Result<Vec<[f32; 3]>, NpzError> {
+/// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order. More than `memory_limit`
+/// bytes are refused.
+pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Vec<[f32; 3]>, NpzError> {
     let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
     let points = Entry {
         array: "points",
         shape: "(P, 3)",
         limit: u64::from(u32::MAX),
+        row_bytes: 12 * GROWTH,
         wanted: "float32 is needed (NumPy: `points.astype('f4')`)",
         accepts: is_float,
     };
-    points.rows(&mut archive, float)
+    points.rows(&mut archive, &mut Budget { limit: memory_limit, used: 0 }, float)
 }
 
 fn is_float(element: ElementType) -> bool {
@@ -126,6 +152,8 @@ struct Entry {
     shape: &'static str,
     /// The most rows.
     limit: u64,
+    /// What a row takes of the budget.
+    row_bytes: u64,
     wanted: &'static str,
     accepts: fn(ElementType) -> bool,
 }
@@ -134,6 +162,7 @@ impl Entry {
     fn rows<T: Copy + Default, const C: usize>(
         &self,
         archive: &mut ZipArchive<impl Read + Seek>,
+        budget: &mut Budget,
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
     ) -> Result<Vec<[T; C]>, NpzError> {
         let array = self.array;
@@ -166,6 +195,12 @@ impl Entry {
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
+        // A compressed entry may be a thousandth of what it unpacks to.
+        let needed = budget.used.saturating_add(rows * self.row_bytes);
+        if needed > budget.limit {
+            return Err(NpzError::TooLarge { array, rows, needed, limit: budget.limit });
+        }
+        budget.used = needed;
         let order = if header.fortran_order { Order::Columns } else { Order::Rows };
         Elements { array, rows: rows as usize, element, decode }.read(entry, order)
     }

@@ -8,17 +8,17 @@ use zip::{CompressionMethod, DateTime, System, ZipWriter};
 use super::header::{ElementType, Header};
 
 /// An archive in the making: entries are stored, not compressed, in the order given, all dated 1980-01-01.
-pub(crate) struct NpzWriter<W: Write + Seek> {
+pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<Abandoned<W>>,
 }
 
 impl<W: Write + Seek> NpzWriter<W> {
-    pub(crate) fn new(writer: W) -> Self {
+    pub fn new(writer: W) -> Self {
         Self { zip: ZipWriter::new(Abandoned { inner: writer, is_failed: false, at: 0, end: 0 }) }
     }
 
     /// Adds an array in C order; `write` streams exactly as many bytes as the shape has.
-    pub(crate) fn array(
+    pub fn array(
         &mut self,
         name: &str,
         element: ElementType,
@@ -44,7 +44,7 @@ impl<W: Write + Seek> NpzWriter<W> {
         }
     }
 
-    pub(crate) fn finish(self) -> io::Result<()> {
+    pub fn finish(self) -> io::Result<()> {
         self.zip.finish()?.inner.flush()
     }
 }

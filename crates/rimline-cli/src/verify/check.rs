@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use rimline::MAX_LIGHTS;
+use rimline::gltf::LoadOptions;
 use rimline::reference::light::check_lights;
 use rimline::{Light, Mesh};
 
@@ -52,7 +53,7 @@ pub(super) fn file(file: &Path, devices: &[Device]) -> Result<Checked, Failure> 
 }
 
 fn read(archive: &[u8]) -> Result<(Arrays, Vec<Light>), InputError> {
-    let (arrays, lights) = npz::read_with_lights(Cursor::new(archive))?;
+    let (arrays, lights) = npz::read_with_lights(Cursor::new(archive), LoadOptions::DEFAULT_MEMORY_LIMIT)?;
     let lights: Vec<Light> = lights.into_iter().map(Light::homogeneous).collect();
     check_lights(&lights, MAX_LIGHTS).map_err(InputError::Lights)?;
     Ok((arrays, lights))

@@ -13,6 +13,7 @@ mod info;
 mod inputs;
 mod load;
 mod models;
+mod npz_bounds;
 mod npz_input;
 mod outlines;
 mod outputs;
@@ -52,6 +53,7 @@ fn main() {
     let always = [
         archive::TESTS,
         usage::TESTS,
+        npz_bounds::TESTS,
         npz_input::TESTS,
         contract::TESTS,
         draw::TESTS,

@@ -1,0 +1,134 @@
+//! Archives that take much, positions that are not finite, and displacements that would end the process.
+
+use std::ffi::OsString;
+
+use super::archive::{Entry, array, write_zip};
+use super::run::{folder, is_empty, rimline};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("npz_bounds::what_takes_more_than_the_limit_is_refused", limits),
+    ("npz_bounds::entries_longer_than_their_shape_are_refused", longer),
+    ("npz_bounds::non_finite_positions_are_taken_alike", non_finite),
+    ("npz_bounds::a_displacement_that_nests_deep_is_refused", deep),
+];
+
+fn floats(name: &str, columns: usize, values: &[f32]) -> Entry {
+    let data: Vec<u8> = values.iter().flat_map(|c| c.to_le_bytes()).collect();
+    array(name, "<f4", "False", &format!("({}, {columns})", values.len() / columns), &data)
+}
+
+const TETRAHEDRON: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+fn tetrahedron(positions: &[f32; 12]) -> Vec<u8> {
+    let faces = array("faces", "|u1", "False", "(4, 3)", &[0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
+    write_zip(&[floats("positions", 3, positions), faces])
+}
+
+/// 100,000 vertices count 16 MB.
+fn limits() -> Outcome {
+    let folder = folder();
+    let file = |name: &str| folder.path().join(name).into_os_string();
+    let positions = floats("positions", 3, &vec![0.5; 300_000]);
+    let faces = array("faces", "|u1", "False", "(1, 3)", &[0, 1, 2]);
+    let packed = Entry { method: 8, ..positions.clone() };
+    let write = |name: &str, bytes: Vec<u8>| std::fs::write(file(name), bytes).map_err(|error| error.to_string());
+    write("large.npz", write_zip(&[positions, faces.clone()]))?;
+    write("packed.npz", write_zip(&[packed, faces]))?;
+    write("small.npz", tetrahedron(&TETRAHEDRON))?;
+    write("points.npz", write_zip(&[floats("points", 3, &vec![0.5; 300_000])]))?;
+    let out = file("out.npz");
+    let words = |line: &str| line.split(' ').map(OsString::from).collect::<Vec<_>>();
+    for model in ["large.npz", "packed.npz"] {
+        for line in ["info", "extract --device cpu --light dir:0,0,1 --out"] {
+            let arguments = |limit: &str| {
+                let mut arguments = words(line);
+                arguments.extend((line != "info").then(|| out.clone()));
+                arguments.extend([file(model), "--memory-limit".into(), limit.into()]);
+                arguments
+            };
+            rimline(arguments("8MiB")).expect(1, &[model, "`positions`", "100000 rows", "--memory-limit"])?;
+            ensure!(!std::path::Path::new(&out).exists(), "a result was begun");
+            rimline(arguments("32MiB")).expect(0, &[])?;
+            let _ = std::fs::remove_file(&out);
+        }
+    }
+    let query = |limit: &str| {
+        let mut arguments = words("query --device cpu --light dir:0,0,1 --light dir:0,1,1 --memory-limit");
+        arguments.extend([limit.into(), file("small.npz"), "--points".into(), file("points.npz")]);
+        rimline(arguments.into_iter().chain(["--out".into(), out.clone()]))
+    };
+    query("3MiB").expect(1, &["points.npz", "`points`", "100000 rows"])?;
+    query("4MiB").expect(0, &[])
+}
+
+/// The directory says 36 bytes of faces; the packed data has more.
+fn longer() -> Outcome {
+    let folder = folder();
+    let model = folder.path().join("model.npz");
+    let faces = array("faces", "|u1", "False", "(1, 3)", &[0, 1, 2]);
+    let mut long = faces.clone();
+    long.bytes.extend([0; 1000]);
+    let zip = write_zip(&[floats("positions", 3, &TETRAHEDRON), Entry { method: 8, ..long.clone() }]);
+    // The true length stands in the entry's own header and in the directory.
+    let (truth, claim) = ((long.bytes.len() as u32).to_le_bytes(), (faces.bytes.len() as u32).to_le_bytes());
+    let mut forged = zip.clone();
+    let places: Vec<_> = (0..zip.len() - 4).filter(|&at| zip[at..at + 4] == truth).collect();
+    ensure!(places.len() == 2, "the length stands at {places:?}");
+    for at in places {
+        forged[at..at + 4].copy_from_slice(&claim);
+    }
+    std::fs::write(&model, forged).map_err(|error| error.to_string())?;
+    let run = rimline([OsString::from("info"), model.clone().into()]);
+    run.expect(1, &["`faces`"])?;
+    std::fs::remove_file(&model).map_err(|error| error.to_string())?;
+    is_empty(folder.path())
+}
+
+fn non_finite() -> Outcome {
+    for (value, count) in [(f32::NAN, "1 vertex is"), (f32::INFINITY, "1 vertex is"), (1.0, "")] {
+        let folder = folder();
+        let file = |name: &str| folder.path().join(name).into_os_string();
+        let mut positions = TETRAHEDRON;
+        positions[11] = value;
+        std::fs::write(file("model.npz"), tetrahedron(&positions)).map_err(|error| error.to_string())?;
+        let points = write_zip(&[floats("points", 3, &[0.1, 0.1, 0.1, 9.0, 9.0, 9.0])]);
+        std::fs::write(file("points.npz"), points).map_err(|error| error.to_string())?;
+        for line in [
+            "info model.npz",
+            "info --json model.npz",
+            "extract model.npz --device cpu --light dir:0,0,1 --out out.npz",
+            "query model.npz --device cpu --points points.npz --light dir:0,0,1 --out depths.npz",
+            "draw model.npz --size 32x32 --out drawn.png",
+            "shadow model.npz --size 32x32 --light dir:0,0,1 --out shadow.png",
+        ] {
+            let word = |word: &str| {
+                if word.contains(".npz") || word.contains(".png") { file(word) } else { OsString::from(word) }
+            };
+            let run = rimline(line.split(' ').map(word));
+            run.expect(0, &[count]).map_err(|error| format!("{line}: {error}"))?;
+            let is_warned = run.stderr.contains("infinite or NaN");
+            ensure!(is_warned != value.is_finite(), "{line} with {value}: {}", run.stderr);
+        }
+    }
+    Ok(())
+}
+
+/// Without bounds naga overflows the stack: the process ends by a signal.
+fn deep() -> Outcome {
+    let folder = folder();
+    let file = |name: &str| folder.path().join(name).into_os_string();
+    std::fs::write(file("model.npz"), tetrahedron(&TETRAHEDRON)).map_err(|error| error.to_string())?;
+    let head = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {";
+    for (source, part) in [
+        (format!("{head} return position * (1.0{}); }}", " + time".repeat(5000)), "within each other"),
+        (format!("{head} return position * (1.0{}); }}", " + time".repeat(500_000)), "bytes of source"),
+        (format!("var<private> a: array<f32, 60000>; {head} return position * a[vertex]; }}"), "private variables"),
+    ] {
+        std::fs::write(file("deep.wgsl"), source).map_err(|error| error.to_string())?;
+        let line = "extract --light dir:0,0,1 --displace".split(' ').map(OsString::from);
+        let files = [file("deep.wgsl"), file("model.npz"), "--out".into(), file("out.npz")];
+        rimline(line.chain(files)).expect(1, &["deep.wgsl", "line 1", part])?;
+    }
+    Ok(())
+}

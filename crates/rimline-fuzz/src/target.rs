@@ -1,0 +1,36 @@
+//! The targets by name.
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    Gltf,
+    Npz,
+    Wgsl,
+    Arguments,
+}
+
+const TARGETS: [(Target, &str, &str); 4] = [
+    (Target::Gltf, "gltf", "glb"),
+    (Target::Npz, "npz", "npz"),
+    (Target::Wgsl, "wgsl", "wgsl"),
+    (Target::Arguments, "args", "txt"),
+];
+
+impl Target {
+    pub(crate) fn named(wanted: &str) -> Option<Self> {
+        TARGETS.iter().find(|(_, name, _)| *name == wanted).map(|(target, ..)| *target)
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        TARGETS.iter().find(|(target, ..)| *target == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// What files of it end in.
+    pub(crate) fn ending(self) -> &'static str {
+        TARGETS.iter().find(|(target, ..)| *target == self).map_or("", |(.., ending)| ending)
+    }
+
+    /// Its cases are processes, which it ends itself.
+    pub(crate) fn watches_itself(self) -> bool {
+        self == Self::Arguments
+    }
+}

@@ -1,0 +1,147 @@
+//! glTF from memory: loading, posing and meshing.
+
+use rimline::gltf::{Asset, LoadOptions};
+use rimline::mesh::Weld;
+use rimline_measure::random::Random;
+use serde_json::{Value, json};
+
+use crate::mutate;
+
+#[path = "../../../../tests/gltf/maker.rs"]
+#[allow(dead_code)]
+mod maker;
+
+use maker::{F32, Maker, U16, everything};
+
+/// A file may take this much memory; a worker's address space is much larger.
+const MEMORY_LIMIT: u64 = 256 << 20;
+
+pub(crate) struct Seeds(Vec<(Value, Vec<u8>)>);
+
+impl Seeds {
+    pub(crate) fn new() -> Self {
+        let makers = [
+            everything(),
+            everything(),
+            Maker::square(),
+            Maker::skinned([0, 1, 0, 1], [0.25; 4]),
+            animated(),
+            instanced(),
+            sparse(),
+            strip(),
+        ];
+        Self(makers.into_iter().map(|maker| split(&maker.glb())).collect())
+    }
+
+    pub(crate) fn case(&self, random: &mut Random) -> Vec<u8> {
+        let (mut json, mut binary) = self.0[random.below(self.0.len())].clone();
+        for _ in 0..=random.below(3) {
+            match random.below(8) {
+                0..=3 => mutate::value(&mut json, random),
+                4 => {
+                    // A part of another file.
+                    let (other, _) = &self.0[random.below(self.0.len())];
+                    let keys: Vec<_> = other.as_object().into_iter().flat_map(|map| map.keys()).collect();
+                    let key = keys[random.below(keys.len())];
+                    if json.is_object() {
+                        json[key] = other[key].clone();
+                    }
+                }
+                5 => {}
+                _ => mutate::bytes(&mut binary, random),
+            }
+        }
+        let mut text = json.to_string();
+        if random.below(3) == 0 {
+            mutate::text(&mut text, &["{", "}", "[", "]", ",", "\"", "null", "\\u0000", "true", "1e"], random);
+        }
+        let mut file = match random.below(6) {
+            0 => text.into_bytes(),
+            _ => maker::glb(text.as_bytes(), &binary),
+        };
+        if random.below(10) == 0 {
+            mutate::bytes(&mut file, random);
+        }
+        file
+    }
+}
+
+/// The two chunks.
+fn split(file: &[u8]) -> (Value, Vec<u8>) {
+    let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|byte| file[at + byte])) as usize;
+    let end = 20 + word(12);
+    let json = serde_json::from_slice(&file[20..end]).unwrap_or_default();
+    (json, file.get(end + 8..).unwrap_or_default().to_vec())
+}
+
+fn animated() -> Maker {
+    let mut maker = Maker::square();
+    let times = maker.floats("SCALAR", &[0.0, 0.5, 2.0]);
+    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
+    let turns = maker.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.5, 0.5, 0.5]);
+    let sampler = |output: usize, kind: &str| json!({ "input": times, "output": output, "interpolation": kind });
+    let channel = |sampler: u32, path: &str| json!({ "sampler": sampler, "target": { "node": 0, "path": path } });
+    let animation = json!({
+        "samplers": [sampler(places, "LINEAR"), sampler(turns, "STEP")],
+        "channels": [channel(0, "translation"), channel(1, "rotation"), channel(0, "scale")],
+    });
+    maker.push("animations", animation);
+    maker
+}
+
+fn instanced() -> Maker {
+    let mut maker = Maker::square();
+    let places = maker.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
+    maker.json["nodes"][0]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": places } } });
+    maker.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    maker
+}
+
+fn sparse() -> Maker {
+    let mut maker = Maker::square();
+    let indices = maker.view(&[1, 0, 2, 0]);
+    let values: Vec<u8> = [1.0_f32, 1.0, 1.0, 2.0, 2.0, 2.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let values = maker.view(&values);
+    maker.json["accessors"][0]["sparse"] = json!({
+        "count": 2,
+        "indices": { "bufferView": indices, "componentType": U16 },
+        "values": { "bufferView": values },
+    });
+    maker
+}
+
+fn strip() -> Maker {
+    let mut maker = Maker::new();
+    let positions = maker.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 6 }));
+    for mode in [4, 5, 6] {
+        maker.mesh(&json!({ "attributes": { "POSITION": positions }, "mode": mode }));
+        let mesh = maker.json["meshes"].as_array().map_or(0, Vec::len) - 1;
+        maker.push("nodes", json!({ "mesh": mesh, "scale": [1, -1, 1] }));
+    }
+    maker
+}
+
+pub(crate) fn run(bytes: &[u8]) -> Result<bool, String> {
+    let weld = [Weld::Data, Weld::Position, Weld::Keep][bytes.len() % 3];
+    let options = LoadOptions { memory_limit: MEMORY_LIMIT, ..weld.into() };
+    let asset = match Asset::from_slice(bytes, None, options) {
+        Ok(asset) => asset,
+        Err(error) if error.to_string().len() > 2000 => return Err(format!("a long message: {error}")),
+        Err(_) => return Ok(false),
+    };
+    let animations = asset.animations().len().min(2);
+    for animation in std::iter::once(None).chain((0..animations).map(Some)) {
+        for time in [0.0, 0.3, 1e30, -1.0] {
+            // Lights and poses may be refused; what is made must be sound.
+            drop(asset.lights(animation, time));
+            let Ok(pose) = asset.pose(animation, time) else { continue };
+            let Ok(mesh) = asset.model().mesh(&pose) else { continue };
+            let vertices = asset.model().vertex_count();
+            if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= vertices) {
+                return Err("a face names a vertex that is not there".to_owned());
+            }
+        }
+    }
+    Ok(true)
+}

@@ -1,0 +1,142 @@
+//! `NumPy` archives: as models, with lights, as points, and compared with another archive.
+
+use std::io::{Cursor, Write as _};
+
+use rimline_cli::npz;
+use rimline_measure::random::Random;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+use crate::mutate;
+
+/// An archive may take this much memory.
+const MEMORY_LIMIT: u64 = 64 << 20;
+
+#[derive(Clone)]
+struct Array {
+    name: String,
+    version: u8,
+    header: String,
+    data: Vec<u8>,
+    is_packed: bool,
+}
+
+pub(crate) struct Seeds {
+    archives: Vec<Vec<Array>>,
+    /// Others are compared with it.
+    sound: Vec<u8>,
+}
+
+const POSITIONS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, f32::NAN, f32::INFINITY]];
+const FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+impl Seeds {
+    pub(crate) fn new() -> Result<Self, String> {
+        let little: Vec<u8> = POSITIONS.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+        let big: Vec<u8> = POSITIONS.as_flattened().iter().flat_map(|c| c.to_be_bytes()).collect();
+        let indices = |width: usize| -> Vec<u8> {
+            FACES.as_flattened().iter().flat_map(|&index| u64::from(index).to_le_bytes()[..width].to_vec()).collect()
+        };
+        let positions = array("positions", "<f4", "False", "(4, 3)", &little);
+        let lights = array("lights", "<f4", "False", "(2, 4)", &little[..32]);
+        let points = array("points", "<f4", "False", "(4, 3)", &little);
+        let faces = |descr, width, order| array("faces", descr, order, "(4, 3)", &indices(width));
+        let archives = vec![
+            vec![positions.clone(), faces("<u4", 4, "False"), lights.clone()],
+            vec![packed(positions.clone()), packed(faces("|u1", 1, "True")), lights.clone()],
+            vec![array("positions", ">f4", "True", "(4,3)", &big), faces("<i8", 8, "False"), lights],
+            vec![faces("<i2", 2, "False"), array("extra", "<c8", "False", "()", &[0; 8]), positions],
+            vec![points.clone()],
+            vec![packed(points)],
+            vec![
+                packed(array("positions", "<f4", "False", "(100000, 3)", &vec![0; 1_200_000])),
+                faces("|u1", 1, "False"),
+            ],
+        ];
+        let sound = write(&archives[0])?;
+        Ok(Self { archives, sound })
+    }
+
+    pub(crate) fn case(&self, random: &mut Random) -> Vec<u8> {
+        let mut arrays = self.archives[random.below(self.archives.len())].clone();
+        for _ in 0..random.below(4) {
+            let at = random.below(arrays.len());
+            match random.below(9) {
+                0..=3 => {
+                    let dictionary =
+                        ["(", ")", "{", "'", "True", "False", "<f4", "|u1", ">i8", "|O", "'shape'", ",", "3L", "-"];
+                    mutate::text(&mut arrays[at].header, &dictionary, random);
+                }
+                4 => mutate::bytes(&mut arrays[at].data, random),
+                5 => {
+                    let other = &self.archives[random.below(self.archives.len())];
+                    arrays[at] = other[random.below(other.len())].clone();
+                }
+                6 => arrays[at].is_packed ^= true,
+                7 => arrays[at].version = random.below(5) as u8,
+                _ => {
+                    let copy = arrays[at].clone();
+                    arrays.push(Array { name: format!("{}{}", copy.name, arrays.len()), ..copy });
+                }
+            }
+        }
+        // Names twice are refused when an archive is written; such cases come from bytes that change.
+        let mut bytes = write(&arrays).unwrap_or_else(|_| self.sound.clone());
+        if random.below(2) == 0 {
+            for _ in 0..=random.below(3) {
+                mutate::bytes(&mut bytes, random);
+            }
+        }
+        bytes
+    }
+
+    pub(crate) fn run(&self, bytes: &[u8]) -> Result<bool, String> {
+        let model = npz::read(Cursor::new(bytes), MEMORY_LIMIT);
+        let is_outside = |arrays: &npz::Arrays| {
+            arrays.faces.iter().flatten().any(|&vertex| vertex as usize >= arrays.positions.len())
+        };
+        if model.as_ref().is_ok_and(is_outside) {
+            return Err("a face names a vertex that is not there".to_owned());
+        }
+        let with_lights = npz::read_with_lights(Cursor::new(bytes), MEMORY_LIMIT);
+        let points = npz::read_points(Cursor::new(bytes), MEMORY_LIMIT);
+        let is_equal = bytes == self.sound;
+        match npz::compare(bytes, &self.sound) {
+            Ok(differences) if differences.is_empty() != is_equal => return Err("a difference is missed".to_owned()),
+            Err(error) if error.to_string().len() > 4000 => return Err(format!("a long message: {error}")),
+            _ => {}
+        }
+        if let Some(error) = model.as_ref().err().filter(|error| error.to_string().len() > 4000) {
+            return Err(format!("a long message: {error}"));
+        }
+        Ok(model.is_ok() || with_lights.is_ok() || points.is_ok())
+    }
+}
+
+fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Array {
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {fortran_order}, 'shape': {shape}, }}");
+    Array { name: name.to_owned(), version: 1, header, data: data.to_vec(), is_packed: false }
+}
+
+fn packed(array: Array) -> Array {
+    Array { is_packed: true, ..array }
+}
+
+fn write(arrays: &[Array]) -> Result<Vec<u8>, String> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for Array { name, version, header, data, is_packed } in arrays {
+        let method = if *is_packed { CompressionMethod::Deflated } else { CompressionMethod::Stored };
+        let options = SimpleFileOptions::default().compression_method(method);
+        let mut bytes = b"\x93NUMPY".to_vec();
+        bytes.extend([*version, 0]);
+        match version {
+            1 => bytes.extend((header.len() as u16).to_le_bytes()),
+            _ => bytes.extend((header.len() as u32).to_le_bytes()),
+        }
+        bytes.extend(header.bytes());
+        bytes.extend(data);
+        zip.start_file(format!("{name}.npy"), options).map_err(|error| error.to_string())?;
+        zip.write_all(&bytes).map_err(|error| error.to_string())?;
+    }
+    Ok(zip.finish().map_err(|error| error.to_string())?.into_inner())
+}

@@ -1,0 +1,251 @@
+//! What a displacement may be before naga reads it: bounds on its tokens. naga's parser and evaluator recurse, and they
+//! allocate what an array's type says, so deep or huge source ends the process there.
+
+use super::DisplaceError;
+use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
+
+/// A word (identifier or number) or a single character, and its line from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Token<'a> {
+    text: &'a str,
+    line: u32,
+}
+
+/// Checks size, nesting, declarations and array lengths.
+pub(super) fn check(source: &str) -> Result<(), DisplaceError> {
+    if source.len() > MAX_SOURCE_BYTES {
+        return Err(too_large(1, "bytes of source", source.len() as u64, MAX_SOURCE_BYTES as u64));
+    }
+    let tokens = tokens(source);
+    check_nesting(&tokens)?;
+    check_arrays(&tokens)
+}
+
+fn tokens(source: &str) -> Vec<Token<'_>> {
+    let (mut tokens, mut line) = (Vec::new(), 1);
+    let mut rest = source;
+    while let Some(first) = rest.chars().next() {
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            block_comment(rest)
+        } else if is_word(first) {
+            rest.find(|c| !(is_word(c) || c == '.' && first.is_ascii_digit())).unwrap_or(rest.len())
+        } else {
+            first.len_utf8()
+        };
+        let (text, after) = rest.split_at(length);
+        if !text.starts_with("//") && !text.starts_with("/*") && !first.is_whitespace() {
+            tokens.push(Token { text, line });
+        }
+        line += text.matches('\n').count() as u32;
+        rest = after;
+    }
+    tokens
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The length of the block comment, which may hold others, at the start of `text`.
+fn block_comment(text: &str) -> usize {
+    let (mut depth, mut at) = (0_usize, 0);
+    let bytes = text.as_bytes();
+    while at < bytes.len() {
+        match bytes.get(at..at + 2) {
+            Some(b"/*") => (depth, at) = (depth + 1, at + 2),
+            Some(b"*/") => (depth, at) = (depth - 1, at + 2),
+            _ => at += 1,
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    // Only ASCII is compared with, so this is the end of a character.
+    at.min(bytes.len())
+}
+
+/// What is open at a token: brackets, the operators since the last separator in each, and the `else` of a chain.
+#[derive(Clone, Copy, Default)]
+struct Level {
+    operators: u64,
+    elses: u64,
+}
+
+fn check_nesting(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
+    let mut open = vec![Level::default()];
+    // All that lies outside the innermost bracket.
+    let mut outside = 0;
+    let mut declarations = 0;
+    for (at, token) in tokens.iter().enumerate() {
+        let top = open.len() - 1;
+        let is_outermost = top == 0;
+        match token.text {
+            "(" | "[" | "{" => {
+                // What follows a bracket applies to it: `a[0][0]` nests like `a + 0 + 0`.
+                open[top].operators += u64::from(token.text != "{");
+                outside += 1 + open[top].operators + open[top].elses;
+                open.push(Level::default());
+            }
+            ")" | "]" | "}" => {
+                if !is_outermost {
+                    open.pop();
+                }
+                let level = &mut open[top.saturating_sub(1)];
+                if !is_outermost {
+                    outside -= 1 + level.operators + level.elses;
+                }
+                if token.text == "}" {
+                    level.operators = 0;
+                    if tokens.get(at + 1).is_none_or(|next| next.text != "else") {
+                        level.elses = 0;
+                    }
+                    declarations += u64::from(top <= 1);
+                }
+            }
+            ";" => {
+                open[top] = Level::default();
+                declarations += u64::from(is_outermost);
+            }
+            "," => open[top].operators = 0,
+            "else" => open[top].elses += 1,
+            "." | "+" | "-" | "*" | "/" | "%" | "&" | "|" | "^" | "!" | "~" | "<" | ">" | "=" => {
+                open[top].operators += 1;
+            }
+            _ => {}
+        }
+        let level = open[open.len() - 1];
+        let depth = outside + level.operators + level.elses;
+        if depth > MAX_NESTING {
+            return Err(too_large(token.line, "brackets and operators within each other", depth, MAX_NESTING));
+        }
+        if declarations > MAX_DECLARATIONS {
+            return Err(too_large(token.line, "declarations", declarations, MAX_DECLARATIONS));
+        }
+    }
+    Ok(())
+}
+
+/// Looks at each `array<T, N>`: naga makes a list of N for a constant of it.
+fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
+    let mut lengths = Product { all: tokens, left: MOST_LEAVES };
+    for (at, pair) in tokens.windows(2).enumerate() {
+        if pair[0].text == "array" && pair[1].text == "<" {
+            let count = count_of_array(&tokens[at + 2..]);
+            let most = lengths.of(count, 0);
+            if most > MAX_ARRAY_ELEMENTS {
+                let line = pair[0].line;
+                return Err(too_large(line, "elements of an array, at most,", most, MAX_ARRAY_ELEMENTS));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The tokens of the second template argument; none for an array of runtime size.
+fn count_of_array<'a, 'b>(tokens: &'b [Token<'a>]) -> &'b [Token<'a>] {
+    let (mut depth, mut begin) = (0_usize, tokens.len());
+    for (at, token) in tokens.iter().enumerate() {
+        let is_next = |text: &str| tokens.get(at + 1).is_some_and(|next| next.text == text);
+        match token.text {
+            // A shift.
+            "<" if is_next("<") || (at > 0 && tokens[at - 1].text == "<") => {}
+            "<" | "(" | "[" => depth += 1,
+            ">" | ")" | "]" if depth == 0 => return tokens.get(begin..at).unwrap_or_default(),
+            ">" | ")" | "]" => depth -= 1,
+            "," if depth == 0 => begin = at + 1,
+            ";" | "{" | "}" => break,
+            _ => {}
+        }
+    }
+    &[]
+}
+
+/// Tokens that the lengths of all arrays may be made of, with those of the constants that they name.
+const MOST_LEAVES: u32 = 4096;
+
+/// An upper bound of a sum or product of positive numbers and constants: each leaf, increased by one, multiplied.
+/// Whatever else there is counts as infinite.
+struct Product<'a, 'b> {
+    all: &'b [Token<'a>],
+    /// Tokens that may still be looked at: constants of constants can be many.
+    left: u32,
+}
+
+impl Product<'_, '_> {
+    fn of(&mut self, expression: &[Token<'_>], depth: u32) -> u64 {
+        let mut most = 1_u64;
+        for token in expression {
+            if self.left == 0 {
+                return u64::MAX;
+            }
+            self.left -= 1;
+            let value = match token.text {
+                // An expression of one leaf is that leaf.
+                "+" | "*" | "-" | "/" | "%" | "(" | ")" | "," => continue,
+                text if text.starts_with(|c: char| c.is_ascii_digit()) => number(text),
+                name if is_word(name.chars().next().unwrap_or(' ')) && depth < 8 => {
+                    initialiser(self.all, name).map_or(u64::MAX, |value| self.of(value, depth + 1))
+                }
+                _ => u64::MAX,
+            };
+            let extra = u64::from(expression.len() > 1);
+            most = most.saturating_mul(value.saturating_add(extra));
+        }
+        most
+    }
+}
+
+fn number(text: &str) -> u64 {
+    let text = text.trim_end_matches(['u', 'i']);
+    match text.strip_prefix("0x").or(text.strip_prefix("0X")) {
+        Some(digits) => u64::from_str_radix(digits, 16),
+        None => text.parse(),
+    }
+    .unwrap_or(u64::MAX)
+}
+
+/// What `const name = …;` sets; the largest would be the last, but a name is declared once where it can be seen from here.
+fn initialiser<'a, 'b>(all: &'b [Token<'a>], name: &str) -> Option<&'b [Token<'a>]> {
+    // An override has another value where a pipeline sets it; nothing sets those of a displacement.
+    let begins = |pair: &[Token<'_>]| matches!(pair[0].text, "const" | "override") && pair[1].text == name;
+    let mut places = all.windows(2).enumerate().filter(|(_, pair)| begins(pair));
+    let (at, _) = places.next()?;
+    if places.next().is_some() {
+        return None;
+    }
+    let statement = all[at..].split(|token| token.text == ";").next()?;
+    let equals = statement.iter().position(|token| token.text == "=")?;
+    statement.get(equals + 1..)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_and_numbers_are_single_steps() {
+        let texts: Vec<_> = tokens("a/* x /* y */ z */+1.5e3 // (((\n.b").iter().map(|token| token.text).collect();
+        assert_eq!(texts, ["a", "+", "1.5e3", ".", "b"]);
+        assert_eq!(tokens("/* é\n").len(), 0);
+        assert_eq!(tokens("é\n\n/*\n*/ü").last(), Some(&Token { text: "ü", line: 4 }));
+    }
+
+    #[test]
+    fn array_lengths_are_bounded_from_above() {
+        let most = |text: &str| {
+            let all = tokens(text);
+            let at = all.windows(2).position(|pair| pair[0].text == "array").expect("an array");
+            Product { all: &all, left: MOST_LEAVES }.of(count_of_array(&all[at + 2..]), 0)
+        };
+        assert_eq!(most("var a: array<f32, 7>;"), 7);
+        assert_eq!(most("var a: array<vec2<f32>, 0x10u>;"), 16);
+        assert_eq!(most("var a: array<f32>;"), 1);
+        assert_eq!(most("const N: u32 = 5; var a: array<array<f32, 3>, N>;"), 5);
+        assert!(most("const N = 5; var a: array<f32, N * 3>;") >= 15);
+        assert_eq!(most("var a: array<f32, 1 << 20>;"), u64::MAX);
+        assert_eq!(most("const N = N; var a: array<f32, N>;"), u64::MAX);
+        assert_eq!(most("const N = 1; fn f() { const N = 4000000000; var a: array<f32, N>; }"), u64::MAX);
+    }
+}

@@ -1,0 +1,43 @@
+//! `cargo xtask fuzz`.
+
+use std::process::Command;
+
+use crate::process;
+use crate::summary::Summary;
+use crate::test::BENCH;
+
+const TARGETS: [&str; 4] = ["gltf", "npz", "wgsl", "args"];
+/// What continuous integration takes for each target.
+pub(crate) const CI_SECONDS: u64 = 60;
+
+/// Fuzzes each target for that long.
+pub(crate) fn run(seconds: u64) -> Summary {
+    let mut summary = Summary::default();
+    add(&mut summary, seconds);
+    summary
+}
+
+/// Fuzzes each target for that long and counts a check each in `summary`.
+pub(crate) fn add(summary: &mut Summary, seconds: u64) {
+    let mut build = process::cargo(["build", "--workspace", "--exclude", BENCH, "--all-features"]);
+    build.args(["--bin", "rimline-fuzz", "--bin", "rimline"]);
+    if let Err(error) = process::run(&mut build) {
+        summary.fail(&error);
+        return;
+    }
+    let target = process::target();
+    let program = target.join("debug").join(format!("rimline-fuzz{}", std::env::consts::EXE_SUFFIX));
+    for name in TARGETS {
+        let mut fuzz = Command::new(&program);
+        fuzz.args(["--target", name, "--seconds", &seconds.to_string(), "--out"]).arg(target.join("fuzz"));
+        let mut last = String::new();
+        let outcome = process::run_looking(&mut fuzz, |line| line.clone_into(&mut last));
+        let outcome = match outcome {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(format!("there are findings in {}", target.join("fuzz").display())),
+            Err(error) => Err(error),
+        };
+        summary.note(&last);
+        summary.check(&format!("fuzzing of {name}"), outcome);
+    }
+}

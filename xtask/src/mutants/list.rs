@@ -1,0 +1,256 @@
+//! Mutations: single changes, made in the shader and in its twin alike where both exist, since a suite that only compares
+//! the two cannot see them.
+
+/// One mutation.
+pub(super) struct Mutation {
+    /// What is wrong then.
+    pub(super) name: &'static str,
+    /// File, a text that stands there once, and what replaces it.
+    pub(super) changes: &'static [(&'static str, &'static str, &'static str)],
+    /// Cargo's arguments for the tests that ought to notice, each up to the first that does.
+    pub(super) tests: &'static [&'static str],
+}
+
+const DEFORM: &[&str] = &["--test deform_gpu", "--test deform_cpu"];
+const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
+
+pub(super) const MUTATIONS: &[Mutation] = &[
+    Mutation {
+        name: "deform: morph targets are ignored",
+        changes: &[
+            ("wgsl/deform/deform.wgsl", "p += weight * vec3", "p += 0.0 * weight * vec3"),
+            (
+                "src/cpu/deform/deform.rs",
+                "add_scaled(p, weight, target[vertex])",
+                "add_scaled(p, 0.0 * weight, target[vertex])",
+            ),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "deform: all influences of a vertex weigh the same",
+        changes: &[
+            (
+                "wgsl/deform/deform.wgsl",
+                "bitcast<f32>(skin[influence + 1u]) * transform",
+                "(1.0 / f32(skin[vertex + 1u] - skin[vertex])) * transform",
+            ),
+            (
+                "src/cpu/deform/deform.rs",
+                "add_scaled(sum, weight, transform(pose, joint, p))",
+                "add_scaled(sum, 0.0 * weight + 1.0 / influences.range(vertex).len() as f32, transform(pose, joint, p))",
+            ),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "deform: translations of matrices are dropped",
+        changes: &[
+            ("wgsl/deform/deform.wgsl", "row.z * p.z + row.w;", "row.z * p.z + 0.0 * row.w;"),
+            ("src/cpu/deform/deform.rs", "z * p[2] + w)", "z * p[2] + 0.0 * w)"),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "deform: only the first four influences",
+        changes: &[
+            (
+                "wgsl/deform/deform.wgsl",
+                "at < skin[vertex + 1u]; at++",
+                "at < min(skin[vertex + 1u], skin[vertex] + 4u); at++",
+            ),
+            ("src/cpu/deform/deform.rs", "joints.fold(", "joints.take(4).fold("),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "deform: negative morph weights are ignored",
+        changes: &[
+            ("wgsl/deform/deform.wgsl", "p += weight * vec3", "p += max(weight, 0.0) * vec3"),
+            ("src/cpu/deform/deform.rs", "if weight != 0.0 {", "if weight > 0.0 {"),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "deform: morph weights are capped at 1",
+        changes: &[
+            ("wgsl/deform/deform.wgsl", "p += weight * vec3", "p += min(weight, 1.0) * vec3"),
+            ("src/cpu/deform/deform.rs", "add_scaled(p, weight, target", "add_scaled(p, weight.min(1.0), target"),
+        ],
+        tests: DEFORM,
+    },
+    Mutation {
+        name: "stencil bound: doubled edges weigh 1",
+        changes: &[
+            ("wgsl/shadow/stencil_bound.wgsl", "select(1u, 2u, is_doubled)", "select(1u, 1u, is_doubled)"),
+            ("src/cpu/shadow/stencil_bound.rs", "!is_boundary { 2 } else", "!is_boundary { 1 } else"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "stencil bound: an edge ends in its own bin",
+        changes: &[
+            ("wgsl/shadow/stencil_bound.wgsl", "max(p, q), 0.0, most)) + 1u]", "max(p, q), 0.0, most))]"),
+            ("src/cpu/shadow/stencil_bound.rs", "changes[bin(p.max(q)) + 1]", "changes[bin(p.max(q))]"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "stencil bound: the pencil aims at the middle of the box",
+        changes: &[
+            ("wgsl/shadow/stencil_bound.wgsl", "clamp(place, low, high) - place", "0.5 * (low + high) - place"),
+            ("src/cpu/shadow/stencil_bound.rs", "place.clamp(low, high) - place", "0.5 * (low + high) - place"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "choose: volumes end 20 % early",
+        changes: &[
+            ("wgsl/shadow/choose.wgsl", "light.end = min(distance_below", "light.end = min(1.25 * distance_below"),
+            ("src/cpu/shadow/choose.rs", "light.end = (distance_below", "light.end = (1.25 * distance_below"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "filter: 8 units of the last place instead of 10",
+        changes: &[
+            ("wgsl/common/filter.wgsl", "0x1.4p-20", "0x1p-20"),
+            ("src/cpu/common/filter.rs", "10.0 / 8_388_608.0", "8.0 / 8_388_608.0"),
+        ],
+        tests: &["--test rounding", "--test extract_cpu", "--test extract_gpu"],
+    },
+    Mutation {
+        name: "filter: a tiny w counts as exact",
+        changes: &[("src/layout.rs", "given[3] != 0.0 && w < TINY_W", "given[3] != given[3] && w < TINY_W")],
+        tests: &["--test rounding", "--test extract_cpu", "--test extract_gpu"],
+    },
+    Mutation {
+        name: "choose: boxes meet without slack",
+        changes: &[
+            (
+                "wgsl/shadow/choose.wgsl",
+                "all(low - slack <= view.near_max) && all(high + slack >= view.near_min)",
+                "all(low - 0.0 * slack <= view.near_max) && all(high + 0.0 * slack >= view.near_min)",
+            ),
+            (
+                "src/cpu/shadow/choose.rs",
+                "(low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()",
+                "(low - 0.0 * slack).cmple(near_max).all() && (high + 0.0 * slack).cmpge(near_min).all()",
+            ),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "pyramid: no slack",
+        changes: &[
+            ("wgsl/shadow/pyramid.wgsl", "const SLACK: f32 = 4e-6;", "const SLACK: f32 = 0.0;"),
+            ("src/cpu/shadow/pyramid.rs", "SLACK: f32 = 4e-6;", "SLACK: f32 = 0.0;"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "sides: depths before the near plane stay there",
+        changes: &[
+            (
+                "wgsl/shadow/side_vertices.wgsl",
+                "select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0)",
+                "clip.z",
+            ),
+            (
+                "src/cpu/shadow/sides.rs",
+                "if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) }",
+                "if view.near_z == 0.0 { clip.z } else { clip.z }",
+            ),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "shadow: `project_to_near_plane` computes by V, also with a far light",
+        changes: &[
+            ("wgsl/shadow/shadow.wgsl", "if (v.is_far) {", "if (true) {"),
+            ("src/cpu/shadow/shadow.rs", "if v.is_far {", "if v.is_far || true {"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "shadow: `project_to_near_plane` computes by V - L, also with a near light",
+        changes: &[
+            ("wgsl/shadow/shadow.wgsl", "if (v.is_far) {", "if (false) {"),
+            ("src/cpu/shadow/shadow.rs", "if v.is_far {", "if v.is_far && false {"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "paper: the near end of the light's frustum is at least 0.5",
+        changes: &[
+            ("wgsl/shadow/choose.wgsl", "/ farthest, 0.001, 0.99)", "/ farthest, 0.5, 0.99)"),
+            ("src/cpu/shadow/choose.rs", ".clamp(0.001, 0.99)", ".clamp(0.5, 0.99)"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "query: no margin in the test of boxes",
+        changes: &[
+            ("wgsl/query/shadow_segments.wgsl", "const MARGIN: f32 = 0x1p-18;", "const MARGIN: f32 = 0.0;"),
+            ("src/cpu/query/shadow_depth.rs", "const MARGIN: f64 = 1e-14;", "const MARGIN: f64 = 0.0;"),
+        ],
+        tests: &["--test query_cpu", "--test query_gpu"],
+    },
+    Mutation {
+        name: "query: no bound on underflow in the test of boxes",
+        changes: &[("wgsl/query/shadow_segments.wgsl", "const TINY: f32 = 0x1p-100;", "const TINY: f32 = 0.0;")],
+        tests: &["--test query_gpu"],
+    },
+    Mutation {
+        name: "query: the recount reads past its range",
+        changes: &[(
+            "wgsl/query/exact_shadow_depth.wgsl",
+            "min(first + CLUSTER, range.end) * CLUSTER",
+            "(first + CLUSTER) * CLUSTER",
+        )],
+        tests: &["--test query_gpu"],
+    },
+    Mutation {
+        name: "volumes: draws of lights no longer used stay",
+        changes: &[("src/gpu/shadow/volumes.rs", "encoder.clear_buffer(&buffers.draws, 0, None);", "")],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "volumes: counts of caps stay",
+        changes: &[("src/gpu/shadow/volumes.rs", "encoder.clear_buffer(&buffers.cap_counts, 0, None);", "")],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "weld: -0 and 0 stay apart",
+        changes: &[("src/mesh/weld.rs", "if value == 0.0 { 0 } else { value.to_bits() }", "value.to_bits()")],
+        tests: &["--test mesh", "--test deform_cpu", "--lib weld"],
+    },
+    Mutation {
+        name: "weld: skin weights are ignored",
+        changes: &[(
+            "src/model/geometry.rs",
+            "                && influences.weights[a]",
+            "                || influences.weights[a]",
+        )],
+        tests: &["--test mesh", "--test deform_cpu"],
+    },
+    Mutation {
+        name: "glTF: sparse indices may repeat",
+        changes: &[("src/gltf/reader.rs", "least = u64::from(index) + 1;", "least = u64::from(index);")],
+        tests: &["--test gltf sparse"],
+    },
+    Mutation {
+        name: "area: a part of the disc is mirrored",
+        changes: &[("src/area.rs", "FRAC_PI_2 - FRAC_PI_4 * (x / y)", "FRAC_PI_2 + FRAC_PI_4 * (x / y)")],
+        tests: &["--lib area", "--test soft"],
+    },
+    Mutation {
+        name: "query: points where a binding may not begin are read from its begin",
+        changes: &[(
+            "src/gpu/query/shadow_query.rs",
+            "((first_byte - query.split.align_down(first_byte)) / 4) as u32",
+            "(0 * first_byte) as u32",
+        )],
+        tests: &["--test query_gpu"],
+    },
+];
