@@ -27,8 +27,6 @@ pub(crate) fn cargo<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> 
     command.args(arguments).current_dir(root()).stdin(Stdio::null());
     // Set for this program's own package; what cargo builds next is another.
     command.env_remove("CARGO_MANIFEST_DIR");
-    // Mesa's device selection asks for a desktop session and complains on stderr where there is none.
-    command.env("NODEVICE_SELECT", "1");
     command
 }
 

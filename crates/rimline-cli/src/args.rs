@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::bench::args::BenchArgs;
+use crate::help::verbatim;
 use crate::input_args::{ModelArgs, MomentArgs, ViewArgs, drawing_device};
 use crate::load_args::LoadArgs;
 use crate::query::args::QueryArgs;
@@ -23,42 +24,46 @@ const LONG_ABOUT: &str = "\
 Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
 software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).
 
-Every file that is read is a regular file, or `-` for standard input (once; a glTF that comes so can name no other \
-files). A result never replaces a file that is read. It is written beside its place and takes its name when it is \
-complete; a pipe or device, /dev/stdout too, gets it whole, and what would be printed there goes to standard error.";
+Inputs are regular files. `-` stands for standard input; it can be given once, and a glTF that comes from it cannot \
+name other files.
+
+Results never replace an input. The command writes a result under a temporary name in the same folder, and renames \
+it when it is complete. A pipe or a device, such as /dev/stdout, also gets the complete result only. If a result goes \
+to standard output, messages go to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
-5 `verify` found other bits, 128 and its number if a signal stopped it: 130 for Ctrl-C.";
+5 `verify` found different bits. If a signal stops the command, the code is 128 plus the signal's number: 130 for \
+Ctrl-C.";
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
     /// Draw a model with its outline, as a PNG
     Draw(DrawArgs),
-    /// Draw models with their shadows, as a PNG; or masks of what each light reaches
+    /// Draw models with their shadows, as a PNG, and masks of what each light reaches
     Shadow(ShadowArgs),
     /// Draw an animation with its shadows, as numbered PNG files
     Film(FilmArgs),
     /// Extract facing, silhouette and winding bits for lights, as NumPy arrays
     Extract(ExtractArgs),
-    /// Count the faces between points and lights: how deep in shadow each point lies
+    /// Count the faces between each point and each light: 0 is lit, more is in shadow
     Query(QueryArgs),
-    /// Say what a model holds and whether it is closed
+    /// Show what a model contains and whether it is closed
     Info(InfoArgs),
     /// List the GPUs that can be used, with their limits
     Devices(DevicesArgs),
-    /// Check that this machine's devices find the very bits that a folder of extractions holds
+    /// Compare this machine's devices with a folder of extractions, bit by bit
     Verify(VerifyArgs),
-    /// Measure run time against error on this machine, and make a report with plots
+    /// Measure run times and errors of all methods on this machine, and write a report with plots
     Bench(BenchArgs),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
-    /// Decide each face once; edges compare their faces' bits. Always closed
+    /// Decide each face once, then compare the bits of each edge's two faces. Loops are always closed
     FaceMask,
-    /// The method of 2003: each edge tests its two faces itself. For comparison; loops may stay open. The file's
-    /// face bits are exact
+    /// The method of 2003: each edge tests its two faces by itself, so loops may stay open. For comparison. The face bits
+    /// in the file are exact
     PerEdge,
 }
 
@@ -66,31 +71,32 @@ pub(crate) enum MethodArg {
 pub(crate) enum PredicateArg {
     /// The sign in exact arithmetic: the same bits on every device
     Exact,
-    /// The sign that f32 arithmetic gives: may be wrong where a light is nearly in a face's plane. For comparison
+    /// The sign in f32 arithmetic: may be wrong if a light is nearly in a face's plane. For comparison
     Fast,
-    /// The same by the face's plane equation, as published in 2003: worse far from the origin. For comparison
+    /// The sign of the face's plane equation in f32 arithmetic, as published in 2003: less exact far from the origin. For
+    /// comparison
     Plane,
 }
 
 #[derive(Args, Debug)]
-#[command(after_help = EXTRACT_EXAMPLES)]
+#[command(help_template = verbatim(EXTRACT_EXAMPLES), after_help = EXTRACT_KEYS)]
 pub(crate) struct ExtractArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
-    /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
-    /// model file's own lights); may be given many times
+    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all
+    /// (lights of the model file). The option can be repeated
     #[arg(long = "light", value_name = "SPEC", required = true, allow_hyphen_values = true, value_parser = spec::light)]
     pub(crate) lights: Vec<LightSpec>,
 
     #[command(flatten)]
     pub(crate) posed: MomentArgs,
 
-    /// How silhouettes are found
+    /// How to find silhouette edges
     #[arg(long, value_enum, default_value_t = MethodArg::FaceMask)]
     pub(crate) method: MethodArg,
 
-    /// How a face's side is decided [default: exact; with `--method per-edge`, which has no exact form, plane]
+    /// How to decide which side of a face a light is on [default: exact; with `--method per-edge`: plane]
     #[arg(long, value_enum)]
     pub(crate) predicate: Option<PredicateArg>,
 
@@ -118,13 +124,16 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
   edge_kind (E) uint8       0 consistent, 1 inconsistent, 2 boundary
   facing (F,W), silhouette (E,W), winding (E,W) uint32
                             light l is bit l % 32 of word l / 32
+";
 
+const EXTRACT_KEYS: &str = "\
 Keys of --json: adapter, method, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
 inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
-undecided_pairs and exact_zeros (pairs of face and light settled in integers), milliseconds (by stage).";
+undecided_pairs and exact_zeros (pairs of face and light that integers decided), milliseconds (by stage), \
+set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds (all other stages).";
 
 #[derive(Args, Debug)]
-#[command(after_help = DRAW_EXAMPLES, mut_arg("device", drawing_device))]
+#[command(help_template = verbatim(DRAW_EXAMPLES), after_help = DRAW_REMARKS, mut_arg("device", drawing_device))]
 pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -143,12 +152,14 @@ pub(crate) struct DrawArgs {
 const DRAW_EXAMPLES: &str = "\
 Examples:
   rimline draw fox.glb --out fox.png
-  rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --size 1920x1080 --out fox.png
+  rimline draw fox.glb --animation Run --time 0.4 --eye -150,80,2e2 --out fox.png
+";
 
-Silhouette edges are drawn dark, open boundaries orange. World space is right-handed with +Y up.";
+const DRAW_REMARKS: &str = "\
+Silhouette edges are dark, open boundaries are orange. World space is right-handed with +Y up.";
 
 #[derive(Args, Debug)]
-#[command(after_help = INFO_KEYS)]
+#[command(help_template = verbatim(INFO_EXAMPLES), after_help = INFO_KEYS)]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
@@ -158,10 +169,13 @@ pub(crate) struct InfoArgs {
     pub(crate) json: bool,
 }
 
-const INFO_KEYS: &str = "\
-Example:
+const INFO_EXAMPLES: &str = "\
+Examples:
   rimline info fox.glb
+  rimline info fox.glb --json
+";
 
+const INFO_KEYS: &str = "\
 Keys of --json: file, instances, meshes (a list), total (each mesh once), placed (all instances at rest \
 in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
 duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
@@ -179,33 +193,33 @@ pub(crate) struct DevicesArgs {
 
 const DEVICES_KEYS: &str = "\
 Keys of --json: adapters, a list of name, backend, type, driver, driver_info, usable, lacks, limits (named \
-as in WebGPU), optional_features (present, missing). The exit code is 3 where there is no adapter.";
+as in WebGPU), optional_features (present, missing). The exit code is 3 if there is no GPU.";
 
 #[derive(Args, Debug)]
-#[command(after_help = VERIFY_EXAMPLES, mut_args(when_making))]
+#[command(help_template = verbatim(VERIFY_EXAMPLES), after_help = VERIFY_REMARKS, mut_args(when_making))]
 pub(crate) struct VerifyArgs {
-    /// The folder of .npz files that `rimline extract` or `rimline verify --make` wrote
+    /// The folder with .npz files of `rimline extract` or `rimline verify --make`
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
-    /// Write the files instead of checking them: an extraction of every stress scene, and of these models at rest and
-    /// within their first animation, each with lights that are hard on it. No file is written over
+    /// Write the files instead of checking them: an extraction of every stress scene, and of each MODEL at rest and within
+    /// its first animation. The lights are hard cases for each model. Existing files are never replaced
     #[arg(long)]
     pub(crate) make: bool,
 
-    /// With --make: .gltf, .glb or .npz files to extract, beside the stress scenes
+    /// With --make: .gltf, .glb or .npz files to extract, in addition to the stress scenes
     #[arg(value_name = "MODEL", requires = "make")]
     pub(crate) models: Vec<PathBuf>,
 
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 
-    /// With --make: about how many faces a stress scene has
+    /// With --make: the approximate number of faces of a stress scene
     #[arg(long, value_name = "N", requires = "make", default_value = "2000")]
     pub(crate) faces: usize,
 
-    /// `all` (every adapter, and the CPU), `gpu` (every adapter), `cpu`, or part of the name or backend of those to
-    /// check (see `rimline devices`). With --make the one device that finds the bits [default: all; with --make: cpu]
+    /// The devices to check: `all` (every GPU, and the CPU), `gpu` (every GPU), `cpu`, or a part of their name or backend
+    /// (`rimline devices` lists them). With --make: the one device that computes the files [default: all; with --make: cpu]
     #[arg(long, value_name = "all|gpu|cpu|NAME")]
     pub(crate) device: Option<String>,
 
@@ -221,14 +235,16 @@ fn when_making(arg: clap::Arg) -> clap::Arg {
 
 const VERIFY_EXAMPLES: &str = "\
 Examples:
-  rimline verify bits                               # on each device: the same bytes?
-  rimline verify --make bits fox.glb                # writes bits/fox.npz and the stress scenes
+  rimline verify --make bits fox.glb    # writes bits/fox.npz and the stress scenes
+  rimline verify bits                   # compares every device with the files
   rimline verify bits --device vulkan --json
+";
 
-From each file's positions, faces and lights everything else is found again, exactly, on each device, and the whole \
-file compared byte by byte. The exit code is 0 only if all is equal, 5 if any bit or byte differs, else that of the \
-first check that could not be done: 1 for a file that cannot be read, its checksums included. The command and the \
-folder are all that another machine needs.
+const VERIFY_REMARKS: &str = "\
+Each device computes all other arrays again from the positions, faces and lights of each file. The command compares \
+the result with the file byte by byte. The exit code is 0 if everything is equal, and 5 if any bit or byte differs. If \
+a check cannot be done, the code is that of the first such check: 1 for a file that cannot be read, for example because \
+of a wrong checksum. Another machine needs only the command and the folder.
 
 Keys of --json: devices (names), unusable (what was left out, and why), equal, files: a list of file, faces, edges, \
 lights, error (null unless the file cannot be read), results: a list of device, equal, error (null unless the device \

@@ -124,7 +124,7 @@ pub(crate) fn open(wanted: &Wanted) -> Result<Device, Failure> {
     match open_gpu(wanted) {
         Ok(gpu) => Ok(Device::Gpu(Box::new(Gpu { cpu_would_do: true, ..gpu }))),
         Err(reason) if *wanted == Wanted::Auto => {
-            note(&format!("working on the CPU, since {}", lower_first(&reason.to_string())));
+            note(&format!("working on the CPU, because {}", lower_first(&reason.to_string())));
             Ok(Device::Cpu)
         }
         Err(reason) => Err(reason.into()),
@@ -144,7 +144,7 @@ pub(crate) fn work<T>(
         {
             // Its memory is given back first.
             drop(device);
-            note(&format!("working on the CPU, since the model does not fit the adapter {adapter}: {reason}"));
+            note(&format!("working on the CPU, because the model does not fit the device {adapter}: {reason}"));
             run(&Device::Cpu).map(|done| (Device::Cpu, done))
         }
         done => Ok((device, done?)),

@@ -18,9 +18,9 @@ use crate::device::{self, Wanted};
 use crate::ending::{self, Written};
 use crate::failure::{Failure, InputError, UsageError};
 use crate::gpu_error::GpuError;
-use crate::image::Picture;
+use crate::image::{Picture, wrote};
 use crate::input::Shape;
-use crate::output::Output;
+use crate::output::{Output, print};
 use crate::overwrite::Inputs;
 use crate::posed_input::PosedInput;
 use crate::positions::Positions;
@@ -99,5 +99,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let picture = Picture::read(&gpu, &texture).map_err(fail)?;
     gpu.check()?;
     progress.step("writing");
-    output.finish(|file| picture.write_png(file))
+    output.finish(|file| picture.write_png(file))?;
+    drop(progress);
+    print(&format!("{}\n", wrote(&args.out, args.view.size)))
 }

@@ -5,6 +5,8 @@ mod on_cpu;
 pub(crate) mod on_gpu;
 pub(crate) mod report;
 
+use std::time::Instant;
+
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingCounts;
 use rimline::reference::layout::Masks;
@@ -56,9 +58,11 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
     let output = Output::create(&args.out)?;
 
     progress.step("opening the device");
+    let begin = Instant::now();
     let (device, (found, mut times)) = posed.work(|device| {
         progress.step("extracting");
         let mut times = times.clone();
+        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
         let found = match device {
             Device::Cpu => on_cpu::extract(&scene, &lights, method, predicate, &mut times)?,
             Device::Gpu(gpu) => {
@@ -70,7 +74,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Result<(), Failure> {
                     displacement: posed.displacement.as_ref(),
                     time_s: posed.time_s(),
                 };
-                job.run(gpu, &mut times)?
+                job.run_warm(gpu, &mut times)?
             }
         };
         Ok((found, times))

@@ -11,11 +11,11 @@ use crate::spec::SpecError;
 
 /// What to do about a machine without any adapter.
 pub(crate) const ADVICE: &str = if cfg!(target_os = "linux") {
-    "`rimline extract --device cpu` needs none. For a GPU install its Vulkan driver, or Mesa's software one: on Debian \
+    "`rimline extract --device cpu` needs none. To use a GPU, install its Vulkan driver, or Mesa's software one: on Debian \
      and Ubuntu `sudo apt-get install mesa-vulkan-drivers`, on Fedora `sudo dnf install mesa-vulkan-drivers`, on Arch \
      `sudo pacman -S vulkan-swrast`"
 } else {
-    "`rimline extract --device cpu` needs none. For a GPU install its current driver"
+    "`rimline extract --device cpu` needs none. To use a GPU, install its current driver"
 };
 
 /// Why the command stops. The exit codes are part of the interface: `rimline --help` lists them.
@@ -63,8 +63,8 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error("it is none of .gltf, .glb and .npz, the formats that can be read")]
-    Format,
+    #[error("cannot read {what}: use .glb, .gltf or .npz")]
+    Format { what: String },
     #[error(transparent)]
     Gltf(#[from] rimline::gltf::GltfError),
     #[error(
@@ -91,22 +91,24 @@ pub(crate) enum InputError {
     Lights(LightError),
     #[error(transparent)]
     Displacement(#[from] rimline::DisplaceError),
-    #[error("the displacement declares resources, which the command cannot give it; use plain functions and constants")]
+    #[error(
+        "the displacement declares bindings, but the command has no resources for them; use functions and constants only"
+    )]
     DisplacementResources,
-    #[error("the depths of {points} points for {lights} lights do not fit into memory; query fewer points at a time")]
+    #[error("the depths of {points} points for {lights} lights do not fit into memory; give fewer points or lights")]
     Depths { points: usize, lights: usize },
-    #[error("no vertex has a finite position, so there is nothing to look at")]
+    #[error("no vertex has a finite position, so there is nothing to draw")]
     NoFinitePosition,
-    #[error("the folder holds no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
+    #[error("the folder contains no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
     NoArchives,
-    #[error("it has the same name as {}, and both would be written to the same file; rename one", .other.display())]
+    #[error("it has the same name as {}, so both would be written to the same file; rename one of them", .other.display())]
     SameName { other: PathBuf },
 }
 
 /// What is wrong with the command line, beyond what the parser of options sees.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum UsageError {
-    #[error("--displace needs a GPU, because it is WGSL; leave out `--device cpu` or `--displace`")]
+    #[error("--displace needs a GPU, because WGSL runs on GPUs only; leave out `--device cpu` or `--displace`")]
     DisplaceOnCpu,
     #[error("the per-edge method has no exact form; leave out `--predicate exact`, or `--method per-edge`")]
     ExactPerEdge,
@@ -122,48 +124,46 @@ pub(crate) enum UsageError {
     Lights(LightError),
     #[error("{0}; change --eye, --target, --fov or --near")]
     Camera(CameraError),
-    #[error("{lights} lights with {samples} samples each are {}, and at most {limit} fit; take fewer --samples", lights * samples)]
+    #[error("{lights} lights with {samples} samples each are {}, and at most {limit} fit; give fewer --samples", lights * samples)]
     Samples { lights: usize, samples: usize, limit: usize },
-    #[error("--area averages lights, which --mode {0} cannot; leave one of them out")]
+    #[error("--mode {0} cannot draw soft shadows; leave out --area or --mode {0}")]
     AreaMode(String),
     #[error(
-        "--size {width}x{height} takes {needed} MiB to draw, more than {adapter} has for one array; try --size {}x{}",
+        "--size {width}x{height} needs {needed} MiB in one array, more than {adapter} has; try --size {}x{}",
         .fits[0], .fits[1]
     )]
     PictureMemory { width: u32, height: u32, needed: u64, adapter: String, fits: [u32; 2] },
-    #[error("nothing moves, since no file has an animation; give --displace, or how many --frames")]
+    #[error("no file has an animation, so nothing moves; give --displace, or the number of pictures with --frames")]
     NoAnimation,
-    #[error(
-        "--displace has no end of its own; say how many --frames or --seconds the film has, or name an --animation"
-    )]
+    #[error("a film with --displace needs a length; give --frames or --seconds, or name an --animation")]
     EndlessDisplacement,
     #[error("--out and --mask would both write {}; change one of them", .file.display())]
     SameOutput { file: PathBuf },
-    #[error("{} is an input, {}, which the result would be written over; choose another name", .out.display(), .input.display())]
+    #[error("{} is an input, {}, and the result would replace it; choose another name", .out.display(), .input.display())]
     OutputIsInput { out: PathBuf, input: PathBuf },
     #[error("{} is written as {what}; give a name that ends in .{own}", .out.display())]
     Ending { out: PathBuf, what: &'static str, own: &'static str },
     #[error(
-        "{} looks like a file, but --out is a folder for numbered PNG files; give its name (a program such as ffmpeg makes a \
-         video of them)", .out.display()
+        "{} looks like a file, but --out is the folder for numbered PNG files; give the name of a folder (a program such as \
+         ffmpeg makes a video of the files)", .out.display()
     )]
     FolderEnding { out: PathBuf },
     #[error(
-        "{} has {count} of another film, which is longer or numbered otherwise: {} and so on; remove them or choose another \
-         folder", .folder.display(), .first.display()
+        "{} has {count} of another film, which is longer or has other numbers, first {}; remove these pictures or choose \
+         another folder", .folder.display(), .first.display()
     )]
     OtherFilm { folder: PathBuf, first: PathBuf, count: String },
     #[error("the file's light `{name}`: {problem}")]
     LampOptions { name: String, problem: SpecError },
     #[error("a film of {frames} pictures is too long; at most {limit} are written")]
     TooManyFrames { frames: u64, limit: u64 },
-    #[error("there is nothing to measure; give --meshes or --scenes something other than `none`, or --frames on a GPU")]
+    #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
     NothingToMeasure,
     #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
-    #[error("--size {width}x{height} is more than the {limit} pixels each way that {adapter} can draw; take fewer")]
+    #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]
     Size { width: u32, height: u32, limit: u32, adapter: String },
 }
 
@@ -172,22 +172,24 @@ pub(crate) enum UsageError {
 pub(crate) enum NoDevice {
     #[error("no GPU was found. {}", ADVICE)]
     None,
-    #[error("no adapter's name contains `{name}`; there is {}. `rimline devices` says more", .adapters.join(", "))]
+    #[error("no device has `{name}` in its name or backend; the devices are {}", .adapters.join(", "))]
     NotNamed { name: String, adapters: Vec<String> },
-    #[error("the adapter {adapter} cannot be used: it lacks {lacking}")]
+    #[error(
+        "the device {adapter} cannot be used: it lacks {lacking}; choose another one (`rimline devices` lists them)"
+    )]
     Lacks { adapter: String, lacking: String },
-    #[error("the model does not fit the adapter {adapter}: {reason}; try {}", remedy(*.cpu_would_do))]
+    #[error("the model does not fit the device {adapter}: {reason}; try {}", remedy(*.cpu_would_do))]
     TooSmall { adapter: String, reason: String, cpu_would_do: bool },
-    #[error("the adapter {adapter} gave no device: {source}")]
+    #[error("the device {adapter} cannot be opened: {source}")]
     Refused { adapter: String, source: rimline::wgpu::RequestDeviceError },
 }
 
 /// What to do about an adapter that is too small.
 fn remedy(cpu_would_do: bool) -> &'static str {
     if cpu_would_do {
-        "`--device cpu` or another adapter"
+        "`--device cpu` or another device (`rimline devices` lists them)"
     } else {
-        "a smaller model or another adapter (`rimline devices` lists them)"
+        "a smaller model or another device (`rimline devices` lists them)"
     }
 }
 
@@ -230,6 +232,6 @@ mod tests {
             NoDevice::TooSmall { adapter: "A".into(), reason: "too many faces".into(), cpu_would_do }.to_string()
         };
         assert!(message(true).contains("--device cpu"), "{}", message(true));
-        assert!(!message(false).contains("cpu") && message(false).contains("another adapter"), "{}", message(false));
+        assert!(!message(false).contains("cpu") && message(false).contains("another device"), "{}", message(false));
     }
 }

@@ -94,7 +94,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     bound.warn();
     set.warn_of_depth(&gpu);
     let [first, last] = [file(0), file(frames - 1)];
-    print(&format!("{frames} pictures, {} to {}\n", Line(first.display()), Line(last.display())))
+    let [width, height] = scene.view.size;
+    let names = match frames {
+        1 => Line(first.display()).to_string(),
+        _ => format!("{frames} pictures, {} to {}", Line(first.display()), Line(last.display())),
+    };
+    print(&format!("wrote {names} ({width}×{height})\n"))
 }
 
 /// How many pictures are asked for, or make up the longest animation.

@@ -1,12 +1,19 @@
 //! Pictures from the GPU to PNG files.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use rimline::gpu::read_back;
 use rimline::wgpu;
 
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
+use crate::shown::Line;
+
+/// What the user is told of a picture that is complete.
+pub(crate) fn wrote(file: &Path, [width, height]: [u32; 2]) -> String {
+    format!("wrote {} ({width}×{height})", Line(file.display()))
+}
 
 /// Rows of 8-bit sRGB with alpha, or of 8-bit grey, top first, as they lie in a buffer.
 pub(crate) struct Picture {

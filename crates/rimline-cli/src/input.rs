@@ -111,7 +111,7 @@ impl Input {
         };
         let (found, there) = match &self.source {
             Source::Gltf(asset) => (asset.animation_index(wanted), listed_animations(asset)),
-            Source::Npz { .. } => (None, "an .npz has none".to_owned()),
+            Source::Npz { .. } => (None, "an .npz file has none".to_owned()),
         };
         let wanted = wanted.clone();
         let missing = || UsageError::Animation { wanted, there }.into();
@@ -224,7 +224,10 @@ fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
     match start.as_slice() {
         b"glTF" => open_gltf(file, options),
         b"PK\x03\x04" => open_npz(reader, options),
-        _ => Err(InputError::Format),
+        _ => {
+            let what = ending.map_or_else(|| "a file of this format".to_owned(), |ending| format!(".{ending}"));
+            Err(InputError::Format { what })
+        }
     }
 }
 
@@ -237,7 +240,7 @@ fn open_stdin(options: LoadOptions) -> Result<Source, InputError> {
         _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
             Ok(Source::Gltf(Box::new(Asset::from_slice(&bytes, None, options)?)))
         }
-        _ => Err(InputError::Format),
+        _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
 

@@ -11,8 +11,9 @@ use crate::spec;
 /// The model and how its vertices are joined.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArgs {
-    /// A .gltf, .glb or .npz file, or - for standard input; an .npz holds `positions` (V,3) float32 and `faces` (F,3) of any integer type.
-    /// Positions may be infinite or NaN: faces there face no light, cast no shadow and are not drawn, and a warning counts them
+    /// A .gltf, .glb or .npz file, or - for standard input. An .npz contains `positions` (V,3) float32 and `faces` (F,3) of
+    /// any integer type. Faces at infinite or NaN positions face no light, cast no shadow and are not drawn; a warning
+    /// counts the positions
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
@@ -24,11 +25,11 @@ pub(crate) struct ModelArgs {
 
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct WeldArgs {
-    /// Which vertices become one
+    /// Which vertices are joined to one
     #[arg(long, value_enum, default_value_t = WeldArg::Data)]
     weld: WeldArg,
 
-    /// Join no vertices: take them as the file has them
+    /// Join no vertices: use them as they are in the file
     #[arg(long, conflicts_with = "weld")]
     no_weld: bool,
 }
@@ -49,8 +50,8 @@ pub(crate) struct MomentArgs {
     #[command(flatten)]
     pub(crate) pose: PoseArgs,
 
-    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, applied in world space
-    /// after morph and skin; needs a GPU; - for standard input
+    /// A WGSL file with `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>`, or - for standard input.
+    /// It moves vertices in world space, after morph targets and skins. It needs a GPU
     #[arg(long, value_name = "FILE.wgsl")]
     pub(crate) displace: Option<PathBuf>,
 
@@ -61,19 +62,19 @@ pub(crate) struct MomentArgs {
 /// The posed.
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
-    /// The animation to pose the model with, by name or by number from 0; without it the model is at rest
+    /// The animation that poses the model, by name or by number from 0. Without it the model is at rest
     #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
     pub(crate) animation: Option<String>,
 
-    /// Seconds into the animation (and the time that `displace` sees)
+    /// The time in seconds, for the animation and for `displace`
     #[arg(long, value_name = "S", default_value = "0", allow_hyphen_values = true, value_parser = spec::seconds)]
     pub(crate) time: f32,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct DeviceArgs {
-    /// `auto` (a GPU, else the CPU), `gpu` (any wgpu adapter), `cpu`, or part of an adapter's name or backend (see
-    /// `rimline devices`)
+    /// Where to compute: `auto` (a GPU if there is one, else the CPU), `gpu` (any GPU, software GPUs included), `cpu`, or a
+    /// part of a device's name or backend (`rimline devices` lists them)
     #[arg(long, value_name = "auto|gpu|cpu|NAME", default_value = "auto")]
     pub(crate) device: String,
 }
@@ -81,20 +82,20 @@ pub(crate) struct DeviceArgs {
 /// Help of `--device` where pictures are drawn, which takes a GPU.
 pub(crate) fn drawing_device(arg: clap::Arg) -> clap::Arg {
     arg.value_name("auto|gpu|NAME").help(
-        "`auto` or `gpu` (any wgpu adapter, Mesa's software Vulkan included), or part of an adapter's name or backend \
-         (see `rimline devices`)",
+        "Where to draw: `auto` or `gpu` (any GPU, Mesa's software Vulkan included), or a part of a device's name or backend \
+         (`rimline devices` lists them)",
     )
 }
 
 /// Where the picture is taken from, and its size.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ViewArgs {
-    /// Where the eye is; by default in front of the model, to the right and above, as near as
-    /// shows all of it
+    /// The position of the eye. By default it is in front of the model, to the right and above, as near as possible with
+    /// the whole model in view
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
     pub(crate) eye: Option<[f32; 3]>,
 
-    /// What the eye looks at; by default the middle of the model
+    /// The point that the eye looks at. By default it is the middle of the model
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = spec::point)]
     pub(crate) target: Option<[f32; 3]>,
 
@@ -109,9 +110,9 @@ pub(crate) struct ViewArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum WeldArg {
-    /// Those with equal positions and equal skin and morph data
+    /// Vertices with equal positions and equal skin and morph data
     Data,
-    /// Those with equal positions, whatever their skin and morph data
+    /// Vertices with equal positions, even if their skin and morph data differ
     Position,
 }
 

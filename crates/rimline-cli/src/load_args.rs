@@ -7,12 +7,12 @@ use rimline::mesh::Weld;
 /// What a model file may do.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct LoadArgs {
-    /// The most memory that reading one model file, and making its mesh, may take, such as 512MiB, 16GiB or a number of bytes. Small files can
-    /// unpack to much
+    /// The largest memory that reading one file, and making its mesh, may take, such as 512MiB, 16GiB or a number of
+    /// bytes. Small files can need a lot of memory
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes)]
     memory_limit: u64,
 
-    /// Read buffers of a glTF that lie outside its folder, by `..`, an absolute path or a symbolic link
+    /// Allow a glTF file to read buffers outside its folder, through `..`, an absolute path or a symbolic link
     #[arg(long)]
     allow_outside: bool,
 }

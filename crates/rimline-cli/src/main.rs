@@ -13,6 +13,7 @@ mod extract;
 mod failure;
 mod film;
 mod gpu_error;
+mod help;
 mod image;
 mod info;
 mod input;
@@ -26,6 +27,7 @@ mod posed_input;
 mod positions;
 mod progress;
 mod query;
+mod quiet;
 mod render;
 mod shadow;
 mod shown;
@@ -34,6 +36,7 @@ mod spec;
 mod target;
 mod times;
 mod verify;
+mod warm_up;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
         .format(|to, record| writeln!(to, "[{:<5} {}] {}", record.level(), record.target(), Text(record.args())))
         .init();
     let cli = Cli::try_parse().unwrap_or_else(|error| refuse(&error));
+    quiet::run_again_quietly(&cli.command);
     match run(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -217,7 +217,11 @@ fn remove_at_interrupt() {
             if IS_FINISHING.load(Ordering::SeqCst) && is_first {
                 return;
             }
-            remove_unfinished(|_| true);
+            // Locked until the end, or a result about to be renamed would be missed and reported as a failure.
+            let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+            for path in unfinished.drain(..) {
+                let _ = std::fs::remove_file(path);
+            }
             remove_empty(|_| true);
             std::process::exit(interrupt::interrupted_code().into());
         };

@@ -6,6 +6,7 @@ mod report;
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
+use std::time::Instant;
 
 use rimline::MAX_LIGHTS;
 use rimline::reference::cpu::{self, Threads};
@@ -50,9 +51,11 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
     depths.try_reserve_exact(count).map_err(too_many).map_err(Failure::input(&args.points))?;
 
     progress.step("opening the device");
+    let begin = Instant::now();
     let (device, mut times) = posed.work(|device| {
         progress.step("counting");
         let mut times = times.clone();
+        times.add("device", begin.elapsed().as_secs_f64() * 1e3);
         depths.clear();
         match device {
             Device::Cpu => on_cpu(&scene, &points, &lights, &mut depths, &mut times)?,
@@ -64,7 +67,7 @@ pub(crate) fn run(args: &QueryArgs) -> Result<(), Failure> {
                     displacement: posed.displacement.as_ref(),
                     time_s: posed.time_s(),
                 };
-                job.run(gpu, &mut depths, &mut times)?;
+                job.run_warm(gpu, &mut depths, &mut times)?;
             }
         }
         Ok(times)

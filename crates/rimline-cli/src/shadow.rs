@@ -16,6 +16,8 @@ mod shaded_lights;
 pub(crate) mod shadow_scene;
 mod volume_overlay;
 
+use std::time::Instant;
+
 use rimline::gpu::StageTimer;
 use rimline::wgpu;
 
@@ -30,12 +32,13 @@ use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::target::is_same_file;
 use crate::times::Times;
+use crate::warm_up;
 use args::ShadowArgs;
 use caster::Caster;
 use masks::Masks;
 use part::PARTS;
 use pictures::Pictures;
-use render_resources::RenderResources;
+use render_resources::{DrawInputs, RenderResources};
 use report::Report;
 use shadow_scene::{ShadowInputs, ShadowScene, mask_file};
 
@@ -51,16 +54,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     let inputs = Inputs::new(props.files(scene));
     args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
-    if let Some(prefix) = &args.mask {
-        // There is a first light in any case; how many there are is known later.
-        let first = mask_file(prefix, 0);
+    // There is a first light in any case; how many there are is known later.
+    if let Some(first) = args.mask.as_ref().map(|prefix| mask_file(prefix, 0)) {
         inputs.spare(&first)?;
         drop(Output::create(&first)?);
     }
     let output = args.out.as_deref().map(Output::create).transpose()?;
 
     progress.step("opening the device");
-    let gpu = shadow_scene::open_gpu(scene)?;
+    let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
     let fail = |error: GpuError| error.on(&gpu);
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
@@ -77,6 +79,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
 
     progress.step("drawing");
+    let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let counting = scene.method.counting();
     let pictures = output
@@ -91,6 +94,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         .map(|(number, body)| Caster::new(&gpu, &resources.factory, pipelines, &body.scene.mesh, number, set.samples()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(fail)?;
+    times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
+    times.measure("compile", || {
+        warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), &set.ranged())
+    })?;
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("shadow") });
     set.encode(&gpu, &mut encoder, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
@@ -99,11 +106,11 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     }
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()?;
-    if let Some(timer) = &timer {
-        for (stage, milliseconds) in timer.read(&gpu.device, &gpu.queue).map_err(|error| fail(error.into()))? {
-            times.add(stage, milliseconds);
-        }
+    let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose();
+    for (stage, milliseconds) in stages.map_err(|error| fail(error.into()))?.into_iter().flatten() {
+        times.add(stage, milliseconds);
     }
+    times.measure("compile", || trial(&gpu, &resources, pictures.as_ref(), masks.as_ref(), &set.trial(&casters)))?;
     if let (Some(pictures), Some(output)) = (&pictures, output) {
         let picture =
             times.measure("picture", || picture(&gpu, &resources, pictures, &mut set, &mut casters)).map_err(fail)?;
@@ -127,7 +134,26 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     report.bound.warn();
     set.warn_of_depth(&gpu);
     let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
-    print(&if args.json { report.json(scene, &times) } else { report.text(&written, &times) })
+    print(&if args.json { report.json(scene, &times) } else { report.text(&written, scene.view.size, &times) })
+}
+
+/// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
+fn trial(
+    gpu: &Gpu,
+    resources: &RenderResources<'_>,
+    pictures: Option<&Pictures>,
+    masks: Option<&Masks>,
+    inputs: &DrawInputs<'_>,
+) -> Result<(), Failure> {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("trial") });
+    if let Some(pictures) = pictures {
+        pictures.record(&mut encoder, resources, inputs, 0).map_err(|error| error.on(gpu))?;
+    }
+    if let Some(masks) = masks {
+        masks.record(&mut encoder, resources, inputs, 0).map_err(|error| error.on(gpu))?;
+    }
+    gpu.queue.submit([encoder.finish()]);
+    gpu.wait()
 }
 
 /// Draws and reads a picture of what was encoded and submitted, in parts if it has them; what was encoded is the same

@@ -4,6 +4,9 @@ use std::time::Instant;
 
 use serde_json::{Map, Value};
 
+/// Stages that prepare the device for the others: opening it, buffers, pipelines, compiling shaders.
+const SET_UP: [&str; 4] = ["device", "prepare", "pipelines", "compile"];
+
 /// Milliseconds of each stage, in the order they ran.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Times(Vec<(&'static str, f64)>);
@@ -24,6 +27,21 @@ impl Times {
         result
     }
 
+    /// All of the set-up, and all of the other stages.
+    pub(crate) fn set_up_and_work(&self) -> [f64; 2] {
+        let sum = |is_set_up: bool| {
+            let stages = self.0.iter().filter(|(stage, _)| SET_UP.contains(stage) == is_set_up);
+            stages.map(|(_, milliseconds)| milliseconds).sum()
+        };
+        [sum(true), sum(false)]
+    }
+
+    /// ShadowScene-up and work in a line.
+    pub(crate) fn sums(&self) -> String {
+        let [set_up, work] = self.set_up_and_work();
+        format!("set-up {set_up:.1}, work {work:.1}")
+    }
+
     /// In a line.
     pub(crate) fn text(&self) -> String {
         let times: Vec<String> =
@@ -34,5 +52,22 @@ impl Times {
     /// By stage.
     pub(crate) fn json(&self) -> Map<String, Value> {
         self.0.iter().map(|&(stage, milliseconds)| (stage.to_owned(), milliseconds.into())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_up_and_work_are_apart() {
+        let mut times = Times::default();
+        for (stage, milliseconds) in
+            [("load", 1.0), ("compile", 32.0), ("facing", 2.0), ("device", 64.0), ("facing", 4.0)]
+        {
+            times.add(stage, milliseconds);
+        }
+        assert_eq!(times.set_up_and_work(), [96.0, 7.0]);
+        assert_eq!(times.sums(), "set-up 96.0, work 7.0");
     }
 }

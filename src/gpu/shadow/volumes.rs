@@ -34,6 +34,9 @@ use crate::light::{self, check_shadow_lights};
 /// caster's faces has no shadow of that caster to rely on, and one next to an edge an imprecise one: keep lights off
 /// surfaces, by a ten-thousandth of the caster's size or more.
 ///
+/// Shadows can be wrong by one pixel at the contours that the eye sees: rasterization rounds positions there, and a hairline
+/// of light or shadow can appear. NUMERICS.md, "Hairlines", has the details.
+///
 /// ```no_run
 /// use rimline::gpu::{
 ///     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,

@@ -4,20 +4,21 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::help::verbatim;
 use crate::input_args::DeviceArgs;
 
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
 pub(crate) struct BenchArgs {
-    /// Smaller meshes, one scene of each class, fewer rounds: less than a minute (all: about ten)
+    /// Measure smaller meshes, one scene of each class and fewer rounds. It takes less than a minute instead of about ten
     #[arg(long)]
     pub(crate) quick: bool,
 
-    /// A folder for the report: index.html, its plots as PNG, data.json; made if it is not there
+    /// The folder for the report: index.html, plots as PNG, data.json. It is made if it does not exist
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
 
-    /// Where to write the data; --schema describes them
+    /// Where to write the data as JSON (--schema describes it)
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
@@ -32,23 +33,24 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
 
-    /// Faces of a stress scene, about [default: 65,536]
+    /// The approximate number of faces of a stress scene [default: 65,536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
-    /// Numbers of lights [default: 1, 8 and 32; of stress scenes 8]
+    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
 
-    /// Counted runs of each method, at most; slow rows have fewer, but 5 (quick: 3) [default: 21 (quick: 9)]
+    /// The largest number of counted runs of each method. Slow rows have fewer, but at least 5 (quick: 3) [default: 21
+    /// (quick: 9)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub(crate) rounds: Option<u16>,
 
-    /// Frames of each camera path with shadows; 0 leaves shadows out [default: 16 (quick: 6)]
+    /// Frames of each camera path for shadows. 0 leaves shadows out [default: 16 (quick: 6)]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub(crate) frames: Option<u16>,
 
-    /// Print the JSON Schema of the data, and measure nothing
+    /// Print the JSON Schema of the data and measure nothing
     #[arg(long)]
     pub(crate) schema: bool,
 }
@@ -57,12 +59,15 @@ const EXAMPLES: &str = "\
 Examples:
   rimline bench --quick --report report
   rimline bench --report report --json figures.json
-  rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third --rounds 5
+  rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third \\
+      --rounds 5
+";
 
-All methods of a mesh and number of lights run in turn, round by round. Errors are bits that differ from \
-exact arithmetic, and vertices at which loops stay open. `2003 ÷ it` is the time of the 2003 method ÷ this one's, so \
-larger is better; `it ÷ f32` is this one's ÷ that of plain f32. Ctrl-C ends the run; report and data then hold \
-the rows that were finished, and say so, and the exit code is 130.";
+const REMARKS: &str = "\
+The methods run in turn, round by round, for each mesh and number of lights. Errors are bits that differ from exact \
+arithmetic, and vertices where loops stay open. `2003 ÷ it` is the time of the 2003 method divided by the time of this \
+method: larger is better. `it ÷ f32` is the time of this method divided by the time of plain f32. Ctrl-C ends the run. \
+Report and data then contain the finished rows and say so, and the exit code is 130.";
 
 /// A number of faces, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

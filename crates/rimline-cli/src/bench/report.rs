@@ -60,7 +60,7 @@ impl Destination {
         }
         let index = folder.join("index.html");
         Output::create(&index)?.finish(|file| file.write_all(page.html()?.as_bytes()))?;
-        note(&format!("the report is {}", index.display()));
+        note(&format!("wrote {}", index.display()));
         Ok(())
     }
 }

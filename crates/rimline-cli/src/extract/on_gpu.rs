@@ -15,6 +15,7 @@ use crate::gpu_error::GpuError;
 use crate::input::{Scene, Shape};
 use crate::positions::Positions;
 use crate::times::Times;
+use crate::warm_up::with_triangle;
 
 /// One extraction.
 pub(super) struct Job<'a, 's> {
@@ -27,7 +28,28 @@ pub(super) struct Job<'a, 's> {
 }
 
 impl<'s> Job<'_, 's> {
+    /// Compiles the shaders before the stages run and are timed, once it is known that the model fits.
+    pub(super) fn run_warm(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
+        let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
+        let Self { lights, method, predicate, displacement, time_s, .. } = *self;
+        self.run_after(gpu, times, || {
+            with_triangle(is_posed, |scene| {
+                let job = Job { scene, lights, method, predicate, displacement, time_s };
+                job.run(gpu, &mut Times::default()).map(drop)
+            })
+        })
+    }
+
     pub(super) fn run(&self, gpu: &Gpu, times: &mut Times) -> Result<Found<'s>, Failure> {
+        self.run_after(gpu, times, || Ok(()))
+    }
+
+    fn run_after(
+        &self,
+        gpu: &Gpu,
+        times: &mut Times,
+        warm_up: impl FnOnce() -> Result<(), Failure>,
+    ) -> Result<Found<'s>, Failure> {
         let Gpu { device, queue, .. } = gpu;
         let fail = |error: GpuError| error.on(gpu);
         let mesh = &self.scene.mesh;
@@ -59,6 +81,7 @@ impl<'s> Job<'_, 's> {
             })
             .map_err(fail)?;
         gpu.check()?;
+        times.measure("compile", warm_up)?;
 
         let mut timer = StageTimer::new(device, queue);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("extract") });

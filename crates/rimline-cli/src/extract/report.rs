@@ -76,6 +76,7 @@ impl Report {
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
         let EdgeCounts { consistent, inconsistent, boundary } = self.edges;
+        let [set_up, work] = self.times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
             "method": self.method(),
@@ -91,6 +92,8 @@ impl Report {
             "silhouette_edges": self.silhouette_edges,
             "unclosed_vertices": self.unclosed_vertices,
             "milliseconds": self.times.json(),
+            "set_up_milliseconds": set_up,
+            "work_milliseconds": work,
         });
         format!("{report:#}\n")
     }
@@ -101,12 +104,12 @@ impl Report {
         let mut line = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<18} {value}");
         };
-        line("adapter", &self.adapter);
+        line("device", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
         let FacingCounts { non_finite_faces, undecided_pairs, exact_zeros } = self.counts;
         if non_finite_faces > 0 {
-            line("", &format!("{non_finite_faces} not finite: they face no light"));
+            line("", &format!("{non_finite_faces} with a position that is not finite: they face no light"));
         }
         if undecided_pairs > 0 {
             let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
@@ -115,8 +118,9 @@ impl Report {
         line("edge records", &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"));
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
-        line("milliseconds", &self.times.text());
-        line("written", &Line(out.display()).to_string());
+        line("milliseconds", &self.times.sums());
+        line("by stage", &self.times.text());
+        let _ = writeln!(text, "wrote {}", Line(out.display()));
         text
     }
 }

@@ -7,9 +7,10 @@ use super::slice;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
-use crate::input::Scene;
+use crate::input::{Scene, Shape};
 use crate::positions::Positions;
 use crate::times::Times;
+use crate::warm_up::with_triangle;
 
 /// One query.
 pub(super) struct Job<'a, 's> {
@@ -21,7 +22,20 @@ pub(super) struct Job<'a, 's> {
 }
 
 impl Job<'_, '_> {
-    pub(super) fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
+    /// Compiles the shaders before the stages run and are timed.
+    pub(super) fn run_warm(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
+        let is_posed = matches!(self.scene.shape, Shape::Posed { .. });
+        let Self { lights, displacement, time_s, .. } = *self;
+        times.measure("compile", || {
+            with_triangle(is_posed, |scene| {
+                let job = Job { scene, points: &[[0.0; 3]], lights, displacement, time_s };
+                job.run(gpu, &mut Vec::new(), &mut Times::default())
+            })
+        })?;
+        self.run(gpu, depths, times)
+    }
+
+    fn run(&self, gpu: &Gpu, depths: &mut Vec<i32>, times: &mut Times) -> Result<(), Failure> {
         let fail = |error: GpuError| error.on(gpu);
         let slice = slice(&self.scene.mesh, self.lights.len()).min(self.points.len());
         let (placed, mut query, points) = times

@@ -41,6 +41,7 @@ impl Report {
 
     /// Keys are stable: they are only ever added to. Lists have an entry a light, in the order given.
     pub(super) fn json(&self) -> String {
+        let [set_up, work] = self.times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
             "vertices": self.vertices,
@@ -51,6 +52,8 @@ impl Report {
             "points_in_shadow": self.points_in_shadow,
             "deepest": self.deepest,
             "milliseconds": self.times.json(),
+            "set_up_milliseconds": set_up,
+            "work_milliseconds": work,
         });
         format!("{report:#}\n")
     }
@@ -60,7 +63,7 @@ impl Report {
         let mut line = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<18} {value}");
         };
-        line("adapter", &self.adapter);
+        line("device", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
         line("points", &self.points.to_string());
@@ -71,8 +74,9 @@ impl Report {
         let deepest: Vec<String> = self.deepest.iter().take(8).map(usize::to_string).collect();
         let more = if self.deepest.len() > 8 { ", …" } else { "" };
         line("deepest", &format!("{}{more}", deepest.join(", ")));
-        line("milliseconds", &self.times.text());
-        line("written", &Line(out.display()).to_string());
+        line("milliseconds", &self.times.sums());
+        line("by stage", &self.times.text());
+        let _ = writeln!(text, "wrote {}", Line(out.display()));
         text
     }
 }

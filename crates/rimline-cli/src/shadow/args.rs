@@ -5,23 +5,24 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 
+use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CountingArg {
-    /// z-pass where nothing lies between light and near rectangle, else ZP+: chosen on the GPU for each model and light
+    /// z-pass if nothing is between the light and the near rectangle, else ZP+. The GPU decides for each model and light
     Auto,
-    /// z-pass begun with near caps, clipped by Rimline itself
+    /// z-pass with near caps, which Rimline clips itself
     #[value(name = "zp+")]
     ZpPlus,
     /// ZP+ as published in 2005, with its corrective quads and its switch to z-fail. For comparison
     #[value(name = "zp+paper")]
     ZpPlus2005,
-    /// Count what is hidden; with light and dark caps
+    /// Count the hidden faces of shadow volumes, with light and dark caps
     ZFail,
-    /// Count what is seen. Wrong where a shadow volume reaches the near plane; for comparison
+    /// Count the visible faces of shadow volumes. Wrong if a shadow volume reaches the near plane. For comparison
     ZPass,
 }
 
@@ -44,21 +45,21 @@ impl CountingArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ModeArg {
-    /// Ambient light, and each light added where it is not in shadow; right for any number of lights
+    /// Ambient light, plus each light where it is not in shadow. Right for any number of lights
     Additive,
-    /// Everything lit; what is in shadow of any light redrawn in ambient light alone
+    /// Full light; places in the shadow of any light have ambient light only
     Ambient,
-    /// Everything lit; what is in shadow of any light black
+    /// Full light; places in the shadow of any light are black
     Black,
-    /// Everything lit; half of it taken away for each light that a place is in shadow of, highlights and all
+    /// Full light; each shadow on a place halves its light, highlights included
     Composited,
 }
 
 /// What the pictures with shadows have alike.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
-    /// .gltf, .glb or .npz files (- for standard input), each of which casts shadows as one body; an .npz holds `positions` (V,3) float32 and
-    /// `faces` (F,3) of any integer type
+    /// .gltf, .glb or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains `positions`
+    /// (V,3) float32 and `faces` (F,3) of any integer type
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
 
@@ -68,47 +69,49 @@ pub(crate) struct ShadowSceneArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 
-    /// A light: point:x,y,z, dir:x,y,z (towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all (the
-    /// first file's own lights); may be given many times, and followed by options, see below. By default one light, to the
-    /// left of the eye and above
+    /// A light: point:x,y,z, dir:x,y,z (the direction towards the light), hom:x,y,z,w (homogeneous), file:NAME or file:all
+    /// (lights of the first file). Options can follow, see below. The option can be repeated. By default there is one light,
+    /// above the eye and to its left
     #[arg(long = "light", value_name = "SPEC[,OPTION]...", allow_hyphen_values = true, value_parser = spec::shaded)]
     pub(crate) lights: Vec<ShadedLightSpec>,
 
     #[command(flatten)]
     pub(crate) view: ViewArgs,
 
-    /// The distance of the near plane from the eye; by default as far as the models allow
+    /// The distance of the near plane from the eye. By default it is as large as the models allow
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = spec::near)]
     pub(crate) near: Option<f32>,
 
-    /// The height of the ground, an infinite plane that takes shadows and throws none; by default the models' lowest
-    /// point, or a little lower where they are flat
+    /// The height of the ground, an infinite plane that receives shadows and casts none. It is visible from above only. By
+    /// default it is at the lowest point of the models, or a little lower if they are flat
     #[arg(long, value_name = "Y", allow_hyphen_values = true, value_parser = spec::any_number)]
     pub(crate) ground: Option<f32>,
 
-    /// How shadow volumes are counted
+    /// How to count shadow volumes
     #[arg(long, value_enum, default_value_t = CountingArg::Auto)]
     pub(crate) method: CountingArg,
 
-    /// What becomes of shadows
+    /// How to draw shadows
     #[arg(long, value_enum, default_value_t = ModeArg::Additive)]
     pub(crate) mode: ModeArg,
 
-    /// Soft shadows: every light has this shape; for lights at infinity sizes are at distance 1. Without sizes their
+    /// Soft shadows: every light has this shape. Sizes of lights at infinity are measured at distance 1. Without a size, the
     /// radius is 0.04 of the distance to the middle of the models
     #[arg(long, value_name = "rect[:W,H]|disc[:R]|sphere[:R]", value_parser = spec::area)]
     pub(crate) area: Option<AreaSpec>,
 
-    /// Lights that stand for one with --area, 1 to 32; all of them share one extraction [default: 16, with --one-pattern 32]
+    /// With --area: the number of samples of each light, 1 to 32; all share one extraction [default: 16, with --one-pattern
+    /// 32]
     #[arg(long, value_name = "N", requires = "area", allow_hyphen_values = true, value_parser = spec::samples)]
     pub(crate) samples: Option<usize>,
 
-    /// Give every pixel the same samples, to measure: a place's light is then the share of samples that reach it, and soft
-    /// shadows show a step for each. Without it neighbouring pixels take different ones, of 16 times as many
+    /// Give every pixel the same samples, for measurements: the light at a place is then the share of samples that reach
+    /// it, and soft shadows show one step for each sample. Without it, neighbouring pixels use different samples, out of
+    /// 16 times as many
     #[arg(long, requires = "area")]
     pub(crate) one_pattern: bool,
 
-    /// Draw the shadow volumes, too, translucent and with their edges
+    /// Also draw the shadow volumes, translucent and with their edges
     #[arg(long)]
     pub(crate) volumes: bool,
 
@@ -129,37 +132,37 @@ macro_rules! light_options {
     () => {
         "\
 Options of a light, after its SPEC:
-  color=R,G,B   linear; 1,1,1 without it. All lights together set the exposure
+  color=R,G,B   linear color; 1,1,1 without it. The sum of all lights sets the exposure
   intensity=I   times the color; 1 without it
-  range=R       where a light with a place ends: it fades to nothing, models farther away throw no
-                shadow, and masks are 0
-  begin=D       where it begins to fade, at most R; 0 without it
-  exponent=E    how: by what is left of the way to R, to the power of E; 1 without it (Bergeron
-                1986)
+  range=R       distance at which the light ends: it fades to nothing, models farther away cast no
+                shadow, and masks are 0; not for lights at infinity
+  begin=D       distance at which the light begins to fade, at most R; 0 without it
+  exponent=E    the light fades with ((R - distance) / (R - D))^E; 1 without it (Bergeron 1986)
 
-What the options leave open, a light of the file has as KHR_lights_punctual gives it: color, range, and a spot's cone, \
-out of which masks are 0, too. Its intensity is what arrives at the middle of the models, the brightest such light \
-counted as 1. Options of file:all are for those lights that can have them.
+Lights of the file have color, range and cone as KHR_lights_punctual says, unless an option changes
+them. Masks are 0 outside a cone. Intensities of these lights are measured at the middle of the
+models; the brightest one counts as 1. Options of file:all apply to each light that can have them.
 "
     };
 }
 
 #[derive(Args, Debug)]
-#[command(after_help = SHADOW_EXAMPLES, mut_arg("device", drawing_device))]
+#[command(help_template = verbatim(SHADOW_EXAMPLES), after_help = SHADOW_REMARKS, mut_arg("device", drawing_device))]
 pub(crate) struct ShadowArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
 
-    /// Where to write the picture
+    /// Where to write the picture, a PNG
     #[arg(long, value_name = "FILE.png", required_unless_present = "mask")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Write PREFIX.<light>.png, too, for each light: 255 lit, 0 in shadow, averted from the light or out of its range or
-    /// cone, 128 background; exact at each pixel's centre (with --area the share of samples that reach it, times 255)
+    /// Also write PREFIX.<light>.png for each light: 255 is lit, 128 is background, 0 is in shadow, turned away from the
+    /// light, or outside its range or cone. Values are exact at each pixel's centre. With --area a value is 255 times the
+    /// share of samples that reach the pixel
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
-    /// Print what was chosen and counted, and times, as JSON
+    /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -169,21 +172,26 @@ const SHADOW_EXAMPLES: &str = concat!(
     "
 Examples:
   rimline shadow fox.glb --out fox.png
-  rimline shadow fox.glb --animation Run --time 0.4 --light dir:1,2,1,color=1,.8,.6 --light point:-90,80,60,range=300 --out fox.png
+  rimline shadow fox.glb --animation Run --time 0.4 --out fox.png \\
+      --light dir:1,2,1,color=1,.8,.6 --light point:-90,80,60,range=300
   rimline shadow fox.glb box.glb --area disc --out soft.png
   rimline shadow fox.glb --light point:50,150,100 --mask fox --json
-
-World space is right-handed with +Y up.
-
-Keys of --json: adapter, method, mode, files, faces, samples (of a light), count_bound (no stencil count of all \
-files together exceeds it), may_wrap (lights, or samples, for which that may be more than the 255 that the stencil \
-holds: places in shadow may look lit), lights (a list of light, range, color and casters, a list of file, casting, \
-counting, silhouette_edges, each of them a value a sample with --area), statistics (a list, one a file, of skipped, \
-every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), milliseconds (by stage)."
+"
 );
 
+const SHADOW_REMARKS: &str = "\
+World space is right-handed with +Y up. The ground is visible from above only: an eye below it sees no ground.
+
+Keys of --json: adapter, method, mode, files, faces, samples (of a light), count_bound (an upper bound of the stencil \
+counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
+the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
+file, casting, counting, silhouette_edges, each with one value a sample with --area), statistics (a list, one for each \
+file, of skipped, every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), \
+milliseconds (by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all \
+other stages).";
+
 #[derive(Args, Debug)]
-#[command(after_help = FILM_EXAMPLES, mut_arg("device", drawing_device), mut_arg("animation", film_animation))]
+#[command(help_template = verbatim(FILM_EXAMPLES), after_help = FILM_REMARKS, mut_arg("device", drawing_device), mut_arg("animation", film_animation))]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
     pub(crate) scene: ShadowSceneArgs,
@@ -192,16 +200,15 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "N", default_value = "25", allow_hyphen_values = true, value_parser = spec::positive)]
     pub(crate) fps: f32,
 
-    /// How many pictures; by default as many as the animation lasts
+    /// The number of pictures. By default the film lasts as long as the animation
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub(crate) frames: Option<u32>,
 
-    /// How long, in seconds, instead of --frames
+    /// The length in seconds, instead of --frames
     #[arg(long, value_name = "S", conflicts_with = "frames", allow_hyphen_values = true, value_parser = spec::positive)]
     pub(crate) seconds: Option<f32>,
 
-    /// The folder to write 0000.png, 0001.png and so on into; made if it is not there; see below for one with an
-    /// earlier film
+    /// The folder for 0000.png, 0001.png and so on. It is made if it does not exist. See below if it has an earlier film
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 }
@@ -209,7 +216,8 @@ pub(crate) struct FilmArgs {
 /// Help of `--animation` where something should move.
 fn film_animation(arg: clap::Arg) -> clap::Arg {
     arg.help(
-        "The animation to play, by name or by number from 0; without it, and without --displace, each file's first one",
+        "The animation to play, by name or by number from 0. By default it is the first animation of each file, or none with \
+         --displace",
     )
 }
 
@@ -218,11 +226,14 @@ const FILM_EXAMPLES: &str = concat!(
     "
 Example:
   rimline film fox.glb --animation Run --fps 30 --out frames
-
-Each file is complete as soon as it is there; Ctrl-C keeps those that are done. Camera and lights stand still.
-Pictures of an earlier film by the same names are replaced, all from the first picture on. A folder with other \
-pictures of that kind, of a longer film, is refused before anything is written: remove them first."
+"
 );
+
+const FILM_REMARKS: &str = "\
+Every file in the folder is complete. Ctrl-C keeps the finished pictures. Camera and lights do not move.
+
+An earlier film in the folder is replaced: its pictures are removed as soon as the first new picture is complete. If \
+the earlier film is longer, the command refuses the folder and writes nothing: remove its pictures first.";
 
 /// Five digits of frames.
 pub(crate) const MAX_FRAMES: i64 = 100_000;

@@ -35,6 +35,14 @@ pub(crate) struct Caster {
     pub(crate) groups: Vec<wgpu::BindGroup>,
 }
 
+pub(crate) fn extractor_options(max_lights: usize) -> ExtractorOptions {
+    ExtractorOptions { max_lights, ..ExtractorOptions::default() }
+}
+
+pub(crate) fn shadow_options() -> ShadowOptions {
+    ShadowOptions { bound_counts: true, ..ShadowOptions::default() }
+}
+
 impl Caster {
     pub(crate) fn new(
         gpu: &Gpu,
@@ -44,10 +52,8 @@ impl Caster {
         number: usize,
         max_lights: usize,
     ) -> Result<Self, GpuError> {
-        let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
-        let extractor = Extractor::new(&gpu.pipelines, mesh, options)?;
-        let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
-        let volumes = ShadowVolumes::new(pipelines, &extractor, options)?;
+        let extractor = Extractor::new(&gpu.pipelines, mesh, extractor_options(max_lights))?;
+        let volumes = ShadowVolumes::new(pipelines, &extractor, shadow_options())?;
         let clay = CLAYS[number % CLAYS.len()].map(|[r, g, b]| [r, g, b, 0.0]);
         Ok(Self {
             extractor,

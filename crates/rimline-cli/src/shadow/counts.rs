@@ -57,9 +57,9 @@ impl CountBound {
         let Self { count_bound, may_wrap } = self;
         if may_wrap > 0 {
             note(&format!(
-                "8 bits of stencil may not suffice: places may lie behind up to {count_bound} casting faces (no smaller \
-                 bound is known), and behind a multiple of 256 they look lit. Draw the files one by one, or fewer layers \
-                 of them; `rimline query` counts without a limit"
+                "shadows may be wrong where 256 or more faces overlap as seen from the eye: the stencil has 8 bits, and \
+                 the models may overlap up to {count_bound} times. Draw fewer files at once, or models with fewer \
+                 layers; `rimline query` counts without this limit"
             ));
         }
     }

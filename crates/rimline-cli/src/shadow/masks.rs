@@ -48,7 +48,7 @@ impl Masks {
         let DrawInputs { casters, has_ground, .. } = *subject;
         let grey = 128.0 / 255.0;
         let nothing = wgpu::Color { r: grey, g: grey, b: grey, a: 1.0 };
-        let mut pass = self.attachments.pass(encoder, "mask", Some(nothing), None);
+        let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing), None));
         resources.select(&mut pass, light);
         self.dark.paint(&mut pass, casters, light, has_ground);
         draw_volumes(&mut pass, &self.pipelines, casters, light)?;

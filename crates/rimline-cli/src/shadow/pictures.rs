@@ -118,14 +118,14 @@ impl Pictures {
         let Self { pipelines, .. } = self;
         let attachments = &self.attachments[part];
         {
-            let mut pass = attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None);
+            let mut pass = subject.begin(attachments.pass(encoder, "ambient", Some(wgpu::Color::BLACK), None));
             resources.select(&mut pass, 0);
             pass.set_pipeline(&self.backdrop);
             pass.draw(0..3, 0..1);
             self.ambient.paint(&mut pass, casters, 0, has_ground);
         }
         for light in 0..samples {
-            let mut pass = attachments.pass(encoder, "light", None, None);
+            let mut pass = subject.begin(attachments.pass(encoder, "light", None, None));
             if self.shade.is_none() {
                 draw_volumes(&mut pass, pipelines, casters, light)?;
             }
@@ -134,7 +134,7 @@ impl Pictures {
         }
         if let Some(shade) = &self.shade {
             for light in 0..samples {
-                let mut pass = attachments.pass(encoder, "shade", None, None);
+                let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
                 draw_volumes(&mut pass, pipelines, casters, light)?;
                 resources.select(&mut pass, light);
                 for receivers in shade {
@@ -142,7 +142,7 @@ impl Pictures {
                 }
             }
         }
-        let mut pass = attachments.pass(encoder, "resolve", None, self.resolved.as_ref());
+        let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
         if let Some(volume_overlay) = &self.volume_overlay {
             volume_overlay.draw(&mut pass, resources, subject)?;
         }

@@ -123,6 +123,7 @@ impl Report {
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
+        let [set_up, work] = times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
             "method": value_name(&args.method),
@@ -135,30 +136,34 @@ impl Report {
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
             "statistics": self.found.iter().map(statistics).collect::<Vec<_>>(),
             "milliseconds": times.json(),
+            "set_up_milliseconds": set_up,
+            "work_milliseconds": work,
         });
         format!("{report:#}\n")
     }
 
-    pub(super) fn text(&self, written: &[PathBuf], times: &Times) -> String {
+    pub(super) fn text(&self, written: &[PathBuf], size: [u32; 2], times: &Times) -> String {
         let mut text = String::new();
         let mut line = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<18} {value}");
         };
-        line("adapter", &self.adapter);
+        line("device", &self.adapter);
         for Found { file, faces, lights, silhouettes, shadow, .. } in &self.found {
             line("caster", &format!("{}, {faces} faces", Line(file)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             line("silhouette edges", &format!("{edges}{sum}"));
             let ShadowStatistics { skipped, capped, .. } = shadow;
-            line(
-                "",
-                &format!("near caps for {capped} of the lights, no shadow drawn for {skipped}: out of range or sight"),
-            );
+            let counted = |count: u32| format!("for {count} of {} lights", lights.len());
+            line("near caps", &if *capped == 0 { "none needed".to_owned() } else { counted(*capped) });
+            if *skipped > 0 {
+                line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
+            }
         }
-        line("milliseconds", &times.text());
+        line("milliseconds", &times.sums());
+        line("by stage", &times.text());
         for file in written {
-            line("written", &Line(file.display()).to_string());
+            let _ = writeln!(text, "{}", crate::image::wrote(file, size));
         }
         text
     }

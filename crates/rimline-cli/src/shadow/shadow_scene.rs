@@ -63,7 +63,7 @@ impl ShadowInputs {
             *animation = Some(0);
             let (file, name) = (input.file.display(), animation_name(0, first));
             let there = if asset.animations().len() > 1 { listed_animations(asset) } else { "it has no other".into() };
-            note(&format!("{file}: taking animation {name}, since no --animation is named; {there}"));
+            note(&format!("{file}: using animation {name}, because no --animation is given; {there}"));
         }
     }
 
@@ -182,7 +182,12 @@ impl<'a> ShadowScene<'a> {
 
     pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> DrawInputs<'a> {
         let has_ground = self.frame().sees_ground();
-        DrawInputs { casters, samples: self.samples(), has_ground }
+        DrawInputs { casters, samples: self.samples(), has_ground, is_trial: false }
+    }
+
+    /// The same with one pixel of one light.
+    pub(crate) fn trial(&'a self, casters: &'a [Caster]) -> DrawInputs<'a> {
+        DrawInputs { samples: self.samples().min(1), is_trial: true, ..self.subject(casters) }
     }
 
     /// Pixels take turns with patterns of samples.

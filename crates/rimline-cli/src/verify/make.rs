@@ -83,7 +83,7 @@ fn refuse_existing(file: &Path) -> Result<(), Failure> {
     if file.symlink_metadata().is_err() {
         return Ok(());
     }
-    let source = io::Error::other("it exists, and nothing is written over; remove it or choose another folder");
+    let source = io::Error::other("it exists, and files are never written over; remove it or choose another folder");
     Err(Failure::Output { file: file.to_owned(), source })
 }
 
@@ -123,6 +123,7 @@ impl Maker<'_> {
         let found = extract_exactly(&self.device, &scene, lights)?;
         output.finish(|to| arrays::write(to, &scene.mesh, lights, &found))?;
         let faces = scene.mesh.faces().len();
-        self.progress.aside(|| print(&format!("{}  {faces} faces, {} lights\n", Line(file.display()), lights.len())))
+        self.progress
+            .aside(|| print(&format!("wrote {} ({faces} faces, {} lights)\n", Line(file.display()), lights.len())))
     }
 }

@@ -31,6 +31,7 @@ mod soft;
 mod usage;
 mod verify;
 mod verify_wrong;
+mod words;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -64,6 +65,7 @@ fn main() {
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,
+        words::TESTS,
         bench::TESTS,
         outputs::TESTS,
         inputs::TESTS,

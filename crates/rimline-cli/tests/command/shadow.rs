@@ -513,11 +513,11 @@ fn may_wrap() -> Outcome {
     // One stack of 256 sheets, and two of 160, which share a stencil.
     for files in ["@many.npz", "@half.npz @half.npz"] {
         let many = line(files, "shadow --mask @m --json");
-        many.expect(0, &["8 bits of stencil", "256", "rimline query"])?;
+        many.expect(0, &["256 or more faces overlap", "8 bits", "rimline query"])?;
         let json = many.json()?;
         ensure!(json["may_wrap"] == 1 && json["count_bound"].as_u64() > Some(255), "{json}");
     }
-    line("@many.npz", "film --frames 1 --out @frames").expect(0, &["8 bits of stencil"])
+    line("@many.npz", "film --frames 1 --out @frames").expect(0, &["256 or more faces overlap"])
 }
 
 fn clash() -> Outcome {

@@ -1,0 +1,191 @@
+//! What the command says: nothing but its own words, examples that can be pasted, messages that name what to do.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::npz_input::tetrahedron;
+use super::run::{folder, rimline, rimline_with};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    #[cfg(unix)]
+    ("words::a_gpu_is_opened_quietly", quiet),
+    #[cfg(unix)]
+    ("words::a_quiet_run_is_the_same_process", same_process),
+    ("words::examples_are_the_same_at_any_width", widths),
+    #[cfg(unix)]
+    ("words::examples_can_be_pasted", pasted),
+    ("words::set_up_and_work_are_timed_apart", times),
+    ("words::what_is_written_is_named", written),
+    ("words::formats_and_devices_are_named", named),
+];
+
+const COMMANDS: [&str; 9] = ["draw", "shadow", "film", "extract", "query", "info", "devices", "verify", "bench"];
+
+/// The command without a desktop session, by a shell that runs `script`.
+#[cfg(unix)]
+fn by_shell(script: &str, folder: &Path, width: &str) -> std::process::Output {
+    let program = Path::new(env!("CARGO_BIN_EXE_rimline"));
+    let path = std::env::var("PATH").unwrap_or_default();
+    Command::new("sh")
+        .args(["-c", script])
+        .current_dir(folder)
+        .env_remove("XDG_RUNTIME_DIR")
+        .env_remove("NODEVICE_SELECT")
+        .env("COLUMNS", width)
+        .env("PATH", format!("{}:{path}", program.parent().unwrap_or(program).display()))
+        .output()
+        .expect("there is a shell")
+}
+
+#[cfg(unix)]
+fn quiet() -> Outcome {
+    let folder = folder();
+    std::fs::write(folder.path().join("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    let commands = [
+        "rimline devices",
+        "rimline draw m.npz --size 64x64 --out a.png",
+        "rimline extract m.npz --light dir:0,1,0 --device gpu --out a.npz",
+        "XDG_RUNTIME_DIR= rimline devices",
+        "XDG_RUNTIME_DIR=relative rimline devices --json",
+    ];
+    for command in commands {
+        let run = by_shell(command, folder.path(), "80");
+        let stderr = String::from_utf8_lossy(&run.stderr);
+        ensure!(run.status.success() && stderr.is_empty(), "{command}: {:?}, {stderr}", run.status);
+    }
+    Ok(())
+}
+
+/// Standard input and output, exit code, process number and ignored signals are those of the first run.
+#[cfg(unix)]
+fn same_process() -> Outcome {
+    let folder = folder();
+    std::fs::write(folder.path().join("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    let piped = by_shell("rimline draw - --size 64x64 --out /dev/stdout <m.npz | head -c 8", folder.path(), "80");
+    ensure!(piped.stdout == b"\x89PNG\r\n\x1a\n", "{:?}, {}", piped.stdout, String::from_utf8_lossy(&piped.stderr));
+    let failed = by_shell("rimline draw m.npz --device 'no such device' --out a.png", folder.path(), "80");
+    ensure!(failed.status.code() == Some(3), "{failed:?}");
+    let wrong = by_shell("rimline draw none.npz --out a.png", folder.path(), "80");
+    ensure!(wrong.status.code() == Some(1), "{wrong:?}");
+    Ok(())
+}
+
+/// The examples in a command's help: each with its broken lines.
+fn examples(help: &str) -> Vec<String> {
+    let mut examples: Vec<String> = Vec::new();
+    let mut lines = help.lines().skip_while(|line| !line.starts_with("Example")).skip(1).peekable();
+    while let Some(line) = lines.next_if(|line| line.starts_with("  ")) {
+        match examples.last_mut() {
+            Some(last) if last.ends_with('\\') => {
+                last.push('\n');
+                last.push_str(line);
+            }
+            _ => examples.push(line.to_owned()),
+        }
+    }
+    examples
+}
+
+fn help(command: &str, option: &str, width: &str) -> Result<String, String> {
+    let run = rimline_with([command, option], &[("COLUMNS", width)]);
+    run.expect(0, &[])?;
+    Ok(run.stdout)
+}
+
+fn widths() -> Outcome {
+    for command in COMMANDS.into_iter().filter(|command| *command != "devices") {
+        for option in ["-h", "--help"] {
+            let [narrow, wide] = ["40", "300"].map(|width| help(command, option, width));
+            let [narrow, wide] = [examples(&narrow?), examples(&wide?)];
+            ensure!(!wide.is_empty(), "{command} {option} has no example");
+            ensure!(narrow == wide, "{command} {option}: {narrow:?} instead of {wide:?}");
+        }
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn pasted() -> Outcome {
+    let folder = folder();
+    for command in COMMANDS.into_iter().filter(|command| *command != "devices") {
+        let help = help(command, "--help", "40")?;
+        for example in examples(&help) {
+            ensure!(example.trim_start().starts_with(&format!("rimline {command} ")), "{example}");
+            ensure!(example.lines().all(|line| line.chars().count() <= 90), "{example} is too long for a terminal");
+            for option in example.split_whitespace().filter(|word| word.starts_with("--")) {
+                ensure!(help.contains(&format!(" {option}")), "{example}: there is no {option}");
+            }
+            // Measurements would run; the others have no input here, which is not an error of the line.
+            let (script, codes) =
+                if command == "bench" { (format!("sh -n <<'_'\n{example}\n_"), [0; 2]) } else { (example, [1, 4]) };
+            let run = by_shell(&script, folder.path(), "80");
+            let code = run.status.code().unwrap_or(-1);
+            ensure!(codes.contains(&code), "{script}: {code}, {}", String::from_utf8_lossy(&run.stderr));
+        }
+    }
+    Ok(())
+}
+
+fn times() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    let lines = [
+        ["extract", "--device", "gpu", "--light", "dir:0,1,0", "--out", &at("a.npz")],
+        ["shadow", "--size", "64x64", "--light", "dir:0,1,0", "--out", &at("a.png")],
+    ];
+    for line in lines {
+        let json = rimline(line.into_iter().chain(["--json", &at("m.npz")])).json()?;
+        let stages = json["milliseconds"].as_object().ok_or("no milliseconds")?;
+        ensure!(stages.contains_key("compile") && stages.contains_key("device"), "{json}");
+        let sum: f64 = stages.values().filter_map(serde_json::Value::as_f64).sum();
+        let of = |key: &str| json[key].as_f64().ok_or(format!("no {key}: {json}"));
+        let (set_up, work) = (of("set_up_milliseconds")?, of("work_milliseconds")?);
+        ensure!(set_up > 0.0 && work > 0.0 && (set_up + work - sum).abs() < 1e-6 * sum, "{json}");
+        let text = rimline(line.into_iter().chain([&*at("m.npz")]));
+        text.expect(0, &[])?;
+        ensure!(text.stdout.contains("set-up ") && text.stdout.contains(", work "), "{}", text.stdout);
+    }
+    Ok(())
+}
+
+fn written() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    let (model, wgsl) = (at("m.npz"), at("still.wgsl"));
+    std::fs::write(&wgsl, "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }")
+        .map_err(|error| error.to_string())?;
+    let (png, npz, film) = (at("a.png"), at("a.npz"), at("film"));
+    let size = ["--size", "64x48"];
+    let cases: [(&[&str], &str, &str); 4] = [
+        (&["draw", &model, "--out", &png], &png, " (64×48)"),
+        (&["shadow", &model, "--light", "point:9,9,9", "--out", &png], &png, " (64×48)"),
+        (&["film", &model, "--displace", &wgsl, "--frames", "2", "--out", &film], "2 pictures", " (64×48)"),
+        (&["extract", &model, "--light", "dir:0,1,0", "--out", &npz], &npz, ""),
+    ];
+    for (line, what, more) in cases {
+        let size = if more.is_empty() { &[][..] } else { &size };
+        let run = rimline(line.iter().chain(size));
+        run.expect(0, &[])?;
+        let said = run.stdout.lines().any(|line| line.starts_with(&format!("wrote {what}")) && line.ends_with(more));
+        ensure!(said, "{line:?}: {}", run.stdout);
+        if line[0] == "shadow" {
+            ensure!(run.stdout.contains("near caps          none needed"), "{}", run.stdout);
+        }
+    }
+    Ok(())
+}
+
+fn named() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(at("fox.obj"), "v 0 0 0\n").map_err(|error| error.to_string())?;
+    std::fs::write(at("fox"), "v 0 0 0\n").map_err(|error| error.to_string())?;
+    rimline(["info", &at("fox.obj")]).expect(1, &["fox.obj: cannot read .obj: use .glb, .gltf or .npz"])?;
+    rimline(["info", &at("fox")]).expect(1, &["cannot read a file of this format: use .glb, .gltf or .npz"])?;
+    std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
+    let line = ["draw", &at("m.npz"), "--device", "voodoo", "--out", &at("a.png")];
+    rimline(line).expect(3, &["no device has `voodoo` in its name or backend"])
+}
