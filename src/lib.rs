@@ -12,7 +12,7 @@
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass, the counting method chosen on the GPU for every caster
 //!   and light;
 //! * [`gpu::ShadowQuery`]: how many faces lie between points and lights;
-//! * [`area`]: lights with an area, as samples that share one extraction;
+//! * [`AreaLight`]: lights with an area, as samples that share one extraction;
 //! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
 //! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
 //!

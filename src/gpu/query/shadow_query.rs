@@ -28,7 +28,7 @@ use crate::{Light, Mesh};
 pub struct ShadowQueryOptions {
     /// The most points of one encode.
     pub max_points: u32,
-    /// The most lights of one encode, 1 to [`MAX_LIGHTS`].
+    /// The most lights of one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
     /// Leave out runs of 32 and of 1,024 faces whose boxes the segment from point to light misses. Never changes a
     /// depth. It pays where neighbours in the list of faces are neighbours in space.
@@ -54,7 +54,7 @@ pub enum ShadowQueryError {
     /// The device lacks what the query needs, or is lost.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// `max_lights` is 0 or more than [`MAX_LIGHTS`].
+    /// `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     #[error(transparent)]
     Light(#[from] LightError),
     /// The mesh or the depths do not fit the device.
@@ -354,7 +354,7 @@ impl ShadowQuery {
         &self.depths
     }
 
-    /// The mesh's faces in clusters with the boxes of the last encode, a [`FaceCluster`] each. Usages as above.
+    /// The mesh's faces in clusters with the boxes of the last encode, a `FaceCluster` each. Usages as above.
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.cluster_buffer
     }

@@ -134,7 +134,7 @@ impl Seeds {
     /// The command ends by itself, with one of its own codes, and without a panic.
     pub(crate) fn run(&self, words: &[String]) -> Result<bool, String> {
         let mut command = Command::new(&self.program);
-        command.args(words).current_dir(&self.folder).env("RUST_BACKTRACE", "0").env("NODEVICE_SELECT", "1");
+        command.args(words).current_dir(&self.folder).env("RUST_BACKTRACE", "0");
         // Neither Vulkan nor OpenGL: what is fuzzed is not a driver.
         for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES", "__EGL_VENDOR_LIBRARY_FILENAMES"] {
             command.env(variable, "no such file");
