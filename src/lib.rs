@@ -46,7 +46,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(
     not(feature = "reference"),
-    allow(dead_code, reason = "twins and layouts that the feature `reference` shows")
+    allow(dead_code, unreachable_pub, reason = "twins and layouts that the feature `reference` shows")
 )]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
