@@ -27,8 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame: extract, then draw what was found, in one encoder; nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let eye = Light::point([0.0, 0.0, 4.0]);
-    let silhouette = extractor.encode(&mut encoder, positions, &[eye], None)?;
+    let silhouette = extractor.encode(&mut encoder, positions, &[Light::point([0.0, 0.0, 4.0])], None)?;
     let results = silhouette.bind_group(&layout, 0)?;
     canvas.draw(&mut encoder, |pass| {
         pass.set_pipeline(&pipeline);

@@ -7,7 +7,6 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
@@ -19,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Yours: a device, a renderer with its camera, attachments and lights, and vertex positions in a buffer.
     let canvas = support::Canvas::new(640)?;
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(2.4, 3.6, 6.0), Vec3::new(0.75, 1.05, 0.0), 35.0);
+    let camera = Camera::new([2.4, 3.6, 6.0], [0.75, 1.05, 0.0], 35.0);
     let sun = Light::directional([-0.8, 1.2, 0.5]);
     let stage = Stage::new(&canvas, &camera, &[Lamp { xyzw: sun.to_array(), color: [0.95, 0.90, 0.82] }]);
     let shape = shapes::torus(192, 96, 1.0, 0.4);
@@ -39,11 +38,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Every frame: extract and choose, then draw the volumes where the stencil is wanted. Nothing is read back.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let view = ShadowCamera {
-        view_projection: camera.view_projection.to_cols_array_2d(),
-        origin: camera.eye.into(),
-        depth: DepthDirection::Reversed,
-    };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     let extraction = extractor.encode(&mut encoder, positions, &[sun], None)?;
     let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
     stage.draw(&mut encoder, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;

@@ -10,7 +10,6 @@ pub(crate) mod stage;
 #[path = "../support/mod.rs"]
 pub(crate) mod support;
 
-use glam::Vec3;
 use rimline::gpu::{
     Extractor, ExtractorOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
@@ -29,7 +28,7 @@ pub(crate) const LAMP: AreaLight = AreaLight {
 };
 
 pub(crate) fn camera() -> Camera {
-    Camera::new(Vec3::new(3.0, 4.2, 7.0), Vec3::new(0.85, 1.0, 0.0), 36.0).wide(4.0 / 3.0)
+    Camera::new([3.0, 4.2, 7.0], [0.85, 1.0, 0.0], 36.0).wide(4.0 / 3.0)
 }
 
 /// Above the floor.
@@ -69,11 +68,7 @@ pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEnco
     let positions = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
     for (part, lights) in patterns.iter().enumerate() {
         let Camera { eye, view_projection } = *stage.camera(part);
-        let view = ShadowCamera {
-            view_projection: view_projection.to_cols_array_2d(),
-            origin: eye.into(),
-            depth: DepthDirection::Reversed,
-        };
+        let view = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
         let extraction = extractor.encode(&mut encoder, positions, lights, None)?;
         let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;
         stage.draw_part(&mut encoder, part, &bodies, |pass, light| shadows.draw(pass, &pipelines, light))?;

@@ -16,26 +16,31 @@ pub(crate) const DEPTH_STENCIL: TextureFormat = TextureFormat::Depth24PlusStenci
 /// A camera with an infinite far plane and reversed depth.
 #[derive(Clone, Copy)]
 pub(crate) struct Camera {
-    pub(crate) eye: Vec3,
-    /// From positions less the eye to clip space.
-    pub(crate) view_projection: Mat4,
+    pub(crate) eye: [f32; 3],
+    /// From positions less the eye to clip space, in columns.
+    pub(crate) view_projection: [[f32; 4]; 4],
 }
 
 impl Camera {
     /// Vertical field of view in degrees; +Y is up.
-    pub(crate) fn new(eye: Vec3, target: Vec3, field_of_view: f32) -> Self {
-        let forward = (target - eye).normalize();
+    pub(crate) fn new(eye: [f32; 3], target: [f32; 3], field_of_view: f32) -> Self {
+        let forward = (Vec3::from(target) - Vec3::from(eye)).normalize();
         let right = forward.cross(Vec3::Y).normalize();
         let scale = 1.0 / (0.5 * field_of_view.to_radians()).tan();
         let near = Vec4::new(0.0, 0.0, 0.0, 0.1);
         let rows = [(scale * right).extend(0.0), (scale * right.cross(forward)).extend(0.0), near, forward.extend(0.0)];
-        Self { eye, view_projection: Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose() }
+        let matrix = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+        Self { eye, view_projection: matrix.to_cols_array_2d() }
     }
 
     /// For a picture so many times as wide as high.
-    pub(crate) fn wide(mut self, aspect: f32) -> Self {
-        self.view_projection = Mat4::from_scale(Vec3::new(1.0 / aspect, 1.0, 1.0)) * self.view_projection;
-        self
+    pub(crate) fn wide(self, aspect: f32) -> Self {
+        self.then(Mat4::from_scale(Vec3::new(1.0 / aspect, 1.0, 1.0)))
+    }
+
+    fn then(self, clip: Mat4) -> Self {
+        let matrix = clip * Mat4::from_cols_array_2d(&self.view_projection);
+        Self { view_projection: matrix.to_cols_array_2d(), ..self }
     }
 }
 
@@ -95,10 +100,10 @@ impl<'a> Stage<'a> {
                 (pitch as f32 - 2.0 * (at as f32 + 0.5)) / size[axis] as f32
             });
             let aside = Mat4::from_translation(Vec3::new(x, -y, 0.0));
-            let camera = Camera { view_projection: aside * camera.view_projection, ..*camera };
+            let camera = camera.then(aside);
             let mut frame = [0.0; 64];
-            frame[..16].copy_from_slice(&camera.view_projection.to_cols_array());
-            frame[16..19].copy_from_slice(&camera.eye.to_array());
+            frame[..16].copy_from_slice(camera.view_projection.as_flattened());
+            frame[16..19].copy_from_slice(&camera.eye);
             data.push(frame);
             cameras.push(camera);
             for lamp in lamps.as_ref() {

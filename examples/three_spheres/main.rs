@@ -7,7 +7,6 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
-use glam::Vec3;
 use rimline::gpu::{
     Deformer, DeformerOptions, Extractor, ExtractorOptions, ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
 };
@@ -25,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.0), |text| text.parse())?;
     let canvas = support::Canvas::new(704)?;
     let device = &canvas.device;
-    let camera = Camera::new(Vec3::new(0.0, 6.0, 11.5), Vec3::new(0.0, 0.75, -0.2), 33.0);
+    let camera = Camera::new([0.0, 6.0, 11.5], [0.0, 0.75, -0.2], 33.0);
     let lamps = [
         Lamp { xyzw: [-4.5, 6.0, 3.5, 1.0], color: [0.62, 0.10, 0.05] },
         Lamp { xyzw: [4.5, 6.0, 3.5, 1.0], color: [0.06, 0.46, 0.10] },
@@ -56,11 +55,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Every frame.
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let view = ShadowCamera {
-        view_projection: camera.view_projection.to_cols_array_2d(),
-        origin: camera.eye.into(),
-        depth: DepthDirection::Reversed,
-    };
+    let view =
+        ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed };
     deformer.encode(&mut encoder, &pose, seconds, None, None)?;
     let extraction = extractor.encode(&mut encoder, deformer.positions(), &lights, None)?;
     let shadows = volumes.encode(&mut encoder, &extraction, &view, None)?;

@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "the example's own main is not run here")]
 mod soft;
 
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Mat4};
 use rimline::AreaLight;
 use rimline_measure::shapes;
 
@@ -51,7 +51,7 @@ fn cover(corners: [DVec2; 3], mut mark: impl FnMut(usize)) {
 /// Eye and the matrix from positions less the eye to clip space.
 fn view() -> (DVec3, DMat4) {
     let camera = soft::camera();
-    (camera.eye.as_dvec3(), camera.view_projection.as_dmat4())
+    (DVec3::from(camera.eye.map(f64::from)), Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4())
 }
 
 fn to_pixels(point: DVec3) -> DVec2 {
