@@ -181,7 +181,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
-        name: "paper: the near end of the light's frustum is at least 0.5",
+        name: "choose: the near end of the published light's frustum is at least 0.5",
         changes: &[
             ("wgsl/shadow/choose.wgsl", "/ farthest, 0.001, 0.99)", "/ farthest, 0.5, 0.99)"),
             ("src/cpu/shadow/choose.rs", ".clamp(0.001, 0.99)", ".clamp(0.5, 0.99)"),
@@ -218,6 +218,24 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "volumes: counts of caps stay",
         changes: &[("src/gpu/shadow/volumes.rs", "encoder.clear_buffer(&buffers.cap_counts, 0, None);", "")],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "extractor: bind groups of another offset or stride stay",
+        changes: &[(
+            "src/gpu/extract/extractor.rs",
+            "if self.bound_to.as_ref() == Some(place) {",
+            "if self.bound_to.as_ref().is_some_and(|bound| bound.buffer == place.buffer) {",
+        )],
+        tests: &["--test extract_gpu"],
+    },
+    Mutation {
+        name: "volumes: bind groups of another offset or stride stay",
+        changes: &[(
+            "src/gpu/shadow/volumes.rs",
+            "&& *place == extraction.place",
+            "&& place.buffer == extraction.place.buffer",
+        )],
         tests: &["--test shadow_gpu"],
     },
     Mutation {

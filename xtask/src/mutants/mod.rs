@@ -4,11 +4,15 @@
 mod list;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use crate::process;
 use crate::test::BENCH;
 use list::{MUTATIONS, Mutation};
+
+/// Several times what the slowest program takes on two cores.
+const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 enum Outcome {
     /// By the tests of these arguments.
@@ -115,11 +119,26 @@ fn tried(tree: &Path, target: &Path, mutation: &Mutation) -> Result<Outcome, Str
     Ok(Outcome::Survived)
 }
 
-/// Whether the tests pass. Tests that do not end hang this command; it is for use by hand.
+/// Whether the tests pass. Tests that do not end within [`TIME_LIMIT`] do not: a mutation may make a loop endless.
 fn run_tests(tree: &Path, target: &Path, tests: &str) -> Result<bool, String> {
     let mut command = cargo(tree, target, tests, false);
-    let output = command.output().map_err(|error| format!("cannot run cargo: {error}"))?;
-    Ok(output.status.success())
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    // A group of its own, so that the test programs end with cargo.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    let mut child = command.spawn().map_err(|error| format!("cannot run cargo: {error}"))?;
+    let start = Instant::now();
+    while start.elapsed() < TIME_LIMIT {
+        if let Some(status) = child.try_wait().map_err(|error| format!("cannot wait for cargo: {error}"))? {
+            return Ok(status.success());
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    #[cfg(unix)]
+    let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
+    let _ = child.kill();
+    let _ = child.wait();
+    Ok(false)
 }
 
 /// `cargo test` in the copy; `tests` is a target, and perhaps a filter of its tests.
