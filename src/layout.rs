@@ -263,8 +263,8 @@ shared_structs! {
         end: f32,
         /// 1: the caster has faces with a corner that is not finite, and so sides of holes.
         holed: u32,
-        /// 0.
-        reserved: u32,
+        /// 1: the light may lie in faces of the caster, which are excluded then.
+        excludes: u32,
         /// Row x of that frustum's matrix, from (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.

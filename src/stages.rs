@@ -95,7 +95,7 @@ pub const CAPS: Stage = Stage {
 /// Indirect draw arguments of shadow volumes.
 pub const SHADOW_ARGUMENTS: Stage = Stage {
     name: "shadow_arguments",
-    files: files!["common/common", "shadow/shadow", "shadow/shadow_arguments"],
+    files: files!["common/common", "shadow/shadow", "shadow/casting", "shadow/shadow_arguments"],
     entry_points: &["shadow_arguments"],
 };
 

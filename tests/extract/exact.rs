@@ -25,7 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
 ];
 
 fn exact(max_lights: usize) -> ExtractorOptions {
-    ExtractorOptions { max_lights, masks: true, lists: None, ..Default::default() }
+    ExtractorOptions { max_lights, masks: true, ..Default::default() }
 }
 
 /// Every bit of GPU and twin is the oracle's.
@@ -43,9 +43,15 @@ fn check(
     let found = extract(gpu, positions, mesh, lights, options)?;
     println!("{what}: {:?}", found.statistics);
     same(&format!("{what}, GPU"), &found.facing, &right)?;
-    let mut wrong = found.facing;
-    wrong[mesh.faces().len() / 2] ^= 1;
-    must_fail("a flipped facing bit", &same(what, &wrong, &right))
+    let in_plane = oracle::coplanar(positions, mesh.faces(), lights);
+    let twin = cpu::coplanar(positions, mesh.faces(), lights);
+    same(&format!("{what}, lights in planes, twin"), &twin, &in_plane)?;
+    same(&format!("{what}, lights in planes, GPU"), &found.coplanar, &in_plane)?;
+    for (mut wrong, right) in [(found.facing, right), (found.coplanar, in_plane)] {
+        wrong[mesh.faces().len() / 2] ^= 1;
+        must_fail("a flipped bit", &same(what, &wrong, &right))?;
+    }
+    Ok(())
 }
 
 fn hard() -> Result<(), String> {
@@ -246,10 +252,12 @@ fn every_class() -> Result<(), String> {
             same(&format!("{what}, GPU and twin"), &found.facing, &twin)?;
             let signs = batch.signs();
             let right: Vec<bool> = signs.iter().map(|&sign| sign > 0).collect();
+            let zero: Vec<bool> = signs.iter().map(|&sign| sign == 0).collect();
             let own = |masks: &[u32]| -> Vec<bool> {
                 (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
             };
             same(&format!("{what}, GPU"), &own(&found.facing), &right)?;
+            same(&format!("{what}, lights in planes"), &own(&found.coplanar), &zero)?;
             if !negative_control {
                 negative_control = true;
                 let face = random.below(FACES);

@@ -1,13 +1,13 @@
 //! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
 
 use glam::Vec4;
-use rimline::Predicate;
 use rimline::gpu::include_wgsl;
 use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, End, Threads};
 use rimline::reference::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::shadow::{self, CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
+use rimline::{Light, Predicate};
 
 use crate::stages::{Dispatch, spoil, uniform};
 use rimline_measure::device::Gpu;
@@ -88,6 +88,8 @@ pub(crate) struct Drawn<'a> {
     pub(crate) index: usize,
     /// Of the light's word.
     pub(crate) facing: &'a [u32],
+    /// Lights in a face's plane, likewise.
+    pub(crate) coplanar: &'a [u32],
 }
 
 impl Drawn<'_> {
@@ -97,6 +99,11 @@ impl Drawn<'_> {
 
     fn end(&self, vertex: u32) -> End {
         (vertex, self.scene.caster.1[vertex as usize])
+    }
+
+    /// Whether the face is left out for the light.
+    fn excludes(&self, face: usize) -> bool {
+        self.light().excludes != 0 && self.coplanar[face] >> (self.index % 32) & 1 != 0
     }
 
     fn frame(&self, gpu: &Gpu) -> [wgpu::Buffer; 4] {
@@ -154,8 +161,9 @@ impl Drawn<'_> {
                 && !(is_doubled && instance % 2 == 1 && edge.kind == EdgeKind::Boundary);
             let [a, b] = edge.vertices;
             let ends = if masks[record].winding >> bit & 1 != 0 { [b, a] } else { [a, b] };
-            let polygon = cpu::side_clipped(&self.view, self.light(), ends.map(|vertex| self.end(vertex)));
-            expected.extend(strip(if is_drawn { &polygon } else { &[] }));
+            let ends = ends.map(|vertex| self.end(vertex));
+            let polygon = cpu::side_clipped(&self.view, self.light(), ends);
+            expected.extend(strip(if is_drawn && cpu::spans_side(self.light(), ends) { &polygon } else { &[] }));
         }
         Ok([gpu.read(&found, 5 * instances)?, expected])
     }
@@ -172,11 +180,11 @@ impl Drawn<'_> {
         let instances = if overflows { mesh.faces().len() } else { listed.len() };
         let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
         let bit = self.index % 32;
-        let mut counts = vec![0; 2 * self.lights.len()];
-        counts[2 * self.index] = listed.len() as u32;
-        let mut lists = vec![0; 64 * cap_capacity as usize + 1];
-        lists[2 * bit * cap_capacity as usize..][..cap_capacity as usize]
-            .copy_from_slice(&listed[..cap_capacity as usize]);
+        let mut counts = vec![0; 3 * self.lights.len()];
+        counts[3 * self.index] = listed.len() as u32;
+        let stride: u32 = cpu::list_capacities(cap_capacity).into_iter().sum();
+        let mut lists = vec![0; 32 * stride as usize + 1];
+        lists[bit * stride as usize..][..cap_capacity as usize].copy_from_slice(&listed[..cap_capacity as usize]);
         let [_, view, draw, lights] = &self.frame(gpu);
         let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
         let faces = [
@@ -185,6 +193,7 @@ impl Drawn<'_> {
             gpu.storage(self.facing),
             gpu.storage(&counts),
             gpu.storage(&lists),
+            gpu.storage(self.coplanar),
         ];
         let vertices = cap.vertices * instances;
         let found = gpu.storage(&vec![[0.0_f32; 4]; vertices]);
@@ -203,6 +212,7 @@ impl Drawn<'_> {
                     && b != c
                     && c != a
                     && cpu::casts(self.light(), faces_light)
+                    && !self.excludes(index)
                     && cpu::cap_class(self.light(), faces_light) == 0);
             if is_drawn {
                 expected.extend((cap.twin)(&self.view, self.light(), face.map(|vertex| self.end(vertex))));
@@ -214,26 +224,65 @@ impl Drawn<'_> {
     }
 }
 
+/// Which faces the sides of holes are drawn of.
+#[derive(Clone, Copy, PartialEq)]
+enum Holes {
+    /// The list of excluded faces.
+    Listed,
+    /// All of them, since some are not finite.
+    Holed,
+    /// All of them, since the list overflowed.
+    Overflowed,
+}
+
 /// The sides of holes of a caster, of `vertices` each: as the GPU has them, and by `twin`.
 fn hole_sides(
     gpu: &Gpu,
     drawn: &Drawn<'_>,
     stage: &Dispatch,
+    holes: Holes,
     vertices: usize,
     twin: impl Fn([End; 2]) -> Vec<[u32; 4]>,
 ) -> Result<[Vec<[u32; 4]>; 2], String> {
     let (_, positions, mesh) = &drawn.scene.caster;
-    let [shape, view, draw, lights] = &drawn.frame(gpu);
-    let found = gpu.storage(&vec![[0.0_f32; 4]; vertices * mesh.faces().len()]);
-    let faces = [gpu.storage(positions), gpu.storage(mesh.faces())];
-    let groups =
-        [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &[(0, &faces[0]), (1, &faces[1])], &[(0, &found)]];
-    stage.run_bound(gpu, &groups, (vertices * mesh.faces().len()).div_ceil(64) as u32)?;
-    let side = |&face| cpu::hole_edge(positions, face).map_or_else(|| vec![bits(None); vertices], &twin);
-    Ok([gpu.read(&found, vertices * mesh.faces().len())?, mesh.faces().iter().flat_map(side).collect()])
+    let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+    let excluded: Vec<u32> = all.iter().copied().filter(|&face| drawn.excludes(face as usize)).collect();
+    let of = if holes == Holes::Listed { &excluded } else { &all };
+    let cap_capacity = if holes == Holes::Overflowed { excluded.len() as u32 - 1 } else { excluded.len() as u32 };
+    let mut counts = vec![0; 3 * drawn.lights.len()];
+    counts[3 * drawn.index + 2] = excluded.len() as u32;
+    let [front, back, _] = cpu::list_capacities(cap_capacity);
+    let stride: u32 = cpu::list_capacities(cap_capacity).into_iter().sum();
+    let mut lists = vec![0; drawn.lights.len() * stride as usize + 1];
+    lists[(drawn.index as u32 * stride + front + back) as usize..][..cap_capacity as usize]
+        .copy_from_slice(&excluded[..cap_capacity as usize]);
+    let [_, view, draw, lights] = &drawn.frame(gpu);
+    let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..drawn.shape });
+    let invocations = 3 * vertices * of.len();
+    let found = gpu.storage(&vec![[0.0_f32; 4]; invocations.max(1)]);
+    let caps = [
+        gpu.storage(positions),
+        gpu.storage(mesh.faces()),
+        gpu.storage(&counts),
+        gpu.storage(&lists),
+        gpu.storage(drawn.coplanar),
+    ];
+    let caps: Vec<_> = [0, 1, 3, 4, 5].into_iter().zip(&caps).collect();
+    let groups = [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &caps, &[(0, &found)]];
+    stage.run_bound(gpu, &groups, invocations.div_ceil(64) as u32)?;
+    let mut expected = Vec::new();
+    for &face in of {
+        let [a, b, c] = mesh.faces()[face as usize];
+        let edges = cpu::hole_edges(drawn.light(), positions, [a, b, c], drawn.excludes(face as usize));
+        for ends in [[a, b], [b, c], [c, a]] {
+            let edge = edges.iter().find(|edge| edge.map(|(vertex, _)| vertex) == ends);
+            expected.extend(edge.map_or_else(|| vec![bits(None); vertices], |&edge| twin(edge)));
+        }
+    }
+    Ok([gpu.read(&found, invocations)?, expected])
 }
 
-/// Casters with vertices that are not finite.
+/// Casters with vertices that are not finite, and with excluded faces.
 fn holes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 106;
@@ -241,23 +290,41 @@ fn holes() -> Result<(), String> {
     let mut random = Random::new(seed);
     let stage = |entry_point, vertices| Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), entry_point, vertices), "probe");
     let [plain, clipped] = [stage("hole_side", 5), stage("hole_side_clipped", 6)];
-    let mut sides = 0;
+    let (mut sides, mut drawn_of) = (0, [0; 3]);
     for number in 0..if is_long() { 300 } else { 24 } {
         let mut scene = scene(&mut random, number, 8);
+        // On vertices, where edges have no side, and between two.
+        for (index, light) in scene.lights.iter_mut().enumerate().take(5) {
+            let [a, b, _] = scene.caster.2.faces()[random.below(scene.caster.2.faces().len())];
+            let [a, b] = [a, if index < 3 { a } else { b }].map(|vertex| scene.caster.1[vertex as usize]);
+            *light = Light::point(std::array::from_fn(|axis| f32::midpoint(a[axis], b[axis])));
+        }
         spoil(&mut random, &mut scene.caster.1, 6);
         let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
-        let lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-        let (_, positions, mesh) = &scene.caster;
-        sides += mesh.faces().iter().filter(|&&face| cpu::hole_edge(positions, face).is_some()).count();
+        let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
+        for light in &mut lights {
+            (light.holed, light.excludes) = [(1, 0), (1, 1), (0, 1), (0, 1)][random.below(4)];
+        }
+        let mesh = &scene.caster.2;
+        let coplanar: Vec<u32> =
+            mesh.faces().iter().map(|_| if random.below(6) == 0 { random.below(256) as u32 } else { 0 }).collect();
         for index in 0..lights.len() {
             let shape = ShadowShape { position_stride: 3, ..bytemuck::Zeroable::zeroed() };
-            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing: &[] };
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing: &[], coplanar: &coplanar };
             let light = drawn.light();
-            let [found, expected] = hole_sides(gpu, &drawn, &plain, 5, |ends| {
+            let excluded = (0..coplanar.len()).filter(|&face| drawn.excludes(face)).count();
+            let holes = match (light.holed, excluded) {
+                (1, _) => Holes::Holed,
+                (_, 1..) if random.below(2) == 0 => Holes::Overflowed,
+                _ => Holes::Listed,
+            };
+            drawn_of[holes as usize] += usize::from(excluded > 0);
+            let [found, expected] = hole_sides(gpu, &drawn, &plain, holes, 5, |ends| {
                 cpu::hole_side(&view, light, ends).iter().map(|vertex| bits(Some(vertex))).collect()
             })?;
+            sides += expected.chunks(5).filter(|side| side[0] != bits(None)).count();
             same(&format!("{}, light {index} {light:?}", scene.name), &found, &expected)?;
-            let [mut found, expected] = hole_sides(gpu, &drawn, &clipped, 6, |ends| {
+            let [mut found, expected] = hole_sides(gpu, &drawn, &clipped, holes, 6, |ends| {
                 let mut polygon = cpu::hole_side_clipped(&view, light, ends);
                 polygon.reverse();
                 let strip = strip(&polygon);
@@ -270,8 +337,8 @@ fn holes() -> Result<(), String> {
             }
         }
     }
-    println!("{sides} sides of holes, for 8 lights each");
-    if sides < 100 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{sides} sides of holes; of a list, of all and of all after an overflow: {drawn_of:?} lights");
+    if sides < 1000 || drawn_of.into_iter().any(|lights| lights < 10) { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 fn clipped() -> Result<(), String> {
@@ -298,14 +365,17 @@ fn clipped() -> Result<(), String> {
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-        cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), &mut lights);
+        // What a mask says of a face has nothing to do with where the light is.
+        cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), true, &mut lights);
+        let coplanar: Vec<u32> = (0..2 * mesh.faces().len()).map(|_| 1 << random.below(64).min(31)).collect();
         let plain = &scene.lights;
         let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &lights);
+        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &coplanar, &lights);
         for _ in 0..6 {
             let index = random.below(36);
-            let facing = &facing[index / 32 * mesh.faces().len()..][..mesh.faces().len()];
-            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing };
+            let plane = |masks: &'_ [u32]| masks[index / 32 * mesh.faces().len()..][..mesh.faces().len()].to_vec();
+            let (facing, coplanar) = (&plane(&facing), &plane(&coplanar));
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing, coplanar };
             if drawn.light().casting == CAST_NOTHING {
                 continue;
             }
@@ -318,7 +388,7 @@ fn clipped() -> Result<(), String> {
                     vertex[0] ^= 1;
                     must_fail("a moved vertex", &same(&what, &vertices[0], &vertices[1]))?;
                 }
-                let [front, _] = &lists[index];
+                let [front, ..] = &lists[index];
                 if !front.is_empty() {
                     let vertices = drawn.caps(gpu, &cap, front, overflows)?;
                     caps += vertices[0].len() / 5;

@@ -47,8 +47,6 @@ fn main() {
         refusals::TESTS,
     ];
     all.extend(harness::gpu_trials(tests.concat()));
-    let known = move || nested::on_surface().map_err(Failed::from);
-    all.push(Trial::test("lights_on_a_surface (known to be wrong)", known).with_kind("gpu").with_ignored_flag(true));
     // OpenGL reads zeros for the stencil values of several samples.
     let is_gl = harness::adapter_name().ends_with("(Gl)");
     let samples = harness::gpu_trials(samples::TESTS.iter().copied());

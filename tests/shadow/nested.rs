@@ -10,11 +10,13 @@ use crate::render::Renderer;
 use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Test, Traced};
 use rimline_measure::device::Gpu;
+use rimline_measure::is_long;
 use rimline_measure::random::Random;
 
 pub(crate) const TESTS: &[Test] = &[
     ("nothing_outside_an_inwards_cube_is_lit_from_within", inwards),
     ("lights_at_the_edge_of_the_box", at_the_box),
+    ("lights_on_a_surface", on_surface),
     ("lights_next_to_a_surface", off_surface),
 ];
 
@@ -41,10 +43,9 @@ fn joined(components: &[Shape]) -> Shape {
     joined
 }
 
-/// Without flat sides, none lies in a side of the box.
-fn any_shape(random: &mut Random, has_flat_sides: bool) -> Shape {
+fn any_shape(random: &mut Random) -> Shape {
     match random.below(3) {
-        0 if has_flat_sides => shapes::cube(),
+        0 => shapes::cube(),
         1 => shapes::blob(8, 0.3, random.below(1000) as u32),
         _ => shapes::blob(3, 0.3, random.below(1000) as u32),
     }
@@ -55,17 +56,17 @@ fn somewhere(random: &mut Random, most: f32) -> [f32; 3] {
 }
 
 /// Shells in shells, beside each other or through each other; each wound either way.
-fn shells(random: &mut Random, has_flat_sides: bool) -> Shape {
+fn shells(random: &mut Random) -> Shape {
     let mut components = Vec::new();
     for _ in 0..=random.below(2) {
         // Cubes reach to 1.7, so neighbours are through each other more often than not.
         let (middle, scale) = (somewhere(random, 1.5), random.between(0.7, 1.1));
-        components.push(component(any_shape(random, has_flat_sides), middle, scale, random.below(2) == 0));
+        components.push(component(any_shape(random), middle, scale, random.below(2) == 0));
         // Within it: shapes have everything from 0.7 to 1.7.
         let mut inner = scale;
         for _ in 0..random.below(3) {
             inner *= random.between(0.25, 0.4);
-            components.push(component(any_shape(random, has_flat_sides), middle, inner, random.below(2) == 0));
+            components.push(component(any_shape(random), middle, inner, random.below(2) == 0));
         }
     }
     joined(&components)
@@ -74,8 +75,7 @@ fn shells(random: &mut Random, has_flat_sides: bool) -> Shape {
 /// A light within the box of the shells, at it, or far from it; and an eye within or without.
 pub(crate) fn nested(random: &mut Random) -> Frame {
     let kind = random.below(6);
-    // A light on a face is a case of its own.
-    let shape = shells(random, kind != 3 && kind != 4);
+    let shape = shells(random);
     let corners = shape.positions.iter().map(|&position| Vec3::from(position));
     let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     let within = |random: &mut Random| {
@@ -241,10 +241,40 @@ fn off_surface() -> Result<(), String> {
     Ok(())
 }
 
-/// Known to be wrong, so not run unless asked for: a light exactly on a face, an edge or a vertex. The faces that contain it
-/// count as averted, so their edges' sides belong to a light behind them, while as seen from the light they have no
-/// extent. What is dark then depends on where the eye is. A count of no excess needs them left out of the multiplicities
-/// ("excluded faces").
-pub(crate) fn on_surface() -> Result<(), String> {
-    ON_A_CUBE.into_iter().try_for_each(|light| at_a_cube(light, &RIGHT))
+/// A light exactly on a face, an edge or a vertex: the faces that contain it are excluded. On a cube; then on vertices of
+/// bodies in each other and through each other, on edges of cubes of any size, and on vertices of open sheets.
+fn on_surface() -> Result<(), String> {
+    ON_A_CUBE.into_iter().try_for_each(|light| at_a_cube(light, &RIGHT))?;
+    let gpu = Gpu::shared()?;
+    let seed = 71;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    for number in 0..if is_long() { 300 } else { 18 } {
+        let mut frame = nested(&mut random);
+        match number % 3 {
+            1 => {
+                let (middle, scale) = (somewhere(&mut random, 1.5), random.between(0.7, 1.1));
+                frame.bodies[0] = Body::caster(component(shapes::cube(), middle, scale, random.below(2) == 0));
+            }
+            2 => frame.bodies[0] = Body::caster([shapes::three_sheets(5), shapes::moebius(12, 2)][number % 2].clone()),
+            _ => {}
+        }
+        let positions = &frame.bodies[0].shape.positions;
+        let mut at = positions[random.below(positions.len())];
+        if number % 3 == 1 {
+            // Along the edge, which is parallel to an axis.
+            let [axis, other] = [random.below(3), random.below(positions.len())];
+            let end = positions[other][axis];
+            at[axis] += (end - at[axis]) * random.between(0.1, 0.9);
+        }
+        // Another w is the same place.
+        let w = [1.0, 0.25][number % 2];
+        let [x, y, z] = at.map(|coordinate| coordinate * w);
+        frame.lights = vec![Light::homogeneous([x, y, z, w])];
+        let traced = Traced::of(frame, number as u64);
+        for counting in RIGHT {
+            traced.check(&Renderer::new(&gpu), counting, true).map_err(|error| format!("frame {number}: {error}"))?;
+        }
+    }
+    Ok(())
 }

@@ -67,6 +67,14 @@ struct Statistics {
   exact_zeros: atomic<u32>,
 }
 
+// Statistics, and the list of undecided faces beside them: together they take one of a stage's few bindings.
+struct FacingRecord {
+  statistics: Statistics,
+  // How many faces are undecided, then the faces, counted from the chunk's first.
+  undecided_count: atomic<u32>,
+  undecided: array<u32>,
+}
+
 // What wgpu's draw_indirect reads.
 struct DrawArguments {
   vertex_count: u32,

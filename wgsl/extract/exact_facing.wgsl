@@ -6,9 +6,9 @@
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
-@group(0) @binding(8) var<storage, read_write> statistics: Statistics;
-// How many faces are undecided, then the faces, counted from the chunk's first.
-@group(0) @binding(9) var<storage, read> undecided: array<u32>;
+@group(0) @binding(8) var<storage, read_write> record: FacingRecord;
+// For each face the lights that lie in its plane: their determinant is zero. Without lists there is room for none.
+@group(0) @binding(9) var<storage, read_write> coplanar_masks: array<u32>;
 
 struct Face {
   corners: vec3<u32>,
@@ -21,6 +21,12 @@ struct Face {
 struct Decision {
   facing: u32,
   doubt: u32,
+}
+
+// Bits of facing lights, and of those in the face's plane.
+struct Signs {
+  facing: u32,
+  coplanar: u32,
 }
 
 // By f32 where the light's own bound allows it.
@@ -60,33 +66,32 @@ fn filter_lights(face: Face) -> Decision {
 
 // The bits of the lights undecided, by integers. In two loops, since some GPUs execute a branch once for each turn of the
 // loop around it, whether any face needs it or not.
-fn settle(doubt: u32, face: Face) -> u32 {
+fn settle(doubt: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
-  var facing = 0u;
-  var zeros = 0u;
+  var signs = Signs(0u, 0u);
   var beyond_fixed = 0u;
   for (var rest = doubt; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let sign = fixed_sign(fixed, word.light_bits[light]);
-    facing |= select(0u, 1u, sign == 1) << light;
-    zeros += select(0u, 1u, sign == 0);
+    signs.facing |= select(0u, 1u, sign == 1) << light;
+    signs.coplanar |= select(0u, 1u, sign == 0) << light;
     beyond_fixed |= select(0u, 1u, sign == 2) << light;
   }
   for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let sign = exact_sign(face.a, face.b, face.c, word.light_bits[light]);
-    facing |= select(0u, 1u, sign > 0) << light;
-    zeros += select(0u, 1u, sign == 0);
+    signs.facing |= select(0u, 1u, sign > 0) << light;
+    signs.coplanar |= select(0u, 1u, sign == 0) << light;
   }
-  atomicAdd(&statistics.undecided_pairs, countOneBits(doubt));
-  if (zeros != 0u) {
-    atomicAdd(&statistics.exact_zeros, zeros);
+  atomicAdd(&record.statistics.undecided_pairs, countOneBits(doubt));
+  if (signs.coplanar != 0u) {
+    atomicAdd(&record.statistics.exact_zeros, countOneBits(signs.coplanar));
   }
-  return facing;
+  return signs;
 }
 
-// The mask of one face.
-fn decide(index: u32) -> u32 {
+// The masks of one face.
+fn decide(index: u32) -> Signs {
   var face: Face;
   face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
   face.a = position_bits(face.corners.x, word.position_offset, word.position_stride);
@@ -94,31 +99,38 @@ fn decide(index: u32) -> u32 {
   face.c = position_bits(face.corners.z, word.position_offset, word.position_stride);
   if (largest_magnitude(face.a, face.b, face.c) >= INFINITE) {
     if (chunk.first_light == 0u) {
-      atomicAdd(&statistics.non_finite_faces, 1u);
+      atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    return 0u;
+    return Signs(0u, 0u);
   }
   if (face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x) {
-    return 0u;
+    return Signs(0u, 0u);
   }
-  var decision = filter_lights(face);
+  let decision = filter_lights(face);
+  var signs = Signs(0u, 0u);
   if (decision.doubt != 0u) {
-    decision.facing |= settle(decision.doubt, face);
+    signs = settle(decision.doubt, face);
   }
-  return decision.facing;
+  signs.facing |= decision.facing;
+  return signs;
 }
 
 // Few invocations for many faces, by turns: as a rule nearly none is undecided.
 @compute @workgroup_size(64)
 fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
-  let overflowed = undecided[0] >= arrayLength(&undecided);
-  let items = select(undecided[0], chunk.count, overflowed);
+  let undecided = atomicLoad(&record.undecided_count);
+  let overflowed = undecided > arrayLength(&record.undecided);
+  let items = select(undecided, chunk.count, overflowed);
   for (var index = id.x; index < items; index += 64u * groups.x) {
     var face = index;
     if (!overflowed) {
-      face = undecided[index + 1u];
+      face = record.undecided[index];
     }
-    facing_masks[face] = decide(face);
+    let signs = decide(face);
+    facing_masks[face] = signs.facing;
+    if (face < arrayLength(&coplanar_masks)) {
+      coplanar_masks[face] = signs.coplanar;
+    }
   }
 }

@@ -6,9 +6,7 @@
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
-@group(0) @binding(8) var<storage, read_write> statistics: Statistics;
-// How many faces are undecided, then the faces, counted from the chunk's first.
-@group(0) @binding(9) var<storage, read_write> undecided: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 
 // Without it signs are taken as f32 gives them.
 override EXACT: bool = true;
@@ -49,9 +47,9 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
 }
 
 fn list(face: u32) {
-  let place = atomicAdd(&undecided[0], 1u) + 1u;
-  if (place < arrayLength(&undecided)) {
-    atomicStore(&undecided[place], face);
+  let place = atomicAdd(&record.undecided_count, 1u);
+  if (place < arrayLength(&record.undecided)) {
+    record.undecided[place] = face;
   }
 }
 
@@ -81,7 +79,7 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
   } else if (magnitude >= INFINITE) {
     facing_masks[face] = 0u;
     if (chunk.first_light == 0u) {
-      atomicAdd(&statistics.non_finite_faces, 1u);
+      atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
   } else {
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;

@@ -10,6 +10,7 @@
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> cap_counts: array<u32>;
 @group(1) @binding(4) var<storage, read> cap_list: array<u32>;
+@group(1) @binding(5) var<storage, read> coplanar_masks: array<u32>;
 
 // Which of the two lists is drawn.
 override CAP_CLASS: u32 = 0u;
@@ -23,18 +24,30 @@ struct CapFace {
   corners: vec3<u32>,
 }
 
+// Whether the face has the light in its plane, and so casts nothing.
+fn is_excluded(light: ShadowLight, face: u32) -> bool {
+  return light.excludes != 0u && ((coplanar_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
+}
+
+fn list_overflowed(kind: u32) -> bool {
+  return cap_counts[LISTS * draw.light + kind] > list_capacity(kind, shape.cap_capacity);
+}
+
+fn listed(kind: u32, place: u32) -> u32 {
+  return cap_list[list_begin(draw.light - draw.first_light, kind, shape.cap_capacity) + place];
+}
+
 fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
-  let list = 2u * draw.light + CAP_CLASS;
-  let overflowed = cap_counts[list] > shape.cap_capacity;
+  let overflowed = list_overflowed(CAP_CLASS);
   var face = instance;
   if (!overflowed) {
-    face = cap_list[(list - 2u * draw.first_light) * shape.cap_capacity + instance];
+    face = listed(CAP_CLASS, instance);
   }
   let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
   var valid = true;
   if (overflowed) {
     let facing = ((facing_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
-    valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS &&
+    valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS && !is_excluded(light, face) &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
       is_finite(caster_position(corners.x)) && is_finite(caster_position(corners.y)) &&
       is_finite(caster_position(corners.z));
@@ -145,33 +158,37 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   return CapVertex(frustum_to_clip(view, light, caster_position(face.corners[vertex])));
 }
 
-// The edge of a face with one corner that is not finite which has finite ends, in the face's order.
+// An edge of a face that casts nothing, in the face's order.
 struct HoleEdge {
   valid: bool,
   first: u32,
   second: u32,
 }
 
-fn hole_edge(face: u32) -> HoleEdge {
-  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  let x = is_finite(caster_position(corners.x));
-  let y = is_finite(caster_position(corners.y));
-  let z = is_finite(caster_position(corners.z));
-  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-  var ends = corners.xy;
-  if (!x) {
-    ends = corners.yz;
-  } else if (!y) {
-    ends = corners.zx;
+// An instance is an edge of a face: of a face with one corner that is not finite the edge between the others, of an
+// excluded face each of the three but those at the light. Where every face may be a hole, faces are not listed.
+fn hole_edge(light: ShadowLight, instance: u32) -> HoleEdge {
+  var face = instance / 3u;
+  if (light.holed == 0u && !list_overflowed(EXCLUDED)) {
+    face = listed(EXCLUDED, face);
   }
-  return HoleEdge(!is_degenerate && u32(x) + u32(y) + u32(z) == 2u, ends.x, ends.y);
+  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  let number = instance % 3u;
+  let first = corners[number];
+  let second = corners[(number + 1u) % 3u];
+  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
+  let ends_are_finite = is_finite(caster_position(first)) && is_finite(caster_position(second));
+  let third_is_finite = is_finite(caster_position(corners[(number + 2u) % 3u]));
+  let valid = !is_degenerate && ends_are_finite && (!third_is_finite || is_excluded(light, face)) &&
+    spans_side(light, caster_position(first), caster_position(second));
+  return HoleEdge(valid, first, second);
 }
 
-// A face that is not finite casts nothing, yet counts as averted in the silhouettes: its own side takes that back. It has
-// the vertices of the side that the edge may have in their list, its first one twice, so that the strip is turned over.
+// A hole casts nothing, yet counts as averted in the silhouettes: its own sides take that back. Each has the vertices of
+// the side that the edge may have in their list, its first one twice, so that the strip is turned over.
 @vertex fn hole_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let light = shadow_lights[draw.light];
-  let edge = hole_edge(instance);
+  let edge = hole_edge(light, instance);
   if (!edge.valid) {
     return CapVertex(NOTHING);
   }
@@ -181,7 +198,7 @@ fn hole_edge(face: u32) -> HoleEdge {
 
 @vertex fn hole_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let light = shadow_lights[draw.light];
-  let edge = hole_edge(instance);
+  let edge = hole_edge(light, instance);
   if (!edge.valid) {
     return CapVertex(NOTHING);
   }

@@ -7,6 +7,8 @@
 @group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
 // Three numbers of workgroups a batch of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
+// `Statistics` of the extraction. The last tells how many lights lie in planes of faces.
+@group(0) @binding(5) var<storage, read> extraction_statistics: array<u32, 4>;
 
 fn unordered(bits: vec3<u32>) -> vec3<f32> {
   return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
@@ -127,20 +129,23 @@ fn choose_light(index: u32) {
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
   light.holed = 0u;
+  light.excludes = 0u;
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
     light.holed = box[6];
+    let light_is_inside = light_meets(light, low, high);
+    light.excludes = select(0u, 1u, light_is_inside && extraction_statistics[3] != 0u);
     // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
     // "Which faces cast".
-    let is_outside = !boxes_meet(low, high) && !light_meets(light, low, high);
+    let is_outside = !boxes_meet(low, high) && !light_is_inside;
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && is_outside);
     light.counting = shape.counting;
     if (shape.counting == COUNT_ZP_PLUS_2005) {
       light.frustum_near = frustum_near(light, low, high);
-      // What was published knows no holes.
-      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.holed != 0u);
+      // What was published knows neither holes nor excluded faces.
+      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.holed != 0u || light.excludes != 0u);
     }
     if (shape.counting == COUNT_AUTO) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
@@ -151,7 +156,8 @@ fn choose_light(index: u32) {
   if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
     light.end = min(distance_below(light, low, high) / light.range, 1.0);
   }
-  if (light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0)) {
+  let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0 || light.excludes != 0u;
+  if (light.casting != CAST_NOTHING && needs_caps) {
     cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
   }
   shadow_lights[index] = light;

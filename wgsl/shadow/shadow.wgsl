@@ -39,7 +39,8 @@ struct ShadowLight {
   end: f32,
   // 1: the caster has faces that are not finite, and so sides of holes.
   holed: u32,
-  reserved: u32,
+  // 1: the light may lie in faces of the caster, which are excluded then.
+  excludes: u32,
   // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,

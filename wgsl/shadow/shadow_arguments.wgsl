@@ -21,10 +21,13 @@ fn write_arguments(index: u32) {
   var sides = select(silhouette_counts[index], shape.edges, silhouette_counts[index] > shape.capacity);
   // Weight 2: drawn twice.
   sides *= select(1u, 2u, light.casting == CAST_EVERY);
-  // Sides of holes count where every face casts, as it does then.
-  let holes = select(0u, shape.faces, light.casting == CAST_EVERY && light.holed != 0u);
-  var front = cap_counts[2u * index];
-  var back = cap_counts[2u * index + 1u];
+  // Sides of holes and of excluded faces count where every face casts, as it does then. Three edges a face.
+  let excluded = cap_counts[LISTS * index + EXCLUDED];
+  let excluded_overflowed = excluded > list_capacity(EXCLUDED, shape.cap_capacity);
+  let hole_faces = select(excluded, shape.faces, light.holed != 0u || excluded_overflowed);
+  let holes = select(0u, 3u * hole_faces, light.casting == CAST_EVERY);
+  var front = cap_counts[LISTS * index];
+  var back = cap_counts[LISTS * index + 1u];
   if (light.casting == CAST_NOTHING) {
     sides = 0u;
     front = 0u;
@@ -36,7 +39,7 @@ fn write_arguments(index: u32) {
   if (light.casting != CAST_NOTHING && light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
-  if (max(front, back) > shape.cap_capacity) {
+  if (light.casting != CAST_NOTHING && (max(front, back) > shape.cap_capacity || excluded_overflowed)) {
     atomicAdd(&shadow_statistics.overflowed_caps, 1u);
   }
   let has_caps = front + back > 0u;

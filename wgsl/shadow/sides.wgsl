@@ -32,7 +32,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   let edge = side_edge(light, instance);
   let first = rimline_position(edge.first);
   let second = rimline_position(edge.second);
-  if (!edge.valid || !is_finite(first) || !is_finite(second)) {
+  if (!edge.valid || !is_finite(first) || !is_finite(second) || !spans_side(light, first, second)) {
     return SideVertex(NOTHING);
   }
   return SideVertex(side_vertex(light, first, second, vertex));
@@ -43,7 +43,7 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   let edge = side_edge(light, instance);
   let first = rimline_position(edge.first);
   let second = rimline_position(edge.second);
-  if (!edge.valid || !is_finite(first) || !is_finite(second)) {
+  if (!edge.valid || !is_finite(first) || !is_finite(second) || !spans_side(light, first, second)) {
     return SideVertex(NOTHING);
   }
   return SideVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, vertex));

@@ -81,11 +81,20 @@ impl ExactFace {
 
 /// Facing masks in exact arithmetic, laid out as the library's.
 pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+    masks(positions, faces, lights, |sign| sign > 0)
+}
+
+/// Masks of the lights that lie in a face's plane, likewise.
+pub fn coplanar(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+    masks(positions, faces, lights, |sign| sign == 0)
+}
+
+fn masks(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light], is_set: fn(i32) -> bool) -> Vec<u32> {
     let exact: Vec<_> = faces.iter().map(|&face| ExactFace::new(positions, face)).collect();
     let planes = lights.chunks(32).flat_map(|word| {
         exact.iter().map(move |face| {
             (0..).zip(word).fold(0, |mask, (bit, light)| {
-                mask | u32::from(face.as_ref().is_some_and(|face| face.sign(*light) > 0)) << bit
+                mask | u32::from(face.as_ref().is_some_and(|face| is_set(face.sign(*light)))) << bit
             })
         })
     });

@@ -1,11 +1,29 @@
 //! Exact facing: what the filter leaves is settled in integers, in fixed point where the numbers fit.
 
+use super::facing::{is_finite, position};
 use crate::cpu::common::exact_sign::exact_sign;
 use crate::cpu::common::fixed_sign::FixedFace;
+use crate::light::Light;
+use crate::mesh::is_degenerate;
 
 /// The sign of `det[b − a, c − a, l − w·a]`, exactly: 1, 0 or −1. All numbers are finite; the light is `(l, w)`.
 pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     ExactFace::new(a, b, c).sign(light)
+}
+
+/// For each face the lights that lie in its plane: ⌈N/32⌉ planes of one `u32` a face, as facing masks are. Faces that name a
+/// vertex twice or have a corner that is not finite have none.
+pub fn coplanar(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+    let mask = |face: &[u32; 3], lights: &[Light]| {
+        let [a, b, c] = face.map(|vertex| position(positions, vertex));
+        if is_degenerate(*face) || ![a, b, c].into_iter().all(is_finite) {
+            return 0;
+        }
+        let exact = ExactFace::new(a, b, c);
+        let bits = (0..).zip(lights).map(|(bit, light)| u32::from(exact.sign(light.to_array()) == 0) << bit);
+        bits.fold(0, |mask, bit| mask | bit)
+    };
+    lights.chunks(32).flat_map(|lights| faces.iter().map(move |face| mask(face, lights))).collect()
 }
 
 /// A face, prepared for several lights.

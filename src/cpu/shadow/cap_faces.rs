@@ -6,7 +6,7 @@ use super::shadow::{
     corner, direction_to_clip, dot_3, extrusion, far_end, is_orthographic, light_side, near_plane, on_near_plane,
     parallel_to_near_plane, project_to_near_plane, to_clip,
 };
-use super::sides::{End, side, side_clipped};
+use super::sides::{End, side, side_clipped, spans_side};
 use super::zp_plus_2005::frustum_to_clip;
 use crate::cpu::extract::facing::{is_finite, position};
 use crate::layout::{ShadowLight, ShadowView};
@@ -76,20 +76,26 @@ pub fn zp_plus_2005_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) 
     face.map(|(_, position)| frustum_to_clip(view, light, position))
 }
 
-/// The edge, in the face's order, of a face with one corner that is not finite which has finite ends; `None` for all
-/// other faces. Such a face casts nothing, yet counts as averted among the silhouettes: the side of a hole takes that back.
-pub fn hole_edge(positions: &[[f32; 3]], face: [u32; 3]) -> Option<[End; 2]> {
+/// The edges, in the face's order, of a face that casts nothing, yet counts as averted among the silhouettes; the sides of
+/// holes take that back. A face with one corner that is not finite has the edge between the others, an excluded face has
+/// all three but those at the light.
+pub fn hole_edges(light: &ShadowLight, positions: &[[f32; 3]], face: [u32; 3], is_excluded: bool) -> Vec<[End; 2]> {
     let [a, b, c] = face.map(|vertex| (vertex, position(positions, vertex)));
-    match [a, b, c].map(|(_, position)| is_finite(position)) {
-        _ if is_degenerate(face) => None,
-        [false, true, true] => Some([b, c]),
-        [true, false, true] => Some([c, a]),
-        [true, true, false] => Some([a, b]),
-        _ => None,
+    if is_degenerate(face) {
+        return Vec::new();
     }
+    let mut edges = match [a, b, c].map(|(_, position)| is_finite(position)) {
+        [false, true, true] => vec![[b, c]],
+        [true, false, true] => vec![[c, a]],
+        [true, true, false] => vec![[a, b]],
+        [true, true, true] if is_excluded => vec![[a, b], [b, c], [c, a]],
+        _ => Vec::new(),
+    };
+    edges.retain(|&ends| spans_side(light, ends));
+    edges
 }
 
-/// The side of a hole from the ends of its [`hole_edge`], in clip space: a strip, that of [`side`] turned over.
+/// The side of a hole from the ends of its [`hole_edges`], in clip space: a strip, that of [`side`] turned over.
 pub fn hole_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Vec4; 5] {
     let [first, second, first_far, second_far] = side(view, light, ends);
     [first, first, second, first_far, second_far]

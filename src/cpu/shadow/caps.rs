@@ -1,40 +1,45 @@
 //! Caps: lists of the faces that caps are drawn from.
 
-use super::casting::{cap_class, casts};
+use super::casting::{LISTS, cap_class, casts};
 use super::pyramid::misses_pyramid;
 use crate::cpu::extract::facing::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 
-/// For each light two lists of faces in their order: those whose cap counts up on its front, and on its back. `facing`
-/// is ⌈N/32⌉ planes of facing masks. Faces that name a vertex twice or a missing one, or have a corner that is not
+/// For each light three lists of faces in their order: those whose cap counts up on its front, those whose cap counts up
+/// on its back, and excluded ones. `facing` is ⌈N/32⌉ planes of facing masks, and `coplanar` as many planes of lights in
+/// the face's plane ([`coplanar`](crate::cpu::extract::exact_facing::coplanar)). Faces that name a vertex twice or a missing one, or have a corner that is not
 /// finite, are in no list.
 pub fn caps(
     view: &ShadowView,
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
     facing: &[u32],
+    coplanar: &[u32],
     lights: &[ShadowLight],
-) -> Vec<[Vec<u32>; 2]> {
-    let mut lists = vec![[Vec::new(), Vec::new()]; lights.len()];
+) -> Vec<[Vec<u32>; LISTS]> {
+    let mut lists = vec![[const { Vec::new() }; LISTS]; lights.len()];
     for (number, &face) in (0..).zip(faces) {
         let [a, b, c] = face;
         let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
         if a == b || b == c || c == a || !corners.iter().all(|&corner| is_finite(corner)) {
             continue;
         }
-        let planes = lights.chunks(32).zip(lists.chunks_mut(32)).zip(facing.chunks(faces.len()));
-        for ((lights, lists), plane) in planes {
-            let mask = plane.get(number as usize).copied().unwrap_or(0);
+        let planes = facing.chunks(faces.len()).zip(coplanar.chunks(faces.len()));
+        for ((lights, lists), planes) in lights.chunks(32).zip(lists.chunks_mut(32)).zip(planes) {
+            let mask = |plane: &[u32]| plane.get(number as usize).copied().unwrap_or(0);
+            let (facing, coplanar) = (mask(planes.0), mask(planes.1));
             for ((bit, light), lists) in (0..).zip(lights).zip(lists) {
-                let facing = mask >> bit & 1 != 0;
+                let [facing, coplanar] = [facing, coplanar].map(|mask| mask >> bit & 1 != 0);
                 let is_needed = match light.counting {
                     COUNT_Z_PASS => light.end != 0.0,
                     COUNT_ZP_PLUS => !misses_pyramid(view, light, &corners),
                     _ => true,
                 };
-                if casts(light, facing) && is_needed {
-                    let [front, back] = lists;
+                let [front, back, excluded] = lists;
+                if casts(light, facing) && coplanar && light.excludes != 0 {
+                    excluded.push(number);
+                } else if casts(light, facing) && is_needed {
                     if cap_class(light, facing) == 0 { front } else { back }.push(number);
                 }
             }

@@ -9,6 +9,16 @@ pub fn casts(light: &ShadowLight, facing: bool) -> bool {
     light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing)
 }
 
+/// A light has three lists of faces: those of both cap classes, and the excluded ones.
+pub const LISTS: usize = 3;
+/// Excluded faces are few: a light is in few planes.
+const EXCLUDED_CAPACITY: u32 = 1024;
+
+/// Entries that each of a light's lists has room for, where lists of cap faces have room for `capacity`.
+pub fn list_capacities(capacity: u32) -> [u32; LISTS] {
+    [capacity, capacity, capacity.min(EXCLUDED_CAPACITY)]
+}
+
 /// 0: the cap counts up where its front is seen; 1: where its back is. With ZP+ a face that faces the light is seen from
 /// its front on the near plane where the light is on the eye's side.
 pub fn cap_class(light: &ShadowLight, facing: bool) -> u32 {

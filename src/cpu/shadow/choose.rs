@@ -26,13 +26,20 @@ impl Bounds {
 }
 
 /// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
-/// [`super::bounds::bounds`]). Returns the caps stage's workgroups, along x, y and z for each batch of lights.
-pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: &mut [ShadowLight]) -> Vec<[u32; 3]> {
+/// [`super::bounds::bounds`]). `zeros`: whether any light lies in the plane of a face. Returns the caps stage's workgroups, along x, y and z for each batch of lights.
+pub fn choose(
+    shape: &ShadowShape,
+    view: &ShadowView,
+    bounds: [u32; 7],
+    zeros: bool,
+    lights: &mut [ShadowLight],
+) -> Vec<[u32; 3]> {
     let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
     for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
         for light in word {
-            choose_light(shape, view, bounds, light);
-            if light.casting != CAST_NOTHING && (light.counting != COUNT_Z_PASS || light.end > 0.0) {
+            choose_light(shape, view, bounds, zeros, light);
+            let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0 || light.excludes != 0;
+            if light.casting != CAST_NOTHING && needs_caps {
                 *dispatch = [shape.cap_groups, 1, 1];
             }
         }
@@ -40,8 +47,9 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: 
     dispatches
 }
 
-fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light: &mut ShadowLight) {
-    (light.casting, light.counting, light.end, light.holed) = (CAST_NOTHING, COUNT_Z_PASS, 0.0, 0);
+fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, light: &mut ShadowLight) {
+    (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
+    (light.holed, light.excludes) = (0, 0);
     let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
     if low_x > high_x {
         return;
@@ -54,9 +62,11 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light:
         return;
     }
     light.holed = has_holes;
+    let light_is_inside = light_meets(light, caster);
+    light.excludes = u32::from(light_is_inside && zeros);
     // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
     // "Which faces cast".
-    let is_outside = !boxes_meet(view, caster) && !light_meets(light, caster);
+    let is_outside = !boxes_meet(view, caster) && !light_is_inside;
     let averted_suffice = shape.averted != 0 && has_holes == 0 && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
     if shape.counting == COUNT_ZP_PLUS_2005 {
@@ -65,8 +75,8 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], light:
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
-        // What was published knows no holes.
-        COUNT_ZP_PLUS_2005 if has_holes != 0 => COUNT_Z_FAIL,
+        // What was published knows neither holes nor excluded faces.
+        COUNT_ZP_PLUS_2005 if has_holes != 0 || light.excludes != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
     let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);

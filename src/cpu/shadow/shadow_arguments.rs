@@ -2,14 +2,15 @@
 
 use bytemuck::Zeroable as _;
 
+use super::casting::{LISTS, list_capacities};
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
-/// The draws of each light, from its count of silhouette edges and its two counts of cap faces; and the statistics.
+/// The draws of each light, from its count of silhouette edges and its counts of cap faces of both classes and of excluded faces; and the statistics.
 pub fn shadow_arguments(
     shape: &ShadowShape,
     silhouette_counts: &[u32],
-    cap_counts: &[[u32; 2]],
+    cap_counts: &[[u32; LISTS]],
     lights: &[ShadowLight],
 ) -> (Vec<ShadowDraws>, ShadowStatistics) {
     let mut statistics = ShadowStatistics::zeroed();
@@ -19,8 +20,9 @@ pub fn shadow_arguments(
         let sides = if silhouettes > shape.capacity { shape.edges } else { silhouettes };
         // Weight 2: drawn twice.
         let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
-        let [front, back] = if is_skipped { [0, 0] } else { counts };
-        let has_overflowed = front.max(back) > shape.cap_capacity;
+        let [front, back, excluded] = if is_skipped { [0; LISTS] } else { counts };
+        let [.., excluded_capacity] = list_capacities(shape.cap_capacity);
+        let has_overflowed = front.max(back) > shape.cap_capacity || excluded > excluded_capacity;
         let has_caps = front + back > 0;
         let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
         statistics.skipped += u32::from(is_skipped);
@@ -31,8 +33,9 @@ pub fn shadow_arguments(
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        // Sides of holes count where every face casts, as it does then.
-        let holes = if is_doubled && light.holed != 0 { shape.faces } else { 0 };
+        // Sides of holes and of excluded faces count where every face casts, as it does then. Three edges a face.
+        let hole_faces = if light.holed != 0 || excluded > excluded_capacity { shape.faces } else { excluded };
+        let holes = if is_doubled { 3 * hole_faces } else { 0 };
         let [plain_holes, clipped_holes] = if is_clipped { [0, holes] } else { [holes, 0] };
         let none = ShadowDraws {
             holes: arguments(5, plain_holes),

@@ -2,14 +2,14 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
+use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::options::ExtractorOptions;
 use crate::gpu::common::dispatch_limits::{Windows, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::layout::{Chunk, DrawShape, LightBatch, Masks};
+use crate::layout::{Chunk, DrawShape, LightBatch, Masks, Statistics};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
@@ -43,9 +43,9 @@ impl BindGroupBuilder<'_> {
         self.pipelines.compute(&EXACT_FACING, "exact_facing", &windows)
     }
 
-    /// The list of undecided faces; its length tells the shaders its capacity.
-    fn undecided(&self) -> BindingResource<'_> {
-        binding(&self.buffers.undecided, 0..UNDECIDED_HEAD + 4 * self.shape.undecided.max(1) as u64)
+    /// Statistics and the list of undecided faces; its length tells the shaders its capacity.
+    fn record(&self) -> BindingResource<'_> {
+        binding(&self.buffers.record, 0..RECORD_HEAD + 4 * self.shape.undecided.max(1) as u64)
     }
 
     /// Binds the dispatches of a pipeline to positions.
@@ -61,9 +61,15 @@ impl BindGroupBuilder<'_> {
                 resources.extend([
                     ("faces", binding(&self.buffers.faces, dispatch.bytes(12))),
                     ("facing_masks", binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4))),
-                    ("statistics", self.buffers.statistics.as_entire_binding()),
-                    ("undecided", self.undecided()),
+                    ("record", self.record()),
                 ]);
+                if pass.pipeline.label == EXACT_FACING.name {
+                    let coplanar = self.buffers.coplanar.get(dispatch.word).map_or_else(
+                        || self.buffers.unused.as_entire_binding(),
+                        |masks| binding(masks, dispatch.bytes(4)),
+                    );
+                    resources.push(("coplanar_masks", coplanar));
+                }
             }
             dispatch.offsets = Self::word_and_chunk(dispatch);
             dispatch.group = Some(pass.pipeline.bind(self.device, &resources));
@@ -127,7 +133,7 @@ impl BindGroupBuilder<'_> {
             ("shape", entry::<DrawShape>(&shape)),
             ("counts", self.buffers.counts.as_entire_binding()),
             ("draw_arguments", self.buffers.draw_arguments.as_entire_binding()),
-            ("statistics", self.buffers.statistics.as_entire_binding()),
+            ("statistics", binding(&self.buffers.record, 0..size_of::<Statistics>() as u64)),
         ];
         let group = Some(pipeline.bind(self.device, &resources));
         let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));

@@ -75,15 +75,15 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
     (counts.boundary + counts.inconsistent + smooth.max(shared).max(1024).min(counts.consistent)) as u32
 }
 
-/// Bytes before the entries of the list of undecided faces.
-pub(crate) const UNDECIDED_HEAD: u64 = 4;
+/// Bytes before the undecided faces of a `FacingRecord`: the statistics, and how many faces are undecided.
+pub(crate) const RECORD_HEAD: u64 = size_of::<Statistics>() as u64 + 4;
 
 /// Room for every face that one dispatch takes, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
     if options.method().predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
-    let fitting = ((split.binding - UNDECIDED_HEAD) / 4) as usize;
+    let fitting = ((split.binding - RECORD_HEAD) / 4) as usize;
     let asked = options.undecided_capacity.map_or(usize::MAX, |capacity| capacity.max(1) as usize);
     asked.min(mesh.faces().len()).min(fitting)
 }
@@ -97,6 +97,8 @@ pub(crate) struct Buffers {
     /// Of the per-edge method.
     pub(crate) edge_corners: Option<wgpu::Buffer>,
     pub(crate) facing: Vec<wgpu::Buffer>,
+    /// Which lights lie in a face's plane; of exact facing with lists, for shadow volumes.
+    pub(crate) coplanar: Vec<wgpu::Buffer>,
     /// None, one that all words share for compaction, or one a word where the masks are asked for.
     pub(crate) masks: Vec<wgpu::Buffer>,
     pub(crate) lists: Vec<wgpu::Buffer>,
@@ -104,8 +106,8 @@ pub(crate) struct Buffers {
     pub(crate) counts: wgpu::Buffer,
     pub(crate) draw_arguments: wgpu::Buffer,
     pub(crate) statistics: wgpu::Buffer,
-    /// Of exact facing.
-    pub(crate) undecided: wgpu::Buffer,
+    /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
+    pub(crate) record: wgpu::Buffer,
     /// Bound where a stage's binding is not used.
     pub(crate) unused: wgpu::Buffer,
 }
@@ -129,7 +131,8 @@ impl Buffers {
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
-        let undecided_bytes = UNDECIDED_HEAD + 4 * shape.undecided as u64;
+        let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
+        let coplanar = if lists > 0 && shape.undecided > 0 { words } else { 0 };
         // These are bound whole; everything else is bound by chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -146,7 +149,8 @@ impl Buffers {
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
-        wanted.push(("undecided faces", undecided_bytes));
+        wanted.extend((0..coplanar).map(|_| ("masks of lights in a face's plane", faces * 4)));
+        wanted.push(("undecided faces", record_bytes));
         wanted.extend(bound_whole);
         wanted.push(("light words", (words * UniformTable::stride::<LightBatch>()) as u64));
         wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
@@ -165,6 +169,7 @@ impl Buffers {
             facing: (0..if per_edge { 0 } else { words })
                 .map(|_| buffer(device, "facing masks", faces * 4, result))
                 .collect(),
+            coplanar: (0..coplanar).map(|_| buffer(device, "coplanar masks", faces * 4, result)).collect(),
             masks: (0..mask_planes)
                 .map(|_| buffer(device, "edge masks", edges * size_of::<Masks>() as u64, result))
                 .collect(),
@@ -178,7 +183,7 @@ impl Buffers {
                 result | BufferUsages::INDIRECT,
             ),
             statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
-            undecided: buffer(device, "undecided faces", undecided_bytes, result),
+            record: buffer(device, "undecided faces", record_bytes, result),
             unused: buffer(device, "unused", 64, result),
         })
     }

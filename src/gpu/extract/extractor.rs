@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bind_groups::BindGroupBuilder;
-use super::buffers::{Buffers, Shape, UNDECIDED_HEAD};
+use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::{EncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
@@ -147,9 +147,12 @@ impl Extractor {
             words.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
         upload(self.shared.device(), encoder, &self.light_batches, words.bytes())?;
-        encoder.clear_buffer(&buffers.statistics, 0, None);
+        encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
         encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::batches(lights.len());
+        for masks in buffers.coplanar.iter().take(used) {
+            encoder.clear_buffer(masks, 0, None);
+        }
         // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each batch of lights goes
         // through all stages by itself there.
         let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
@@ -173,6 +176,7 @@ impl Extractor {
             // Of all lights there is room for, so that those not used draw nothing.
             pass.record(encoder, 0..used.max(1), timer.as_deref_mut());
         }
+        encoder.copy_buffer_to_buffer(&buffers.record, 0, &buffers.statistics, 0, buffers.statistics.size());
         let encode = self.shared.begin_encode();
         Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
     }
@@ -187,7 +191,8 @@ impl Extractor {
     ) {
         for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
             if words.contains(&dispatch.word) {
-                encoder.clear_buffer(&self.shared.buffers.undecided, 0, Some(UNDECIDED_HEAD));
+                let undecided_count = RECORD_HEAD - 4;
+                encoder.clear_buffer(&self.shared.buffers.record, undecided_count, Some(4));
                 for pass in [&self.from_positions, exact] {
                     pass.record_one(encoder, index, timer.as_deref_mut());
                 }
@@ -227,6 +232,13 @@ impl Extractor {
     /// the extractor lives.
     pub fn results(&self) -> Results<'_> {
         self.shared.results()
+    }
+
+    /// For each batch of lights one `u32` a face: the lights in the face's plane, of the last encode once submitted. Empty
+    /// unless facing is exact and lists are made, which shadow volumes need.
+    #[cfg(feature = "reference")]
+    pub fn coplanar_masks(&self) -> &[wgpu::Buffer] {
+        &self.shared.buffers.coplanar
     }
 
     /// What extractions share.

@@ -26,8 +26,20 @@ pub(super) struct Buffers {
     pub(super) statistics: wgpu::Buffer,
 }
 
-/// Bytes that an entry of both lists of cap faces takes for a light.
-const CAP_ENTRY: u64 = 8;
+/// Lists of a light, as `casting.wgsl` has them: cap faces of both classes, and excluded faces.
+const LISTS: u64 = 3;
+/// The most entries of the list of excluded faces.
+const EXCLUDED_CAPACITY: u64 = 1024;
+
+/// Entries of all lists of a light, where lists of cap faces have room for `capacity`.
+fn entries(capacity: u64) -> u64 {
+    2 * capacity + capacity.min(EXCLUDED_CAPACITY)
+}
+
+/// The largest capacity of lists of cap faces with which all lists of a light fit into `entries`.
+fn largest_capacity(entries: u64) -> u64 {
+    if entries < LISTS * EXCLUDED_CAPACITY { entries / LISTS } else { (entries - EXCLUDED_CAPACITY) / 2 }
+}
 
 /// What takes room besides the lists of cap faces.
 fn per_light(lights: usize) -> [(&'static str, u64); 3] {
@@ -41,10 +53,10 @@ fn per_light(lights: usize) -> [(&'static str, u64); 3] {
 
 /// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
 pub(super) fn fitting_capacity(extraction: &Shape, split: &DispatchLimits, memory_limit: Option<u64>) -> usize {
-    let bound = split.binding / (CAP_ENTRY * extraction.batch_lights(0) as u64);
+    let bound = largest_capacity(split.binding / (4 * extraction.batch_lights(0) as u64));
     let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
     let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
-    let fitting = bound.min(left / (CAP_ENTRY * extraction.max_lights as u64));
+    let fitting = bound.min(largest_capacity(left / (4 * extraction.max_lights as u64)));
     usize::try_from(fitting).unwrap_or(usize::MAX)
 }
 
@@ -57,7 +69,7 @@ impl Buffers {
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let lights = extraction.max_lights as u64;
         let words = extraction.batches();
-        let list_bytes = |word: usize| CAP_ENTRY * cap_capacity as u64 * extraction.batch_lights(word) as u64;
+        let list_bytes = |word: usize| 4 * entries(cap_capacity as u64) * extraction.batch_lights(word) as u64;
         let widest = list_bytes(0);
         if padded(widest) > split.binding {
             let what = "lists of cap faces";
@@ -83,7 +95,7 @@ impl Buffers {
             bounds: buffer(device, "caster bounds", 28, storage),
             lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
             cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
-            cap_counts: buffer(device, "cap counts", 8 * lights, storage),
+            cap_counts: buffer(device, "cap counts", 4 * LISTS * lights, storage),
             cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
             draws: buffer(
                 device,

@@ -68,6 +68,7 @@ impl Choice {
                 ("box", whole(&buffers.bounds)),
                 ("shadow_lights", whole(&buffers.lights)),
                 ("cap_dispatches", whole(&buffers.cap_dispatches)),
+                ("extraction_statistics", whole(results.statistics)),
             ],
         );
         let arguments_group = arguments.bind(
@@ -100,6 +101,7 @@ impl Choice {
         device: &wgpu::Device,
         buffers: &Buffers,
         results: &Results<'_>,
+        coplanar: &[wgpu::Buffer],
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
@@ -114,7 +116,7 @@ impl Choice {
                 ("box", whole(&buffers.bounds)),
             ],
         );
-        let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
+        let caps = results.facing.iter().zip(coplanar).zip(&buffers.cap_lists).map(|((facing, coplanar), list)| {
             self.caps.bind(
                 device,
                 &[
@@ -127,6 +129,7 @@ impl Choice {
                     ("shadow_lights", whole(&buffers.lights)),
                     ("cap_counts", whole(&buffers.cap_counts)),
                     ("cap_list", whole(list)),
+                    ("coplanar_masks", whole(coplanar)),
                 ],
             )
         });

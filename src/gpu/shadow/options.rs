@@ -10,7 +10,7 @@ pub struct ShadowOptions {
     pub every_face: bool,
     /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
     /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces; but never more than
-    /// fit one binding (8 bytes an entry for each of up to 32 lights) and [`Self::memory_limit`]. A list that overflows
+    /// fit one binding (8 bytes an entry for each of up to 32 lights, and 4 KiB a light for excluded faces) and [`Self::memory_limit`]. A list that overflows
     /// loses nothing: its draw goes over all faces.
     pub cap_capacity: Option<u32>,
     /// Skip the caster for lights whose shadow of it the camera cannot see.

@@ -94,7 +94,7 @@ impl ShadowPipelines {
         };
         let frame = shared.layout("shadow frame", entries(&[uniform(false), storage, uniform(true), storage]));
         let results = shared.layout("rimline results", results_entries(wgpu::ShaderStages::VERTEX));
-        let cap_data = shared.layout("shadow caps", entries(&[storage; 5]));
+        let cap_data = shared.layout("shadow caps", entries(&[storage; 6]));
         let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &results] };
         let caps = Maker { shared: &shared, format, stage: &CAP_FACES, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);

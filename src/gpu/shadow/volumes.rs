@@ -30,9 +30,9 @@ use crate::light::{self, check_shadow_lights};
 /// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil).
 ///
 /// Of a closed, consistently oriented caster the faces averted from the light cast, whichever way it is wound; where the
-/// light or the near rectangle may be within its box, and of any other caster, every face does. A light exactly on one of a
-/// caster's faces has no shadow of that caster to rely on, and one next to an edge an imprecise one: keep lights off
-/// surfaces, by a ten-thousandth of the caster's size or more.
+/// light or the near rectangle may be within its box, and of any other caster, every face does. A face that has the light
+/// exactly in its plane casts nothing. So a light may be exactly on a face, an edge or a vertex. A light next to an edge
+/// or a face, but not on it, casts an imprecise shadow: keep it away by a ten-thousandth of the caster's size or more.
 ///
 /// Shadows can be wrong by one pixel at the contours that the eye sees: rasterization rounds positions there, and a hairline
 /// of light or shadow can appear. NUMERICS.md, "Hairlines", has the details.
@@ -263,8 +263,9 @@ impl ShadowVolumes {
             .map(|batch| source.include_group(&layouts.results, batch, place))
             .collect::<Result<Vec<_>, _>>()?;
         let bound = extraction.bound()?;
+        let coplanar = source.coplanar();
         positions::bound(device, || {
-            self.choice.bind_positions(device, buffers, &results, place.buffer, &bound);
+            self.choice.bind_positions(device, buffers, &results, &coplanar, place.buffer, &bound);
         })?;
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
@@ -280,11 +281,9 @@ impl ShadowVolumes {
             ],
         );
         let placed = bound.first_binding(place.buffer);
-        let caps = results.facing.iter().zip(&buffers.cap_lists).map(|(facing, list)| {
-            group(
-                &layouts.cap_data,
-                &[placed.clone(), whole(&buffers.faces), whole(facing), whole(&buffers.cap_counts), whole(list)],
-            )
+        let caps = results.facing.iter().zip(&coplanar).zip(&buffers.cap_lists).map(|((facing, coplanar), list)| {
+            let [faces, facing, counts] = [&buffers.faces, facing, &buffers.cap_counts].map(whole);
+            group(&layouts.cap_data, &[placed.clone(), faces, facing, counts, whole(list), whole(coplanar)])
         });
         let groups = Arc::new(DrawGroups { frame, results: groups, caps: caps.collect() });
         self.bound = Some((extraction.place.clone(), Arc::clone(&groups)));

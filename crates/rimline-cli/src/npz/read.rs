@@ -59,8 +59,11 @@ pub(super) fn listed(names: &[String]) -> String {
     }
 }
 
+/// A shape for a message. A file may have one of thousands of numbers.
 pub(super) fn shown(shape: &[u64]) -> String {
-    shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
+    const MOST: usize = 8;
+    let numbers = shape.iter().take(MOST).map(u64::to_string).collect::<Vec<_>>().join(", ");
+    if shape.len() > MOST { format!("{numbers}, … {} numbers in all", shape.len()) } else { numbers }
 }
 
 /// What a list that grows takes at most for each byte of its elements: the old and the new array while it doubles.
