@@ -15,22 +15,22 @@ use rimline_measure::shapes;
 use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Yours: a device, a renderer with its camera, attachments and lights, and vertex positions in a buffer.
+    // Once: what your attachments are.
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    // Yours: a device, a renderer whose light passes draw where the stencil is still 0, and vertex positions in a buffer.
     let canvas = support::Canvas::new(640)?;
     let device = &canvas.device;
     let camera = Camera::new([2.4, 3.6, 6.0], [0.75, 1.05, 0.0], 35.0);
     let sun = Light::directional([-0.8, 1.2, 0.5]);
-    let stage = Stage::new(&canvas, &camera, &[Lamp { xyzw: sun.to_array(), color: [0.95, 0.90, 0.82] }]);
+    let lamp = Lamp { xyzw: sun.to_array(), color: [0.95, 0.90, 0.82] };
+    let stage = Stage::new(&canvas, &camera, &[lamp], format.light_pass_depth_stencil());
     let shape = shapes::torus(192, 96, 1.0, 0.4);
-    let upright = |&[x, y, z]: &[f32; 3]| [x, 1.4 - z, y];
-    let vertices: Vec<[f32; 3]> = shape.positions.iter().map(upright).collect();
+    let vertices: Vec<_> = shape.positions.iter().map(|&[x, y, z]| [x, 1.4 - z, y]).collect();
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
     let bodies = [stage.body(&vertex_buffer, &shape.faces)];
 
-    // Once: what your attachments are.
-    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    // Once: pipelines. Once a mesh: topology, extraction, volumes.
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
-    // Once a mesh: topology, extraction, volumes.
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
     let mut extractor = Extractor::new(device, &mesh, ExtractorOptions::default())?;
     let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;

@@ -50,14 +50,14 @@ pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEnco
     let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern(SAMPLES, part, parts)).collect();
     let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
     let lamps: Vec<Vec<Lamp>> = patterns.iter().map(|lights| lights.iter().map(share).collect()).collect();
-    let stage = Stage::in_parts(canvas, &camera, &lamps);
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let stage = Stage::in_parts(canvas, &camera, &lamps, format.light_pass_depth_stencil());
 
     let shape = shapes::blob(96, 0.6, 7);
     let vertices = placed(&shape);
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&vertices));
     let bodies = [stage.body(&vertex_buffer, &shape.faces)];
 
-    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let mesh = Mesh::new(&shape.positions, &shape.faces, Weld::Position)?;
     let options = ExtractorOptions { max_lights: SAMPLES, ..ExtractorOptions::default() };

@@ -4,7 +4,7 @@
 
 use glam::{Mat4, Vec3, Vec4};
 use rimline::wgpu;
-use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, CompareFunction, LoadOp, StoreOp, TextureFormat};
+use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, LoadOp, StoreOp, TextureFormat};
 
 use super::support::{Canvas, PipelineOptions};
 
@@ -85,12 +85,18 @@ fn place(part: usize) -> [usize; 2] {
 }
 
 impl<'a> Stage<'a> {
-    pub(crate) fn new(canvas: &'a Canvas, camera: &Camera, lamps: &[Lamp]) -> Self {
-        Self::in_parts(canvas, camera, &[lamps])
+    /// `lit` is the depth-stencil state of the pipelines that add a light.
+    pub(crate) fn new(canvas: &'a Canvas, camera: &Camera, lamps: &[Lamp], lit: wgpu::DepthStencilState) -> Self {
+        Self::in_parts(canvas, camera, &[lamps], lit)
     }
 
     /// One part or [`PARTS`], with as many lamps each; the canvas's width and height are then even.
-    pub(crate) fn in_parts<L: AsRef<[Lamp]>>(canvas: &'a Canvas, camera: &Camera, parts: &[L]) -> Self {
+    pub(crate) fn in_parts<L: AsRef<[Lamp]>>(
+        canvas: &'a Canvas,
+        camera: &Camera,
+        parts: &[L],
+        lit: wgpu::DepthStencilState,
+    ) -> Self {
         let pitch = if parts.len() == 1 { 1 } else { 4 };
         let size = canvas.size.map(|pixels| 2 * pixels);
         let (mut cameras, mut data) = (Vec::new(), Vec::<[f32; 64]>::new());
@@ -154,14 +160,22 @@ impl<'a> Stage<'a> {
                     })
                 })
         };
-        let ambient = pipelines("ambient", None, depth_stencil(CompareFunction::Greater, CompareFunction::Always));
+        // Ambient light goes everywhere, and leaves the depths that shadow volumes are tested against.
+        let nearer = wgpu::DepthStencilState {
+            format: DEPTH_STENCIL,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        };
+        let ambient = pipelines("ambient", None, nearer);
         let add = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,
             dst_factor: wgpu::BlendFactor::One,
             operation: wgpu::BlendOperation::Add,
         };
         let add = wgpu::BlendState { color: add, alpha: add };
-        let lit = pipelines("lit", Some(add), depth_stencil(CompareFunction::Equal, CompareFunction::Equal));
+        let lit = pipelines("lit", Some(add), lit);
         let read = canvas.layout(&[texture]);
         let tone = canvas.pipeline(&PipelineOptions {
             layouts: &[&read],
@@ -279,17 +293,5 @@ impl<'a> Stage<'a> {
             }),
             ..wgpu::RenderPassDescriptor::default()
         })
-    }
-}
-
-/// Depth is written where anything nearer may come; the stencil decides where light may.
-fn depth_stencil(compare: CompareFunction, stencil: CompareFunction) -> wgpu::DepthStencilState {
-    let face = wgpu::StencilFaceState { compare: stencil, ..wgpu::StencilFaceState::IGNORE };
-    wgpu::DepthStencilState {
-        format: DEPTH_STENCIL,
-        depth_write_enabled: Some(compare != CompareFunction::Equal),
-        depth_compare: Some(compare),
-        stencil: wgpu::StencilState { front: face, back: face, read_mask: 0xff, write_mask: 0 },
-        bias: wgpu::DepthBiasState::default(),
     }
 }

@@ -31,7 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Lamp { xyzw: [0.0, 7.0, 5.5, 1.0], color: [0.07, 0.14, 0.60] },
     ];
     let lights = lamps.each_ref().map(|lamp| Light::homogeneous(lamp.xyzw));
-    let stage = Stage::new(&canvas, &camera, &lamps);
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let stage = Stage::new(&canvas, &camera, &lamps, format.light_pass_depth_stencil());
 
     // One sphere, three times; the deformer places and displaces it.
     let sphere = shapes::sphere(64);
@@ -47,7 +48,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = model.mesh(&pose)?;
     let bodies = [stage.body(deformer.positions().buffer, mesh.faces())];
 
-    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
     let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
     let mut extractor = Extractor::new(device, &mesh, options)?;

@@ -46,6 +46,25 @@ impl Default for ShadowFormat {
     }
 }
 
+impl ShadowFormat {
+    /// The depth-stencil state of a pipeline that adds a light, for the pass in which that light's volumes were drawn. It
+    /// meets the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
+    /// which is the reference that passes begin with. It writes neither depth nor stencil.
+    ///
+    /// The light pass must compute the same depths as the depth pass, bit for bit (`@invariant`). A renderer whose light pass draws no surfaces,
+    /// such as a full-screen triangle, sets `depth_compare` to `Always`.
+    pub fn light_pass_depth_stencil(&self) -> wgpu::DepthStencilState {
+        let lit = wgpu::StencilFaceState { compare: wgpu::CompareFunction::Equal, ..wgpu::StencilFaceState::IGNORE };
+        wgpu::DepthStencilState {
+            format: self.depth_stencil,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Equal),
+            stencil: wgpu::StencilState { front: lit, back: lit, read_mask: 0xff, write_mask: 0 },
+            bias: wgpu::DepthBiasState::default(),
+        }
+    }
+}
+
 /// Why pipelines cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -43,21 +43,6 @@ use crate::light::{self, check_shadow_lights};
 /// };
 /// use rimline::{Counting, Light, Mesh, ShadowCamera, wgpu};
 ///
-/// /// The light pass's: it meets the depth pass's surfaces again, and lights them where no volume was counted.
-/// fn light_pass_depth_stencil() -> wgpu::DepthStencilState {
-///     let lit = wgpu::StencilFaceState {
-///         compare: wgpu::CompareFunction::Equal, // with `set_stencil_reference(0)`, which passes begin with
-///         ..wgpu::StencilFaceState::IGNORE
-///     };
-///     wgpu::DepthStencilState {
-///         format: wgpu::TextureFormat::Depth24PlusStencil8,
-///         depth_write_enabled: Some(false),
-///         depth_compare: Some(wgpu::CompareFunction::Equal),
-///         stencil: wgpu::StencilState { front: lit, back: lit, read_mask: 0xff, write_mask: 0 },
-///         bias: wgpu::DepthBiasState::default(),
-///     }
-/// }
-///
 /// # fn shadows(
 /// #     device: &wgpu::Device,
 /// #     encoder: &mut wgpu::CommandEncoder,
@@ -65,10 +50,12 @@ use crate::light::{self, check_shadow_lights};
 /// #     vertices: PositionBuffer<'_>,
 /// #     camera: &ShadowCamera,
 /// #     depth_stencil: &wgpu::TextureView,
-/// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, usize),
+/// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, &wgpu::DepthStencilState, usize),
 /// # ) -> Result<(), Box<dyn std::error::Error>> {
 /// // Once, with the format of your depth-stencil attachment and your camera's depth:
 /// let format = ShadowFormat { depth: camera.depth, ..ShadowFormat::default() };
+/// // Your pipelines that add a light have this state, and blend by addition:
+/// let lit: wgpu::DepthStencilState = format.light_pass_depth_stencil();
 /// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
 /// // Once a caster:
 /// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
@@ -90,7 +77,7 @@ use crate::light::{self, check_shadow_lights};
 ///         ..Default::default()
 ///     });
 ///     shadows.draw(&mut pass, &pipelines, light)?;
-///     draw_lit(&mut pass, light); // with a pipeline of `light_pass_depth_stencil`, blending by addition
+///     draw_lit(&mut pass, &lit, light);
 /// }
 /// # Ok(())
 /// # }
