@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use libtest_mimic::{Failed, Trial};
+use rimline_measure::shapes;
 
 use super::draw::{Picture, draw_with, is_ink};
 use super::run::rimline;
@@ -11,6 +12,7 @@ use crate::archive::{array, write_zip};
 pub(crate) const TESTS: &[Test] = &[
     ("outlines::touching_boxes_have_whole_outlines", || check("gpu")),
     ("outlines::the_comparison_notices_wrong_lines", control),
+    ("outlines::a_smooth_body_has_no_gap_at_its_border", smooth),
 ];
 
 /// The same on OpenGL, ignored by name where there is none.
@@ -218,5 +220,45 @@ fn control() -> Outcome {
         dotted.pixels[*y as usize * dotted.size[0] as usize + *x as usize] = [200; 3];
     }
     ensure!(compare(&dotted, &points).is_err(), "a line with holes passes");
+    Ok(())
+}
+
+/// Places where the body meets the background without a line between: the body is blue, the background is not.
+fn gaps(picture: &Picture) -> Vec<[usize; 2]> {
+    let [width, height] = picture.size.map(|pixels| pixels as usize);
+    let (is_body, is_background) =
+        (|[red, _, blue]: [u8; 3]| blue > red.saturating_add(8), |[red, _, blue]: [u8; 3]| red >= blue && red > 150);
+    let places = (0..height - 1).flat_map(|y| (0..width - 1).map(move |x| [x, y]));
+    let meets = |[x, y]: &[usize; 2]| {
+        let here = picture.pixels[y * width + x];
+        [picture.pixels[y * width + x + 1], picture.pixels[(y + 1) * width + x]]
+            .into_iter()
+            .any(|next| (is_body(here) && is_background(next)) || (is_body(next) && is_background(here)))
+    };
+    places.filter(meets).collect()
+}
+
+/// At the border of a smooth body many faces are seen edge-on, thinner than rounding tells: they hide nothing.
+fn smooth() -> Outcome {
+    let shape = shapes::blob(96, 0.6, 7);
+    let faces: Vec<[DVec3; 3]> = shape
+        .faces
+        .iter()
+        .map(|face| face.map(|vertex| DVec3::from(shape.positions[vertex as usize].map(f64::from))))
+        .collect();
+    let model = model_of(&faces);
+    for eye in ["3.2,2.4,5.2", "-4,1.5,4", "1,5,-3.5"] {
+        let view = format!("--size 600x750 --eye {eye} --target 0,0,0 --fov 36");
+        let mut picture = draw_with(&model, &view, "gpu")?;
+        let found = gaps(&picture);
+        ensure!(found.is_empty(), "eye {eye}: {} gaps: {:?}", found.len(), &found[..found.len().min(9)]);
+        // Rub out a piece of the topmost line.
+        let width = picture.size[0] as usize;
+        let first = picture.pixels.iter().position(|&pixel| is_ink(pixel)).ok_or("no line")?;
+        for y in 0..7 {
+            picture.pixels[first + y * width..][..3].fill([240; 3]);
+        }
+        ensure!(!gaps(&picture).is_empty(), "eye {eye}: a gap passes");
+    }
     Ok(())
 }
