@@ -355,8 +355,8 @@ shared_structs! {
 }
 
 impl LightBatch {
-    /// The word of up to 32 `lights`.
-    pub(crate) fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
+    /// The batch of up to 32 `lights`.
+    pub fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
         let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
         for slot in 0..32 {
             let Some(light) = lights.get(slot).or(lights.last()) else { break };

@@ -44,6 +44,7 @@ pub mod stages {
 
 /// Each stage's CPU twin, of the same file, function and test name as its WGSL. Tests compare them bit for bit.
 pub mod cpu {
+    pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};

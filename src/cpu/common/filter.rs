@@ -1,9 +1,9 @@
 //! Bounds on the error of the `f32` determinant; NUMERICS.md, "Filter".
 
 /// Ten units of the last place, 10 · 2⁻²³.
-pub(crate) const RELATIVE: f32 = 10.0 / 8_388_608.0;
+pub const RELATIVE: f32 = 10.0 / 8_388_608.0;
 /// What underflow may add, 2⁻¹¹⁵.
-const UNDERFLOW: f32 = f32::from_bits((127 - 115) << 23);
+pub const UNDERFLOW: f32 = f32::from_bits((127 - 115) << 23);
 /// A coordinate from 2⁴⁰ on could overflow the determinant.
 pub(crate) const LARGE: f32 = 1_099_511_627_776.0;
 

@@ -2,7 +2,8 @@
 
 use rimline::Light;
 
-use rimline_measure::band::scaled;
+use rimline::reference::cpu::UNDERFLOW;
+use rimline::reference::layout::LightBatch;
 use rimline_measure::random::Random;
 
 /// Which neighbour of an exact value is taken.
@@ -114,8 +115,7 @@ impl RoundingModels {
 
     /// The determinant of the facing stage, `wgsl/facing.wgsl`; the light scaled as there.
     pub(crate) fn determinant(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light) -> f32 {
-        // Components that are tiny beside the largest are rounded once.
-        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let [x, y, z, w] = LightBatch::new(&[light], 0, 3).lights[0];
         let l = [x, y, z];
         // The result is u · (v × t) = v · (t × u) = t · (u × v): what each is multiplied by is its effect.
         let exact = |p: [f32; 3], factor: f32, q: [f32; 3]| -> [f64; 3] {
@@ -162,8 +162,7 @@ impl RoundingModels {
     }
 
     fn face_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
-        let [x, y, z, w] = scaled(light).map(|c| (c as f32).abs());
-        let w = w.max(inexact_w(light));
+        let [to_light, w] = LightBatch::new(&[light], 0, 3).reach;
         let sizes = [b, c].map(|corner| {
             let side: [f32; 3] = std::array::from_fn(|i| self.add(corner[i], -a[i]).abs());
             let sum = self.add(side[0], side[1]);
@@ -172,8 +171,8 @@ impl RoundingModels {
         let size = self.product(sizes[0], sizes[1]);
         let largest = [a, b, c].as_flattened().iter().fold(0.0_f32, |largest, c| largest.max(c.abs()));
         let reach = (2.0 * largest).max(1.0);
-        let to_light = self.product_sum(largest, w, x.max(y).max(z), 1.0);
-        let least = self.product(2.0_f32.powi(-115), reach);
+        let to_light = self.product_sum(largest, w, to_light, 1.0);
+        let least = self.product(UNDERFLOW, reach);
         let least = self.product(least, reach);
         let far = self.add(1.0, to_light);
         let factor = self.product(relative, to_light);
@@ -187,9 +186,9 @@ impl RoundingModels {
     }
 
     fn light_bound_so_rounded(&mut self, [a, b, c]: [[f32; 3]; 3], light: Light, relative: f32) -> f32 {
-        let [x, y, z, w] = scaled(light).map(|c| c as f32);
+        let batch = LightBatch::new(&[light], 0, 3);
+        let ([x, y, z, w], inexact) = (batch.lights[0], batch.inexact_w[0][0]);
         let l = [x, y, z];
-        let inexact = inexact_w(light);
         let u: [f32; 3] = std::array::from_fn(|i| self.add(b[i], -a[i]).abs());
         let v: [f32; 3] = std::array::from_fn(|i| self.add(c[i], -a[i]).abs());
         let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i], 1.0).abs());
@@ -203,23 +202,12 @@ impl RoundingModels {
         }
         let largest = |v: [f32; 3]| v.into_iter().fold(0.0, f32::max);
         let reach = largest(u).max(largest(v)).max(1.0);
-        let least = self.product(2.0_f32.powi(-115), reach);
+        let least = self.product(UNDERFLOW, reach);
         let least = self.product(least, reach);
         let sum = self.add(largest(t), largest(q));
         let sum = self.add(sum, 1.0);
         let size = self.product(relative, size);
         self.product_sum(least, sum, size, 1.0)
-    }
-}
-
-/// What stands for |w| where its product's error counts; NUMERICS.md, "Filter".
-fn inexact_w(light: Light) -> f32 {
-    let w = scaled(light)[3].abs();
-    match w {
-        0.0 => 0.0,
-        w if w < 2.0_f64.powi(-60) => 2.0_f32.powi(-36),
-        w if w.to_bits() << 12 == 0 => 0.0,
-        w => w as f32,
     }
 }
 
