@@ -28,8 +28,8 @@ Inputs are regular files. `-` stands for standard input; it can be given once, a
 name other files.
 
 Results never replace an input. The command writes a result under a temporary name in the same folder, and renames \
-it when it is complete. A pipe or a device, such as /dev/stdout, also gets the complete result only. If a result goes \
-to standard output, messages go to standard error.";
+it when it is complete. A pipe or a device, such as /dev/stdout, also gets the complete result only. As a result's \
+name, `-` stands for standard output. If a result goes there, messages go to standard error.";
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 bad input, 2 bad usage, 3 no usable device, 4 device lost or output not writable, \
@@ -112,7 +112,7 @@ pub(crate) struct ExtractArgs {
 const EXTRACT_EXAMPLES: &str = "\
 Examples:
   rimline extract fox.glb --light point:-1,2e2,.5 --light dir:0,1,0 --out fox.npz
-  rimline extract fox.glb --light file:all --animation Run --time 0.4 --out fox.npz
+  rimline extract fox.glb --light hom:0,1,0,0 --animation Run --time 0.4 --out fox.npz
   rimline extract fox.npz --no-weld --light dir:0,1,0 --device cpu --out again.npz
 
 Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounded up:
@@ -127,7 +127,7 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
 ";
 
 const EXTRACT_KEYS: &str = "\
-Keys of --json: adapter, method, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
+Keys of --json: adapter, method, predicate, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
 inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
 undecided_pairs and exact_zeros (pairs of face and light that integers decided), milliseconds (by stage), \
 set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds (all other stages).";

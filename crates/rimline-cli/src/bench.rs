@@ -128,7 +128,7 @@ fn adapter(gpu: &Gpu) -> Result<Adapter, Failure> {
 fn heading(results: &Results) -> String {
     let Results { machine, adapter, .. } = results;
     let gpu = match adapter {
-        None => "no GPU: only the CPU is measured".to_owned(),
+        None => "only the CPU is measured".to_owned(),
         Some(adapter) => {
             let clock = if adapter.has_timestamps { "timestamps" } else { "no timestamps, so by the clock" };
             format!("{}, {clock}, copies {} GB/s", adapter.line(), text::figures(adapter.copy_gb_per_s))

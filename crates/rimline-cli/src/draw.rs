@@ -26,7 +26,7 @@ use crate::posed_input::PosedInput;
 use crate::positions::Positions;
 use crate::progress::Progress;
 use crate::render::camera::{Camera, elevation};
-use crate::render::{centre, check_size, extent, normals, too_large};
+use crate::render::{centre, check_bounds, check_size, extent, normals, too_large};
 use frame::Frame;
 use outline_picture::DrawInputs;
 
@@ -70,8 +70,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<(), Failure> {
     let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(world[v as usize]));
     let faces: Vec<[u32; 3]> = scene.mesh.faces().iter().filter(is_drawn).copied().collect();
     let corners = || faces.iter().flatten().map(|&v| &world[v as usize]);
-    let nothing = || Failure::input(&posed.input.file)(InputError::NoFinitePosition);
-    let bounds = Bounds::of(corners()).ok_or_else(nothing)?;
+    let failed = Failure::input(&posed.input.file);
+    let bounds = Bounds::of(corners()).ok_or_else(|| failed(InputError::NoFinitePosition))?;
+    check_bounds(&bounds).map_err(failed)?;
     let camera =
         Camera::new(&args.view, elevation(ELEVATION, &bounds), centre(&bounds), extent(&bounds), corners().copied())?;
 

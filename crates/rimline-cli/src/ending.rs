@@ -14,6 +14,7 @@ const FORMATS: &str = "png apng jpg jpeg jpe jfif gif bmp tif tiff webp avif hei
 pub(crate) enum Written {
     Png,
     Npz,
+    Json,
 }
 
 impl Written {
@@ -22,6 +23,7 @@ impl Written {
         match self {
             Self::Png => ("a PNG picture", "png"),
             Self::Npz => ("a NumPy archive", "npz"),
+            Self::Json => ("JSON", "json"),
         }
     }
 }
@@ -39,6 +41,14 @@ pub(crate) fn check(out: &Path, written: Written) -> Result<(), UsageError> {
 pub(crate) fn check_folder(out: &Path) -> Result<(), UsageError> {
     if format_of(out).is_some() && !out.exists() {
         return Err(UsageError::FolderEnding { out: out.to_owned() });
+    }
+    Ok(())
+}
+
+/// The same of a folder for a report.
+pub(crate) fn check_report(folder: &Path) -> Result<(), UsageError> {
+    if format_of(folder).is_some() && !folder.exists() {
+        return Err(UsageError::ReportEnding { folder: folder.to_owned() });
     }
     Ok(())
 }
@@ -62,6 +72,8 @@ mod tests {
             assert!(!is_taken(name, Written::Png), "{name}");
         }
         assert!(is_taken("a.npz", Written::Npz) && !is_taken("a.png", Written::Npz));
+        assert!(is_taken("a.json", Written::Json) && is_taken("-", Written::Json) && !is_taken("a.glb", Written::Json));
+        assert!(check_report(Path::new("none/report.html")).is_err() && check_report(Path::new("none/report")).is_ok());
         assert!(check_folder(Path::new("none/film.mp4")).is_err());
         assert!(check_folder(Path::new("none/film.d")).is_ok());
     }

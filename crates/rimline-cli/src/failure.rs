@@ -99,6 +99,8 @@ pub(crate) enum InputError {
     Depths { points: usize, lights: usize },
     #[error("no vertex has a finite position, so there is nothing to draw")]
     NoFinitePosition,
+    #[error("the model is larger than 32-bit numbers can say, so no camera can see it; scale it down")]
+    Boundless,
     #[error("the folder contains no .npz file, so there is nothing to check; `rimline verify --make` writes some")]
     NoArchives,
     #[error("it has the same name as {}, so both would be written to the same file; rename one of them", .other.display())]
@@ -148,6 +150,8 @@ pub(crate) enum UsageError {
          ffmpeg makes a video of the files)", .out.display()
     )]
     FolderEnding { out: PathBuf },
+    #[error("{} looks like a file, but --report names a folder; give the name of a folder", .folder.display())]
+    ReportEnding { folder: PathBuf },
     #[error(
         "{} has {count} of another film, which is longer or has other numbers, first {}; remove these pictures or choose \
          another folder", .folder.display(), .first.display()

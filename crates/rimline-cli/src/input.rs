@@ -71,9 +71,10 @@ impl Input {
         let positions = self.model().geometries().iter().flat_map(Geometry::positions);
         let count = positions.filter(|position| !is_finite(position)).count();
         if count > 0 {
-            let (vertices, are) = if count == 1 { ("vertex", "is") } else { ("vertices", "are") };
+            let (vertices, are, their) =
+                if count == 1 { ("vertex", "is", "its") } else { ("vertices", "are", "their") };
             note(&format!(
-                "warning: {}: {count} {vertices} {are} infinite or NaN; their faces face no light, cast no shadow and are \
+                "warning: {}: {count} {vertices} {are} infinite or NaN; {their} faces face no light, cast no shadow and are \
                  not drawn",
                 self.file.display()
             ));
@@ -211,10 +212,10 @@ fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
         return open_stdin(options);
     }
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let mut reader = source::open(file)?;
     if let Some("gltf" | "glb") = ending.as_deref() {
         return open_gltf(file, options);
     }
-    let mut reader = source::open(file)?;
     if ending.as_deref() == Some("npz") {
         return open_npz(reader, options);
     }
@@ -238,21 +239,30 @@ fn open_stdin(options: LoadOptions) -> Result<Source, InputError> {
     match &*bytes {
         [b'P', b'K', 3, 4, ..] => open_npz(Cursor::new(bytes), options),
         _ if bytes.starts_with(b"glTF") || text.starts_with(b"{") => {
-            Ok(Source::Gltf(Box::new(Asset::from_slice(&bytes, None, options)?)))
+            let asset = Asset::from_slice(&bytes, None, options);
+            asset.map(|asset| Source::Gltf(Box::new(asset))).map_err(|error| of_gltf(Path::new("-"), error))
         }
         _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
 
 fn open_gltf(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
-    match Asset::open(file, options) {
-        Ok(asset) => Ok(Source::Gltf(Box::new(asset))),
+    let asset = Asset::open(file, options);
+    asset.map(|asset| Source::Gltf(Box::new(asset))).map_err(|error| of_gltf(file, error))
+}
+
+/// What is wrong with a glTF, with advice for users of the command.
+fn of_gltf(file: &Path, error: GltfError) -> InputError {
+    match error {
         // The file is named already; only other files that it names need to be.
-        Err(GltfError::Read { path, source }) if path == file => Err(InputError::Read(source)),
+        GltfError::Read { path, source } if path == file => InputError::Read(source),
         // The advice is to give the options of the command.
-        Err(GltfError::TooLarge { what, needed, limit }) => Err(InputError::TooLarge { what, needed, limit }),
-        Err(GltfError::Outside { place, uri, path }) => Err(InputError::Outside { place, uri, path }),
-        Err(error) => Err(error.into()),
+        GltfError::TooLarge { what, needed, limit } => {
+            let is_whole = Path::new(&what) == file;
+            InputError::TooLarge { what: if is_whole { "the file".into() } else { what }, needed, limit }
+        }
+        GltfError::Outside { place, uri, path } => InputError::Outside { place, uri, path },
+        error => error.into(),
     }
 }
 

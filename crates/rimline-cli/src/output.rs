@@ -50,7 +50,7 @@ impl Output {
             Target::Through { file, is_cut, is_stdout } => {
                 HOLDS_RESULT.fetch_or(is_stdout, Ordering::SeqCst);
                 // Archives are written back and forth, which pipes cannot.
-                (Place::Through { to: file, is_cut }, tempfile::tempfile()?)
+                (Place::Through { to: file, is_cut }, tempfile::tempfile().map_err(|error| on_the_way(&error))?)
             }
         };
         Ok(Self { name: name.to_owned(), place, file: Some(BufWriter::with_capacity(1 << 18, file)) })
@@ -63,8 +63,12 @@ impl Output {
     ) -> Result<(), Failure> {
         let complete = |output: &mut Self| -> io::Result<()> {
             let Some(mut file) = output.file.take() else { return Ok(()) };
-            write(&mut file).map_err(Into::into)?;
-            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            let written = write(&mut file).map_err(Into::into);
+            let written = written.and_then(|()| file.into_inner().map_err(io::IntoInnerError::into_error));
+            let mut file = match output.place {
+                Place::Beside { .. } => written?,
+                Place::Through { .. } => written.map_err(|error| on_the_way(&error))?,
+            };
             match &mut output.place {
                 Place::Beside { temporary, target } => {
                     file.sync_all()?;
@@ -103,7 +107,7 @@ fn beside(target: &Path, existing: Option<&Metadata>) -> io::Result<(TempPath, F
     }
     remove_at_interrupt();
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-    let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
+    let (file, temporary) = builder.tempfile_in(folder).map_err(|error| unwritable(&error))?.into_parts();
     unfinished.push(temporary.to_path_buf());
     drop(unfinished);
     if let Some(existing) = existing {
@@ -116,6 +120,20 @@ fn beside(target: &Path, existing: Option<&Metadata>) -> io::Result<(TempPath, F
         file.set_permissions(existing.permissions())?;
     }
     Ok((temporary, file))
+}
+
+/// What is wrong with the file that a result for a pipe or device is made in.
+fn on_the_way(error: &io::Error) -> io::Error {
+    let folder = std::env::temp_dir();
+    let text = format!("a temporary file in {}: {error}; TMPDIR can name another folder", folder.display());
+    io::Error::new(error.kind(), text)
+}
+
+/// Why no file can be made beside the target, without the name that it would have had for a moment.
+fn unwritable(error: &io::Error) -> io::Error {
+    let text = error.to_string();
+    let reason = text.split_once(" at path ").map_or(&*text, |(reason, _)| reason);
+    io::Error::new(error.kind(), format!("no file can be made in its folder: {reason}"))
 }
 
 impl Drop for Output {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::UsageError;
 use crate::source;
-use crate::target::{Identity, identity};
+use crate::target::{self, Identity, identity};
 
 /// The files that a command reads, whatever names they are given by.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Inputs {
 
     /// Refuses to write a file that is one of them.
     pub(crate) fn spare(&self, out: &Path) -> Result<(), UsageError> {
-        let identity = std::fs::metadata(out).ok().and_then(|there| identity(out, &there));
+        let identity = target::metadata(out).ok().and_then(|there| identity(out, &there));
         match identity.and_then(|identity| self.0.get(&identity)) {
             Some(input) => Err(UsageError::OutputIsInput { out: out.to_owned(), input: input.clone() }),
             None => Ok(()),

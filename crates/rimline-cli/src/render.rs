@@ -8,13 +8,18 @@ pub(crate) mod support;
 use rimline::mesh::Bounds;
 
 use crate::device::{self, Gpu};
-use crate::failure::UsageError;
+use crate::failure::{InputError, UsageError};
 
 /// The largest side of the bounds, or 1 for a single point.
 pub(crate) fn extent(bounds: &Bounds) -> f32 {
     let sides = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]);
     let largest = sides.fold(0.0, f32::max);
     if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// Refuses bounds that no camera and no light can be chosen by.
+pub(crate) fn check_bounds(bounds: &Bounds) -> Result<(), InputError> {
+    if extent(bounds).is_finite() { Ok(()) } else { Err(InputError::Boundless) }
 }
 
 /// The middle of the bounds.

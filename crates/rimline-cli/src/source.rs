@@ -59,6 +59,9 @@ fn regular(file: &Path) -> io::Result<File> {
     if !there.is_file() {
         return Err(io::Error::other("it is not a regular file; give one, or `-` for standard input"));
     }
+    if there.len() == 0 {
+        return Err(io::Error::other("it is empty"));
+    }
     File::open(file)
 }
 
@@ -71,6 +74,9 @@ fn stdin() -> io::Result<Vec<u8>> {
     io::stdin().lock().take(MAX_STDIN_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_STDIN_BYTES {
         return Err(io::Error::other("standard input holds more than 4 GiB; write it to a file"));
+    }
+    if bytes.is_empty() {
+        return Err(io::Error::other("it is empty"));
     }
     Ok(bytes)
 }

@@ -17,6 +17,11 @@ const MAX_LINKS: usize = 40;
 
 /// Finds it, through links: the link stays, and what it names is written.
 pub(crate) fn find(name: &Path) -> io::Result<Target> {
+    if is_stdout(name) {
+        let no_stream = || io::Error::other("standard output cannot be written through here; give the name of a file");
+        let file = standard(&io::stdout()).ok_or_else(no_stream)?;
+        return Ok(Target::Through { file, is_cut: false, is_stdout: true });
+    }
     if name.to_string_lossy().ends_with(std::path::is_separator) {
         return Err(io::Error::other("it is the name of a folder; give the name of a file"));
     }
@@ -29,6 +34,19 @@ pub(crate) fn find(name: &Path) -> io::Result<Target> {
             Ok(Target::Replace { path, existing: None })
         }
         Err(error) => Err(error),
+    }
+}
+
+/// Whether this stands for standard output.
+fn is_stdout(name: &Path) -> bool {
+    name.as_os_str() == "-"
+}
+
+/// What is there already, of whatever standard output is where the name stands for that.
+pub(crate) fn metadata(name: &Path) -> io::Result<Metadata> {
+    match is_stdout(name).then(|| standard(&io::stdout())).flatten() {
+        Some(stream) => stream.metadata(),
+        None => std::fs::metadata(name),
     }
 }
 

@@ -36,7 +36,7 @@ impl Times {
         [sum(true), sum(false)]
     }
 
-    /// ShadowScene-up and work in a line.
+    /// Set-up and work in a line.
     pub(crate) fn sums(&self) -> String {
         let [set_up, work] = self.set_up_and_work();
         format!("set-up {set_up:.1}, work {work:.1}")

@@ -42,6 +42,9 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 fn archives(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let failed = Failure::input(folder);
     let unreadable = |error: std::io::Error| failed(error.into());
+    if folder.metadata().is_ok_and(|there| !there.is_dir()) {
+        return Err(unreadable(std::io::Error::other("it is not a folder; give the folder that holds the .npz files")));
+    }
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();

@@ -9,6 +9,7 @@ use super::machine::Adapter;
 use super::results::Results;
 use super::text::grouped;
 use crate::chart::{Target, write_png};
+use crate::ending::{self, Written};
 use crate::failure::Failure;
 use crate::output::{Folder, Output, note};
 use crate::page::{Fact, Page, Section};
@@ -23,10 +24,12 @@ impl Destination {
     /// Makes the folder, and tries both places, so that an unwritable one is known before the long work.
     pub(super) fn new(args: &BenchArgs) -> Result<Self, Failure> {
         let folder = |path: &PathBuf| -> Result<_, Failure> {
+            ending::check_report(path)?;
             let folder = Folder::create_all(path)?;
             drop(Output::create(&path.join("index.html"))?);
             Ok((path.clone(), folder))
         };
+        args.json.as_deref().map_or(Ok(()), |file| ending::check(file, Written::Json))?;
         Ok(Self {
             folder: args.report.as_ref().map(folder).transpose()?,
             json: args.json.as_deref().map(Output::create).transpose()?,
@@ -71,7 +74,7 @@ fn write(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// The line below a plot that travels alone.
 fn origin(results: &Results) -> String {
-    let device = results.adapter.as_ref().map_or_else(|| "no GPU".to_owned(), Adapter::line);
+    let device = results.adapter.as_ref().map_or_else(|| "CPU only".to_owned(), Adapter::line);
     let machine = &results.machine;
     let day = machine.date.get(..10).unwrap_or_default();
     let origin = format!(

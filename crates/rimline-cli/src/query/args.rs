@@ -38,8 +38,8 @@ pub(crate) struct QueryArgs {
 const QUERY_EXAMPLES: &str = "\
 Examples:
   rimline query fox.glb --points ground.npz --light point:-1,2e2,.5 --out depth.npz
-  rimline query fox.glb --points ground.npz --light file:all --animation Run \\
-      --out depth.npz
+  rimline query fox.glb --points ground.npz --light dir:1,2,1 --animation Run \\
+      --time 0.4 --out depth.npz
 
 Arrays written, P points, N lights:
   points (P,3) float32   as given

@@ -186,7 +186,7 @@ Keys of --json: adapter, method, mode, files, faces, samples (of a light), count
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area), statistics (a list, one for each \
-file, of skipped, every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), \
+file, of file, skipped, every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), \
 milliseconds (by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all \
 other stages).";
 

@@ -21,7 +21,7 @@ use crate::input::{Input, Source, animation_name, listed_animations};
 use crate::output::note;
 use crate::render::camera::{Camera, elevation};
 use crate::render::support::outermost;
-use crate::render::{centre, check_size, extent, too_large};
+use crate::render::{centre, check_bounds, check_size, extent, too_large};
 use crate::shadow::args::{ModeArg, ShadowSceneArgs, value_name};
 
 /// Degrees that the eye is above the models by default: enough to see shadows on the ground.
@@ -106,8 +106,9 @@ impl<'a> ShadowScene<'a> {
         points: &[[f32; 3]],
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
-        let nothing = || Failure::input(&first.input.file)(InputError::NoFinitePosition);
-        let bounds = Bounds::of(points).ok_or_else(nothing)?;
+        let failed = Failure::input(&first.input.file);
+        let bounds = Bounds::of(points).ok_or_else(|| failed(InputError::NoFinitePosition))?;
+        check_bounds(&bounds).map_err(failed)?;
         let stage = SceneBounds {
             centre: centre(&bounds),
             extent: extent(&bounds),

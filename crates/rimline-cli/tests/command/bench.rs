@@ -230,12 +230,18 @@ fn wrong_options() -> Outcome {
         ("--lights 1025", "1025"),
         ("--lights 0", "--lights"),
         ("--rounds 0", "--rounds"),
+        // A model would be replaced.
+        ("--quick --json model.glb", "model.glb is written as JSON; give a name that ends in .json"),
+        ("--quick --json figures.png", ".json"),
     ];
     for (options, part) in cases {
         let line = ["bench", "--report", &report].into_iter().chain(options.split(' '));
         rimline(line).expect(2, &[part]).map_err(|error| format!("{options}: {error}"))?;
         is_empty(folder.path()).map_err(|error| format!("{options}: {error}"))?;
     }
+    let page = folder.path().join("report.html").to_string_lossy().into_owned();
+    rimline(["bench", "--quick", "--report", &page]).expect(2, &["report.html looks like a file", "folder"])?;
+    is_empty(folder.path())?;
     let file = folder.path().join("file");
     std::fs::write(&file, "in the way").map_err(|error| error.to_string())?;
     for option in ["--report", "--json"] {

@@ -15,6 +15,7 @@ use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
     ("inputs::standard_input_is_an_input", standard_input),
+    ("inputs::empty_files_are_called_empty", empty),
     ("inputs::names_in_files_do_not_steer_the_terminal", names),
     ("inputs::names_of_files_do_not_steer_the_terminal", file_names),
     ("inputs::names_in_archives_do_not_steer_the_terminal", archive_names),
@@ -31,7 +32,7 @@ fn points() -> Vec<u8> {
 }
 
 /// Runs the command with these bytes as standard input.
-fn fed(bytes: &[u8], arguments: &[&str]) -> Result<Run, String> {
+pub(crate) fn fed(bytes: &[u8], arguments: &[&str]) -> Result<Run, String> {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rimline"))
         .args(arguments)
         .stdin(Stdio::piped())
@@ -79,6 +80,23 @@ fn standard_input() -> Outcome {
     let mut both = read_zip(&tetrahedron())?;
     both.extend(read_zip(&points())?);
     query(&write_zip(&both), "-", "-")?.expect(1, &["once"])
+}
+
+fn empty() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for name in ["e.glb", "e.gltf", "e.npz", "e.wgsl", "e"] {
+        fs::write(at(name), b"").map_err(text)?;
+    }
+    for name in ["e.glb", "e.gltf", "e.npz", "e"] {
+        rimline(["info", &at(name)]).expect(1, &[name, "cannot be read: it is empty"])?;
+    }
+    fed(b"", &["info", "-"])?.expect(1, &["-: cannot be read: it is empty"])?;
+    fs::write(at("model.npz"), tetrahedron()).map_err(text)?;
+    let line = ["query", &at("model.npz"), "--points", &at("e.npz"), "--light", "dir:0,1,0", "--out", &at("out")];
+    rimline(line).expect(1, &["e.npz: cannot be read: it is empty"])?;
+    let line = ["draw", &at("model.npz"), "--displace", &at("e.wgsl"), "--out", &at("out")];
+    rimline(line).expect(1, &["e.wgsl: cannot be read: it is empty"])
 }
 
 /// Sets colours, clears, rings, by one byte, by two, by one of Latin-1; turns text around; begins a line of its own.

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use super::inputs::fed;
 use super::run::{Run, folder, is_empty, rimline};
 use super::{Outcome, Test, ensure};
 
@@ -44,7 +45,9 @@ fn bomb() -> Outcome {
     let model = folder.path().join("bomb.gltf");
     write(&model, BOMB)?;
     info(&model, &["--memory-limit", "100MiB"])
-        .expect(1, &["bomb.gltf: meshes[0].primitives[0]", "more than the limit of 100 MiB", "--memory-limit"])
+        .expect(1, &["bomb.gltf: meshes[0].primitives[0]", "more than the limit of 100 MiB", "--memory-limit"])?;
+    let line = ["info", "-", "--memory-limit", "100MiB"];
+    fed(BOMB.as_ref(), &line)?.expect(1, &["-: meshes[0].primitives[0]", "limit of 100 MiB", "--memory-limit"])
 }
 
 fn limit() -> Outcome {
@@ -52,7 +55,8 @@ fn limit() -> Outcome {
     let model = folder.path().join("triangle.gltf");
     write(&folder.path().join("a.bin"), [0; 36])?;
     write(&model, triangle("a.bin"))?;
-    info(&model, &["--memory-limit", "100"]).expect(1, &["triangle.gltf", "more than the limit of 100 bytes"])?;
+    info(&model, &["--memory-limit", "100"])
+        .expect(1, &["triangle.gltf: the file: reading it", "more than the limit of 100 bytes"])?;
     info(&model, &["--memory-limit", "1MiB"]).expect(0, &[])?;
     info(&model, &[]).expect(0, &[])
 }

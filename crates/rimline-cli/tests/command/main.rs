@@ -11,6 +11,7 @@ mod draw;
 mod fallback;
 mod info;
 mod inputs;
+mod keys;
 mod load;
 mod models;
 mod npz_bounds;
@@ -66,6 +67,7 @@ fn main() {
         verify_wrong::TESTS,
         schema::TESTS,
         words::TESTS,
+        keys::TESTS,
         bench::TESTS,
         outputs::TESTS,
         inputs::TESTS,

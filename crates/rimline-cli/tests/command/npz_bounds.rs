@@ -86,7 +86,9 @@ fn longer() -> Outcome {
 }
 
 fn non_finite() -> Outcome {
-    for (value, count) in [(f32::NAN, "1 vertex is"), (f32::INFINITY, "1 vertex is"), (1.0, "")] {
+    for (value, count) in
+        [(f32::NAN, "1 vertex is infinite or NaN; its faces"), (f32::INFINITY, "1 vertex is"), (1.0, "")]
+    {
         let folder = folder();
         let file = |name: &str| folder.path().join(name).into_os_string();
         let mut positions = TETRAHEDRON;

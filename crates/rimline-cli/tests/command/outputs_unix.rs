@@ -22,6 +22,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("outputs_unix::a_protected_file_is_not_replaced", protected),
     ("outputs_unix::pipes_are_written_through", pipe),
     ("outputs_unix::standard_output_gets_the_result_alone", standard_output),
+    ("outputs_unix::a_dash_is_standard_output", dash),
+    ("outputs_unix::what_is_in_the_way_is_named", in_the_way),
     ("outputs_unix::a_full_device_is_an_error_of_one_line", full),
     ("outputs_unix::parts_of_killed_runs_block_nothing", stale_part),
     ("outputs_unix::the_longest_names_work", long_names),
@@ -223,6 +225,46 @@ fn standard_output() -> Outcome {
     ensure!(status.success(), "{status}");
     ensure!(fs::read(&log).map_err(text)? == [b"before ", &bytes[..]].concat(), "the file has not the result alone");
     Ok(())
+}
+
+fn dash() -> Outcome {
+    let folder = folder();
+    let line = extraction(folder.path(), Path::new("-"))?;
+    let bytes = expected(&line, folder.path())?;
+    let run = |line: &[OsString]| {
+        Command::new(env!("CARGO_BIN_EXE_rimline")).args(line).current_dir(folder.path()).output().map_err(text)
+    };
+    let piped = run(&[&line[..], &["--json".into()]].concat())?;
+    ensure!(piped.stdout == bytes, "{} bytes instead of {}", piped.stdout.len(), bytes.len());
+    ensure!(String::from_utf8_lossy(&piped.stderr).starts_with('{'), "the report is nowhere");
+    ensure!(!folder.path().join("-").exists(), "there is a file of that name");
+    // Where it is the model.
+    let script = "exec \"$0\" extract \"$1\" --device cpu --light dir:0,1,0 --out - >> \"$1\"";
+    let model = folder.path().join("model.npz");
+    refused(folder.path(), 2, &["is an input"], || shell(script, &[&model]))?;
+    // A file of that name is written by its path.
+    let line = extraction(folder.path(), Path::new("./-"))?;
+    ensure!(run(&line)?.status.success(), "./- was refused");
+    ensure!(fs::read(folder.path().join("-")).map_err(text)? == bytes, "./- is not the result");
+    Ok(())
+}
+
+/// The folder of files in the making, by what the user knows of it.
+fn in_the_way() -> Outcome {
+    let folder = folder();
+    let line = extraction(folder.path(), Path::new("/dev/full"))?;
+    let run = rimline_with(&line, &[("TMPDIR", "/none/such")]);
+    run.expect(4, &["a temporary file in /none/such", "TMPDIR"])?;
+    one_error(&run.stderr)?;
+    let sealed = folder.path().join("sealed");
+    fs::create_dir(&sealed).map_err(text)?;
+    fs::set_permissions(&sealed, fs::Permissions::from_mode(0o555)).map_err(text)?;
+    // The superuser may write everywhere but there.
+    let place = if File::create(sealed.join("probe")).is_ok() { Path::new("/proc") } else { &sealed };
+    let run = rimline(extraction(folder.path(), &place.join("out.npz"))?);
+    run.expect(4, &["out.npz: cannot be written: no file can be made in its folder: ", "os error"])?;
+    ensure!(!run.stderr.contains(".part") && !run.stderr.contains(".rimline"), "{}", run.stderr);
+    one_error(&run.stderr)
 }
 
 /// A flat grid of so many vertices each way.

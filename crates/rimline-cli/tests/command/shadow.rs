@@ -552,6 +552,13 @@ fn scale() -> Outcome {
         }
         drawn.push(images);
     }
+    // From -3e38 to 3e38 is further than the numbers go.
+    let vast = model(&shapes::cube(), 3e38, [0.0; 3]);
+    std::fs::write(folder.path().join("vast.npz"), vast).map_err(|error| error.to_string())?;
+    for command in ["draw", "shadow", "film --frames 1"] {
+        let line = format!("{command} @vast.npz --size 96x72 --out @vast");
+        run(folder.path(), &line).expect(1, &["vast.npz: the model is larger", "scale it down"])?;
+    }
     for (scale, images) in scales.iter().zip(&drawn) {
         for (place, (image, first)) in images.iter().zip(&drawn[0]).enumerate() {
             let far = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;

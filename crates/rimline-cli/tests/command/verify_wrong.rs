@@ -154,6 +154,9 @@ fn nothing() -> Outcome {
     rimline(["verify".as_ref(), empty.as_os_str()]).expect(1, &["no .npz"])?;
     let missing = folder.path().join("missing");
     rimline(["verify".as_ref(), missing.as_os_str()]).expect(1, &["missing", "cannot be read"])?;
+    std::fs::write(folder.path().join("file"), b"").map_err(text)?;
+    rimline(["verify".as_ref(), folder.path().join("file").as_os_str()])
+        .expect(1, &["not a folder", "give the folder"])?;
     one_file(folder.path(), "one.npz")?;
     let one = folder.path().join("one");
     for (options, code, message) in [
