@@ -1,4 +1,4 @@
-// Structs and constants that stages share among themselves and with src/layout.rs, which a test holds against this file.
+// Structs and constants that stages share with each other and with src/layout.rs. A test compares the two files.
 
 const NO_FACE: u32 = 0xffffffffu;
 // Bit 31 of an edge record's face 0: both faces traverse the edge the same way.

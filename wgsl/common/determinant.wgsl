@@ -1,5 +1,5 @@
-// det[b - a, c - a, l - w a] in f32, whose sign is a face's side: in the local form, from differences alone, and by the
-// face's plane; NUMERICS.md, "Facing" and "Per edge".
+// det[b - a, c - a, l - w a] in f32. Its sign tells the light's side of the face. The local form takes differences
+// only; the plane form takes the face's plane. NUMERICS.md, "Facing" and "Per edge".
 
 // By the plane's equation, as published in 2003; else in the local form.
 override PLANE: bool = false;

@@ -1,5 +1,5 @@
-// The sign of det[b - a, c - a, l - w a] for any finite f32 whatever, in pure integer arithmetic: rare and slow, so as
-// short as can be. NUMERICS.md, "Exact facing".
+// The sign of det[b - a, c - a, l - w a] for all finite f32, in integer arithmetic. It is rare and slow, so the code is
+// short rather than fast. NUMERICS.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu;
 // Digits of 24 bits, zeros between uses. 48 of them hold every sum of products of four finite f32; four more are read.

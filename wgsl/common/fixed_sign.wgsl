@@ -1,5 +1,5 @@
-// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits:
-// integers of 12-bit limbs in i32, which no compiler can round, fuse or flush. NUMERICS.md, "Exact facing".
+// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits.
+// The integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them. NUMERICS.md, "Exact facing".
 
 // Bits that a face's nine coordinates may span from the lowest bit set to the highest, and those of l and w a.
 const FACE_BITS: i32 = 46;

@@ -1,5 +1,5 @@
-// Positions in whatever buffer holds them: words at any offset and stride, in up to four bindings of equal length.
-// Read as u32, so that no load can flush a subnormal.
+// Reads positions from any buffer: words at any offset and stride, in up to four bindings of equal length. They are
+// read as u32, so that no load can flush a subnormal.
 
 @group(0) @binding(2) var<storage, read> positions_0: array<u32>;
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;

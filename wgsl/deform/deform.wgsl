@@ -1,4 +1,5 @@
-// Deform: morph, skin, displace, from mesh space to world space, for the vertices of one instance.
+// Deform: computes morph targets, skin and displacement for the vertices of one instance, from mesh space to world
+// space.
 
 @group(0) @binding(0) var<uniform> chunk: DeformChunk;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;

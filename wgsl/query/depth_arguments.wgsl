@@ -1,5 +1,5 @@
-// Depth arguments: the indirect dispatch that counts pairs of point and light anew, from how many are listed; and the
-// list is empty again.
+// Depth arguments: computes the indirect dispatch that counts pairs of point and light again, from the length of their
+// list. Then it empties the list.
 
 @group(0) @binding(0) var<uniform> range: FaceRange;
 @group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;

@@ -1,6 +1,6 @@
-// Exact shadow depth: the faces that shadow_depth.wgsl left undecided, settled in integers, in fixed point where the
-// numbers fit. The line and an edge that it meets are told apart as if the light were moved by (e, e^2, e^3);
-// NUMERICS.md, "Shadow depth".
+// Exact shadow depth: decides the faces that shadow_depth.wgsl left undecided. It computes in integers, and in fixed
+// point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
+// moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
 
 // The light, and then the axes along which it is moved.
 fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {

@@ -1,5 +1,6 @@
-// Shadow depth: how many faces lie strictly between each point and each light, one invocation a pair of these. Faces in
-// doubt are noted for exact_shadow_depth.wgsl; a pair with more than can be noted is listed, to be counted anew there.
+// Shadow depth: counts the faces strictly between each point and each light. One invocation takes one pair of point and
+// light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
+// exact_shadow_depth.wgsl counts it again.
 
 var<private> doubt: UndecidedFaces;
 

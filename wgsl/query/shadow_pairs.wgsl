@@ -1,5 +1,5 @@
-// Faces between a point and a light, for both stages of the shadow depth query, as far as f32 bounds decide. NUMERICS.md,
-// "Shadow depth".
+// Decides with f32 bounds whether a face lies between a point and a light. Both stages of the shadow depth query use
+// it. NUMERICS.md, "Shadow depth".
 
 // As many doubts as are noted of a pair of point and light.
 const MOST_DOUBTS: u32 = 3u;

@@ -1,5 +1,5 @@
-// Segments from points to lights, and boxes that they miss, for both stages of the shadow depth query. NUMERICS.md,
-// "Shadow depth".
+// Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
+// NUMERICS.md, "Shadow depth".
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: PointChunk;

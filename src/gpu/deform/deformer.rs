@@ -190,7 +190,8 @@ impl Deformer {
     }
 
     /// Records the deformation into `pose`. `time_s` is the time in seconds for the displacement. `resources` is the
-    /// displacement's bind group, of the layout that the deformer was made with.
+    /// displacement's bind group, of the layout that the deformer was made with. `timer` takes a timestamp around the
+    /// stage.
     ///
     /// # Errors
     /// [`DeformError`] if the pose does not fit the model, has too many active morph targets
