@@ -1,5 +1,5 @@
-// Compact: lists of silhouette edges a light, in the order of the edges, from the masks. Three passes: count the bits of
-// each block of edges, turn the counts into places, scatter.
+// Compact: makes lists of silhouette edges for each light, in edge order, from the masks. It has three passes: count
+// the bits of each block of edges, turn the counts into offsets, scatter.
 
 @group(0) @binding(0) var<uniform> chunk: Chunk;
 @group(0) @binding(1) var<storage, read> masks: array<Masks>;

@@ -1,5 +1,5 @@
-// Edges: for each edge record its silhouette and winding mask, from the facing masks of its faces. Writes the masks,
-// appends silhouette edges to the lights' lists in no particular order, or both.
+// Edges: computes the silhouette and winding mask of each edge record from the facing masks of its faces. It writes the
+// masks, appends silhouette edges to the lists of the lights in no particular order, or does both.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;

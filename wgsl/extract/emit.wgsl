@@ -1,4 +1,4 @@
-// Where the edge stages put what they found: masks, lists, or both.
+// Writes what the edge stages found: masks, lists, or both.
 
 @group(0) @binding(7) var<storage, read_write> masks: array<Masks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;

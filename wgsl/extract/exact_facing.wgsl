@@ -1,6 +1,6 @@
-// Exact facing: the masks of the faces that the facing stage left undecided. A bound of each light's own decides most
-// signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in integers that no compiler can
-// round, fuse or flush, in fixed point where the numbers fit and else for every finite f32 ("Exact facing").
+// Exact facing: computes the masks of the faces that the facing stage left undecided. A bound for each light decides
+// most signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"). Integers decide the rest, because no compiler can
+// round, fuse or flush them: in fixed point where the numbers fit, else for every finite f32 ("Exact facing").
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;

@@ -1,6 +1,6 @@
-// Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
-// Sign of det[b - a, c - a, l - w a]; NUMERICS.md, "Facing". One bound a face tells whether all its signs are certain
-// ("Filter"); if not, the face is listed for exact_facing.wgsl, which sets its mask.
+// Facing: computes one bit for each face and light, set if the light lies strictly on the face's counter-clockwise
+// side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
+// whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;

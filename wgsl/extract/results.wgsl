@@ -1,5 +1,5 @@
-// Reads Rimline's results in a caller's own shaders: up to 32 lights, whose numbers here count from the word's first.
-// Bind group GROUP is made by `Extraction::bind_group`.
+// Reads Rimline's results in a caller's shaders, for a batch of up to 32 lights. Light numbers count from the first
+// light of the batch. `Extraction::bind_group` makes bind group GROUP.
 
 struct RimlineInfo {
   edges: u32,

@@ -20,8 +20,8 @@ use crate::mesh::is_degenerate;
 /// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
 ///
 /// # Errors
-/// [`LightError`] for no lights, more than [`MAX_LIGHTS`], or a light that is non-finite, all zeros, or has a negative
-/// `w`.
+/// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros, has an impossible range
+/// or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
