@@ -1,4 +1,5 @@
-// Bounds: the box of a caster's finite faces, for `choose`, and whether there are others. Floats are compared as integers of the same order.
+// Bounds: computes the box of a caster's finite faces, for `choose`, and whether the caster has other faces. Floats are
+// compared as integers of the same order.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> positions: array<u32>;

@@ -1,5 +1,6 @@
-// Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
-// lies between the light and the near plane and projected onto that; and the sides of holes.
+// Cap faces: computes the vertices of caps and of the sides of holes. A light cap is a face at its place. A dark cap is
+// the face at the far end of the volume. A near cap is the part of a face between the light and the near plane,
+// projected from the light onto that plane.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;

@@ -1,6 +1,6 @@
-// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail, the
-// published ZP+, and where volumes end at the range, every face that casts. Each light has two lists: of faces whose cap counts up on its front, and on
-// its back.
+// Caps: lists the faces that caps are drawn from. With ZP+ these are the casting faces between the light and the near
+// rectangle. With z-fail, with ZP+ as published, and where volumes end at the range, they are all casting faces. Each
+// light has two lists: faces whose cap counts up on its front, and faces whose cap counts up on its back.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;

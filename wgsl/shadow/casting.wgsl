@@ -1,4 +1,4 @@
-// Which faces cast, and what their caps count.
+// Tells which faces cast, and what their caps count.
 
 fn casts(light: ShadowLight, facing: bool) -> bool {
   return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);

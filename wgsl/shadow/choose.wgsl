@@ -1,5 +1,6 @@
-// Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone: the cheap way
-// out. What may need caps goes on to `caps`, whose dispatches are written here.
+// Choose: chooses for each light the faces of the caster that cast and the counting method, from the caster's box
+// alone. This is cheap and settles most casters. Casters that may need caps go on to `caps`, whose dispatches are
+// written here.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;

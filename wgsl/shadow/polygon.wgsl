@@ -1,4 +1,4 @@
-// Polygons that come of clipping, drawn as triangle strips of five vertices.
+// Draws polygons that clipping made as triangle strips of five vertices.
 
 const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 

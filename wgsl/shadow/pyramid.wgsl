@@ -1,4 +1,4 @@
-// The pyramid between a light and the near rectangle, as planes: what lies in it casts onto the near rectangle.
+// The pyramid between a light and the near rectangle, as planes. Faces in it cast onto the near rectangle.
 
 // Relative slack of every test: far above the rounding of what is tested.
 const SLACK: f32 = 4e-6;

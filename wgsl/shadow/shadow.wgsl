@@ -1,5 +1,5 @@
-// What the stages of shadow volumes share: structs, clip space, and the three forms that a vertex V of a volume takes:
-// V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
+// What the stages of shadow volumes share: structs, clip space, and the three forms of a vertex V of a volume. These
+// are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
 // volumes".
 
 // The caller's camera.

@@ -1,5 +1,6 @@
-// Shadow arguments: for each light the indirect draws of its volume. A light whose caps found no face is counted by
-// plain z-pass. Lists that overflowed are drawn over all edges or faces, and the vertex shader rejects what is none.
+// Shadow arguments: computes the indirect draws of each light's volume. If the caps stage found no face for a light,
+// plain z-pass counts it. The draws of lists that overflowed go over all edges or faces. The vertex shader then rejects
+// those that do not belong.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> silhouette_counts: array<u32>;

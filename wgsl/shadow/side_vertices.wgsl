@@ -1,4 +1,5 @@
-// The vertices of a side, the quad from an edge away from the light, as it is and clipped at the near plane.
+// Computes the vertices of a side, as it is and clipped at the near plane. A side is the quad from an edge away from
+// the light.
 
 // Strip of four: first and second, then their far vertices.
 fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {

@@ -1,6 +1,6 @@
-// Sides: the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves clipping
-// to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits;
-// `zp_plus_2005_side` is what was published in 2005.
+// Sides: draws the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves
+// clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal
+// bits. `zp_plus_2005_side` is the side as published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;

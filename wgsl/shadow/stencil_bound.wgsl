@@ -1,7 +1,7 @@
-// Stencil bound: for each light what no count of this caster's volumes exceeds, so that a caller learns where 8 bits might
-// not do. Half planes of a pencil whose axis goes through the light and misses the caster begin and end outside of every
-// volume; what they meet in between goes up and down by the weights of the sides that they cross, so half the sum of those
-// is the most that it comes to. The pencil is cut into bins. A workgroup takes a light of the word.
+// Stencil bound: computes for each light an upper bound of this caster's stencil counts, so that a caller learns where
+// 8 bits may not suffice. Take a pencil of half planes whose axis goes through the light and misses the caster. A half
+// plane begins and ends outside every volume. In between its count changes by the weights of the sides that it crosses,
+// so it never exceeds half their sum. The pencil is cut into bins. A workgroup takes one light of the batch.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this word.

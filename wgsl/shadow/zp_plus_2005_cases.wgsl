@@ -1,5 +1,5 @@
-// Paper cases: the published ZP+ leaves a caster and a light to z-fail where the near plane cuts both finite edges of one
-// of their sides, its case D. A workgroup takes a light of the word.
+// Cases of ZP+ as published: finds lights for which the near plane cuts both finite edges of a side (the paper's case
+// D). The published method leaves such a caster and light to z-fail. A workgroup takes one light of the batch.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;

@@ -6,9 +6,9 @@ use crate::cpu::extract::facing::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 
-/// For each light two lists of faces in their order: those whose cap counts up on its front, and on its back. `facing`
-/// is ⌈N/32⌉ planes of facing masks. Faces that name a vertex twice or a missing one, or have a corner that is not
-/// finite, are in no list.
+/// Two lists of faces for each light, in the order of the faces: those whose cap counts up on its front, and those
+/// whose cap counts up on its back. `facing` has ⌈N/32⌉ planes of facing masks. The lists leave out faces that name a
+/// vertex twice, or have a missing corner or one that is not finite.
 pub fn caps(
     view: &ShadowView,
     positions: &[[f32; 3]],

@@ -1,11 +1,11 @@
-//! Shadow arguments: for each light the indirect draws of its volume.
+//! Shadow arguments: the indirect draws of each light's volume.
 
 use bytemuck::Zeroable as _;
 
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
-/// The draws of each light, from its count of silhouette edges and its two counts of cap faces; and the statistics.
+/// The draws of each light, from its count of silhouette edges and its two counts of cap faces, and the statistics.
 pub fn shadow_arguments(
     shape: &ShadowShape,
     silhouette_counts: &[u32],
@@ -17,7 +17,7 @@ pub fn shadow_arguments(
         let is_skipped = light.casting == CAST_NOTHING;
         let is_doubled = light.casting == CAST_EVERY;
         let sides = if silhouettes > shape.capacity { shape.edges } else { silhouettes };
-        // Weight 2: drawn twice.
+        // A side of weight 2 is drawn twice.
         let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
         let [front, back] = if is_skipped { [0, 0] } else { counts };
         let has_overflowed = front.max(back) > shape.cap_capacity;
@@ -31,7 +31,7 @@ pub fn shadow_arguments(
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        // Sides of holes count where every face casts, as it does then.
+        // Sides of holes count only where every face casts. A caster with holes always casts so.
         let holes = if is_doubled && light.holed != 0 { shape.faces } else { 0 };
         let [plain_holes, clipped_holes] = if is_clipped { [0, holes] } else { [holes, 0] };
         let none = ShadowDraws {
@@ -65,7 +65,7 @@ pub fn shadow_arguments(
     (draws, statistics)
 }
 
-/// A draw; one without instances is all zeros.
+/// A draw. It is all zeros if it has no instances.
 fn arguments(vertices: u32, instances: u32) -> DrawArguments {
     let vertex_count = if instances == 0 { 0 } else { vertices };
     DrawArguments { vertex_count, instance_count: instances, first_vertex: 0, first_instance: 0 }

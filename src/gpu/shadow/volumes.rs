@@ -1,4 +1,4 @@
-//! Shadow volumes of one caster.
+//! The shadow volumes of one caster.
 
 use std::sync::Arc;
 
@@ -22,20 +22,21 @@ use crate::gpu::extract::extractor::Extractor;
 use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
 use crate::light::{self, check_shadow_lights};
 
-/// The shadow volumes of one caster, for the lights of its [`Extractor`]. Records compute passes into the caller's encoder
-/// after the extraction's, and draws into the caller's render pass; nothing is read back.
+/// The shadow volumes of one caster, for the lights of its [`Extractor`]. It records compute passes into the caller's
+/// encoder after those of the extraction, and draws into the caller's render pass. It reads nothing back.
 ///
-/// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
-/// the stencil is still 0. What casts must be in the depth buffer before. How precise depth must be is said at
-/// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil).
+/// For each light, a pass clears the stencil to 0 and draws the volumes of all casters. Then the light is added where
+/// the stencil is still 0. The depth buffer must contain the casters before.
+/// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil) says how precise depth must be.
 ///
-/// Of a closed, consistently oriented caster the faces averted from the light cast, whichever way it is wound; where the
-/// light or the near rectangle may be within its box, and of any other caster, every face does. A light exactly on one of a
-/// caster's faces has no shadow of that caster to rely on, and one next to an edge an imprecise one: keep lights off
-/// surfaces, by a ten-thousandth of the caster's size or more.
+/// A closed, consistently oriented caster casts by its faces averted from the light, whichever way it is wound. All its
+/// faces cast if the light or the near rectangle may be in its box. All faces of any other caster cast.
 ///
-/// Shadows can be wrong by one pixel at the contours that the eye sees: rasterization rounds positions there, and a hairline
-/// of light or shadow can appear. NUMERICS.md, "Hairlines", has the details.
+/// Keep lights away from surfaces, by a ten-thousandth of the caster's size or more. A light exactly on a face of a
+/// caster has no reliable shadow of this caster, and a light next to an edge has an imprecise one.
+///
+/// Shadows can be wrong by one pixel at contours as the camera sees them. Rasterization rounds positions there, and a
+/// hairline of light or shadow can appear. See NUMERICS.md, "Hairlines".
 ///
 /// ```no_run
 /// use rimline::gpu::{
@@ -43,7 +44,8 @@ use crate::light::{self, check_shadow_lights};
 /// };
 /// use rimline::{Counting, Light, Mesh, ShadowCamera, wgpu};
 ///
-/// /// The light pass's: it meets the depth pass's surfaces again, and lights them where no volume was counted.
+/// /// The depth-stencil state of the light pass. It draws the surfaces of the depth pass again and lights them where no
+/// /// volume was counted.
 /// fn light_pass_depth_stencil() -> wgpu::DepthStencilState {
 ///     let lit = wgpu::StencilFaceState {
 ///         compare: wgpu::CompareFunction::Equal, // with `set_stencil_reference(0)`, which passes begin with
@@ -67,10 +69,10 @@ use crate::light::{self, check_shadow_lights};
 /// #     depth_stencil: &wgpu::TextureView,
 /// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, usize),
 /// # ) -> Result<(), Box<dyn std::error::Error>> {
-/// // Once, with the format of your depth-stencil attachment and your camera's depth:
+/// // Once, with the format of your depth-stencil attachment and the depth of your camera:
 /// let format = ShadowFormat { depth: camera.depth, ..ShadowFormat::default() };
 /// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
-/// // Once a caster:
+/// // Once for each caster:
 /// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
 /// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 ///
@@ -78,7 +80,7 @@ use crate::light::{self, check_shadow_lights};
 /// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
 /// let extraction = extractor.encode(encoder, vertices, &lights, None)?;
 /// let shadows = volumes.encode(encoder, &extraction, camera, None)?;
-/// // After your depth pass, for each light; your colour attachments go here, too, and into the format:
+/// // After your depth pass, for each light. Put your colour attachments here and into the format:
 /// for light in 0..lights.len() {
 ///     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
 ///         label: Some("light"),
@@ -104,12 +106,12 @@ pub struct ShadowVolumes {
 }
 
 impl ShadowVolumes {
-    /// Buffers for the mesh that `extractor` was made for, on the same device as `pipelines`; what the volumes compute with
-    /// is kept there, too.
+    /// Makes buffers on the device of `pipelines`, for the mesh that `extractor` was made for. `extractor` must be on
+    /// the same device. `pipelines` also provides the compute pipelines.
     ///
     /// # Errors
-    /// [`ShadowVolumesError`] when the extractor lacks lists or facing masks, is on another device than the pipelines, or
-    /// the mesh does not fit the device.
+    /// [`ShadowVolumesError`] if the extractor lacks lists or facing masks or is on another device, or the mesh does
+    /// not fit the device.
     pub fn new(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
@@ -164,12 +166,13 @@ impl ShadowVolumes {
         Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
 
-    /// Records, after the encode that returned `extraction`, what chooses and lists for `camera`, and returns what can be
-    /// drawn. The lights are the extraction's, with their ranges; none are fine.
+    /// Records the stages that choose and list for `camera`, and returns what can be drawn. Call it after the encode that
+    /// returned `extraction`. Lights and their ranges are those of the extraction; it may have none. The camera takes
+    /// positions in their own space. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ShadowEncodeError`] when camera or lights are refused, or the extraction is another extractor's or out of date;
-    /// nothing is recorded then.
+    /// [`ShadowEncodeError`] if camera or lights are refused, or the extraction belongs to another extractor or is out
+    /// of date. Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -202,7 +205,7 @@ impl ShadowVolumes {
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         if !lights.is_empty() {
-            // A thread takes some 64 faces: few atomics, and still all cores.
+            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
             let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
             let groups = Groups {
                 bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
@@ -213,25 +216,28 @@ impl ShadowVolumes {
         Ok(ShadowFrame::new(Arc::clone(&self.shared), groups, extraction.clone()))
     }
 
-    /// A [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once submitted; usage `COPY_SRC`.
+    /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once its encoder was submitted. Usage
+    /// `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
         &self.shared.buffers.statistics
     }
 
-    /// What was chosen for each light: [`ShadowLight`]s, once submitted; usage `COPY_SRC`.
+    /// The choices for each light of the last encode, as [`ShadowLight`]s, once its encoder was submitted. Usage
+    /// `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn lights(&self) -> &wgpu::Buffer {
         &self.shared.buffers.lights
     }
 
-    /// The draws of each light: [`ShadowDraws`](crate::layout::ShadowDraws), once submitted; usages `INDIRECT` and `COPY_SRC`.
+    /// The draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
+    /// `INDIRECT` and `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.shared.buffers.draws
     }
 
-    /// Refuses what would draw wrong shadows: an extraction of another extractor or out of date, another camera than the
-    /// pipelines are for.
+    /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
+    /// the pipelines are not for.
     fn check(&self, extraction: &Extraction, camera: &ShadowCamera) -> Result<(), ShadowEncodeError> {
         let Shared { source, convention, .. } = &*self.shared;
         if !Arc::ptr_eq(source, &extraction.shared) {
@@ -249,7 +255,7 @@ impl ShadowVolumes {
         Ok(())
     }
 
-    /// Makes the bind groups that read positions, unless they are made for this very place already.
+    /// Makes the bind groups that read positions, unless they exist for this place.
     fn bind(&mut self, extraction: &Extraction) -> Result<Arc<DrawGroups>, ShadowEncodeError> {
         if let Some((place, groups)) = &self.bound
             && *place == extraction.place
