@@ -5,7 +5,7 @@
 @group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
-// Workgroups that a dispatch may have along x or y.
+// The largest number of workgroups of a dispatch along x or y.
 override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)

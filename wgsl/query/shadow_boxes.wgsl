@@ -7,7 +7,7 @@
 
 const SIGN: u32 = 0x80000000u;
 
-// Lowest and highest keys, and the bits of the largest absolute coordinate; `any_face` 0 where there is nothing.
+// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 0 if no face counts.
 struct Keys {
   low: vec3<u32>,
   largest: u32,
