@@ -9,7 +9,7 @@
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 
-// Faces in each binding but the last; 0: all lie in the first.
+// The number of faces in each binding except the last. 0: all are in the first.
 override WINDOW_WORDS: u32 = 0u;
 
 fn facing_mask(face: u32) -> u32 {

@@ -12,7 +12,7 @@ fn emit(edge: u32, silhouette: u32, winding: u32) {
     masks[edge] = Masks(silhouette, winding);
   }
   if (APPEND) {
-    // Silhouettes are few, so one atomic each costs less than agreeing on places within the workgroup.
+    // Silhouettes are few, so one atomic for each costs less than agreeing on places within the workgroup.
     for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
       let light = firstTrailingBit(rest);
       let place = atomicAdd(&counts[chunk.first_light + light], 1u);

@@ -7,7 +7,7 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> statistics: Statistics;
-// How many faces are undecided, then the faces, counted from the chunk's first.
+// The number of undecided faces, and then the faces. Their indices count from the first face of the chunk.
 @group(0) @binding(9) var<storage, read> undecided: array<u32>;
 
 struct Face {
@@ -17,13 +17,13 @@ struct Face {
   c: vec3<u32>,
 }
 
-// Bits of facing lights and of those undecided.
+// The bits of facing lights and those of undecided lights.
 struct Decision {
   facing: u32,
   doubt: u32,
 }
 
-// By f32 where the light's own bound allows it.
+// Decides lights by f32 if the bound of the light allows it.
 fn filter_lights(face: Face) -> Decision {
   let largest = largest_magnitude(face.a, face.b, face.c);
   var decision = Decision(0u, word.live);
@@ -46,7 +46,7 @@ fn filter_lights(face: Face) -> Decision {
     let l = word.lights[light];
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
-    // The error of w a counts only where w is no power of two, or tiny.
+    // The error of w a counts only if w is not a power of two, or is tiny.
     let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);
@@ -58,8 +58,8 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// The bits of the lights undecided, by integers. In two loops, since some GPUs execute a branch once for each turn of the
-// loop around it, whether any face needs it or not.
+// The bits of the undecided lights, by integers. There are two loops, because some GPUs execute a branch once for each
+// turn of the loop around it, whether any face needs it or not.
 fn settle(doubt: u32, face: Face) -> u32 {
   let fixed = fixed_face(face.a, face.b, face.c);
   var facing = 0u;
@@ -108,10 +108,10 @@ fn decide(index: u32) -> u32 {
   return decision.facing;
 }
 
-// Few invocations for many faces, by turns: as a rule nearly none is undecided.
+// Few invocations take many faces in turn, because nearly no face is undecided as a rule.
 @compute @workgroup_size(64)
 fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
+  // If the list overflowed, every face is decided. `decide` is called once, because each call is compiled by itself.
   let overflowed = undecided[0] >= arrayLength(&undecided);
   let items = select(undecided[0], chunk.count, overflowed);
   for (var index = id.x; index < items; index += 64u * groups.x) {

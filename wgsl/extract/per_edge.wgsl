@@ -11,7 +11,7 @@ fn position(vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(position_bits(vertex, word.position_offset, word.position_stride));
 }
 
-// What a face needs to know of itself for all lights.
+// The values of a face that all lights share.
 struct Side {
   plane: vec4<f32>,
   a: vec3<f32>,

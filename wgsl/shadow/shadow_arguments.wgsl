@@ -20,9 +20,9 @@ fn cap_instances(count: u32) -> u32 {
 fn write_arguments(index: u32) {
   let light = shadow_lights[index];
   var sides = select(silhouette_counts[index], shape.edges, silhouette_counts[index] > shape.capacity);
-  // Weight 2: drawn twice.
+  // A side of weight 2 is drawn twice.
   sides *= select(1u, 2u, light.casting == CAST_EVERY);
-  // Sides of holes count where every face casts, as it does then.
+  // Sides of holes count only where every face casts. A caster with holes always casts so.
   let holes = select(0u, shape.faces, light.casting == CAST_EVERY && light.holed != 0u);
   var front = cap_counts[2u * index];
   var back = cap_counts[2u * index + 1u];
