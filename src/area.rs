@@ -1,7 +1,7 @@
-//! Lights with an area, as sample lights for soft shadows.
+//! Samples of lights that have an area, for soft shadows.
 //!
-//! Shadows of up to 32 samples share one extraction: they are one batch of lights. Placement is deterministic: n-rooks
-//! (Shirley 1991), with the golden ratio's sequence as the permutation, which also keeps samples apart from each other.
+//! Up to 32 samples are one batch of lights, so their shadows share one extraction. Placement is deterministic: n-rooks
+//! sampling (Shirley 1991), with the golden ratio's sequence as the permutation, which also keeps samples apart.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -9,49 +9,52 @@ use glam::{DVec2, DVec3};
 
 use crate::Light;
 
-/// The shape of a light with an area. Lengths are in the unit of the positions; for a light at infinity, at distance 1.
+/// The shape of an area light. Lengths are in the unit of the positions. For a light at infinity they are those at
+/// distance 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AreaShape {
-    /// Level in its width.
+    /// A rectangle whose width is horizontal: at right angles to +Y.
     Rectangle {
-        /// Across.
+        /// Its width.
         width: f32,
-        /// Upwards.
+        /// Its height.
         height: f32,
     },
     /// A flat disc.
     Disc {
-        /// From the middle to the rim.
+        /// Its radius.
         radius: f32,
     },
-    /// A ball that looks evenly bright from everywhere.
+    /// A sphere that looks evenly bright from all sides.
     Sphere {
-        /// From the middle to the surface.
+        /// Its radius.
         radius: f32,
     },
 }
 
-/// A light with an area around a light without.
+/// A light with an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLight {
-    /// Its middle.
+    /// The centre, with `w` and range.
     pub light: Light,
     /// Its shape and size.
     pub shape: AreaShape,
-    /// Where rectangles and discs face, of any length; for a light at infinity they face the scene whatever this is.
+    /// The direction that rectangles and discs face, of any length. It has no meaning for spheres, and for a light at
+    /// infinity: that one always faces the scene.
     pub normal: [f32; 3],
 }
 
 impl AreaLight {
-    /// `count` lights spread over the shape, each of which stands for an equal share of its light; one alone is the
-    /// middle. The same in every run. w is 1, or 0 for a light at infinity.
+    /// Spreads `count` lights over the shape. Each stands for an equal share of the light. A single one lies at the
+    /// centre. The lights have the range of [`Self::light`]; `w` is 0 for a light at infinity, else 1. Every run gives
+    /// the same lights.
     pub fn samples(&self, count: usize) -> Vec<Light> {
         self.pattern(count, 0, 1)
     }
 
-    /// The samples of one of `patterns` patterns, numbered from 0 and then from the beginning again. Each is as good as
-    /// the others, and together they are more evenly spread: for pictures whose neighbouring pixels take different ones,
-    /// so that soft shadows show no steps. The same in every run.
+    /// The samples of pattern number `pattern` of `patterns`; larger numbers start again from 0. All patterns are
+    /// equally good, and together they are spread more evenly. Give neighbouring pixels different patterns, so that
+    /// soft shadows show no steps. Every run gives the same lights.
     pub fn pattern(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);
         let turn = Turn::new(pattern % patterns, patterns);
@@ -84,12 +87,12 @@ impl AreaLight {
     }
 }
 
-/// How far a pattern's places are moved in the unit cube, around whose sides they come in again.
+/// How far a pattern moves its samples in the unit cube. A sample that leaves the cube on one side enters on the other.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
-    /// Within a sample's column: the patterns divide it among them.
+    /// Within a sample's column. The patterns divide the column among them.
     column: f64,
-    /// Over all rows, and over all shares of a ball's inside.
+    /// Over all rows, and over all radii of a sphere.
     rest: [f64; 2],
     is_only: bool,
 }
@@ -100,18 +103,20 @@ impl Turn {
         Self { column: cell(pattern, patterns) - 0.5, rest, is_only: patterns == 1 }
     }
 
-    /// A sample's place in the unit square: alone in its row and its column, as rooks that do not threaten each other.
+    /// A sample's place in the unit square. No other sample of the pattern is in its row or its column, like rooks that
+    /// do not attack each other.
     fn square(self, sample: usize, count: usize) -> DVec2 {
         let across = cell(sample, count) + self.column / count as f64;
         DVec2::new(across, (cell(rank(sample, count, GOLDEN), count) + self.rest[0]).fract())
     }
 
-    /// A sample's place in the unit ball, so dense that the ball's picture is even from every side: as 1 / √(1 − r²).
+    /// A sample's place in the unit ball. The density is proportional to 1 / √(1 − r²), so the ball's picture is even
+    /// from every side.
     fn ball(self, sample: usize, count: usize) -> DVec3 {
         if count == 1 && self.is_only {
             return DVec3::ZERO;
         }
-        // With r = sin t, what lies within r is (2t − sin 2t) / π: solved by halving.
+        // With r = sin t, the share of samples within r is (2t − sin 2t) / π. Bisection solves it.
         let share = (cell(rank(sample, count, PLASTIC), count) + self.rest[1]).fract();
         let (mut low, mut high) = (0.0, FRAC_PI_2);
         for _ in 0..60 {
@@ -125,7 +130,7 @@ impl Turn {
     }
 }
 
-/// The number's digits behind the point, the last first: as even as such sequences get (van der Corput 1935).
+/// The radical inverse: the number's digits after the point in reverse order (van der Corput 1935).
 fn reflected(mut number: usize, base: usize) -> f64 {
     let (mut value, mut place) = (0.0, 1.0);
     while number > 0 {
@@ -136,22 +141,23 @@ fn reflected(mut number: usize, base: usize) -> f64 {
     value
 }
 
-/// The middle of one of `count` parts of the unit interval.
+/// The centre of one of `count` parts of the unit interval.
 fn cell(index: usize, count: usize) -> f64 {
     (index as f64 + 0.5) / count as f64
 }
 
-/// Fraction of the golden ratio, and of the plastic number's square, its like in one more dimension.
+/// The fraction of the golden ratio. `PLASTIC` is the fraction of the plastic number's square, which is its counterpart
+/// in one more dimension.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const PLASTIC: f64 = 0.569_840_290_998_053_3;
 
-/// How many of the multiples of `step`, of as many as there are samples, have a smaller fraction than this one's.
+/// How many of `count` multiples of `step` have a smaller fraction than this sample's.
 fn rank(sample: usize, count: usize, step: f64) -> usize {
     let fraction = |index: usize| (index as f64 * step).fract();
     (0..count).filter(|&other| fraction(other) < fraction(sample)).count()
 }
 
-/// The unit square onto the unit disc, areas and neighbours kept (Shirley and Chiu 1997).
+/// Maps the unit square onto the unit disc and keeps areas and neighbours (Shirley and Chiu 1997).
 fn disc(at: DVec2) -> DVec2 {
     let DVec2 { x, y } = 2.0 * at - 1.0;
     if x == 0.0 && y == 0.0 {
@@ -196,10 +202,10 @@ mod tests {
         }
         let disc = offsets(AreaShape::Disc { radius: 0.5 }, count);
         assert!(disc.iter().all(|at| at.dot(flat).abs() < 1e-6 && at.length() < 0.5));
-        // Half of a disc's area is within 0.71 of its radius.
+        // Half of a disc's area lies within 0.71 of its radius.
         let inner = disc.iter().filter(|at| at.length() < 0.5 * 0.5_f64.sqrt()).count();
         assert!(inner.abs_diff(count / 2) <= 2, "{inner}");
-        // A ball's picture: the same of it.
+        // The picture of a ball: half of its area, too.
         for axis in [DVec3::X, DVec3::Y, DVec3::new(0.6, 0.0, 0.8)] {
             let ball = offsets(AreaShape::Sphere { radius: 0.5 }, 512);
             assert!(ball.iter().all(|at| at.length() <= 0.5 + 1e-6));
@@ -226,7 +232,8 @@ mod tests {
 
     #[test]
     fn patterns_are_spread_together() {
-        // How many samples of all 16 patterns lie on one side of a line through the shape, in any direction.
+        // The largest difference between `share` and the share of samples on one side of a line, over many lines
+        // through the shape.
         let worst = |shape, patterns: usize, share: &dyn Fn(f64) -> f64| {
             let all: Vec<DVec3> = (0..patterns)
                 .flat_map(|pattern| light(shape).pattern(32, pattern, patterns))

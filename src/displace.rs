@@ -1,4 +1,4 @@
-//! A caller's displacement function: checked with naga and composed into the deform stage before any pipeline is made.
+//! A caller's displacement function. naga checks it, and the deform stage takes it in, before a pipeline is made.
 
 mod bounds;
 mod tokens;
@@ -13,14 +13,15 @@ pub use bounds::{
 
 use crate::stages::{DEFORM, INCLUDES};
 
-/// The bind group that a displacement may use.
+/// The index of the bind group that a displacement may use.
 pub const DISPLACE_GROUP: u32 = 1;
 
-/// WGSL with a function `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>` and whatever it calls.
+/// WGSL with a function `fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>` and the functions that
+/// it calls. It returns the displaced position in world space.
 ///
-/// `position` is in world space, after morph and skin; `vertex` is the source vertex index; `time` is in seconds. The
-/// source may declare resources of its own in bind group [`DISPLACE_GROUP`], up to two storage buffers within
-/// `wgpu::Limits::default()`. Its size is bounded, see [`DisplaceError::TooLarge`].
+/// `position` is in world space, after morph and skin. `vertex` is the index of the source vertex. `time` is in
+/// seconds. The source may declare its own resources in bind group [`DISPLACE_GROUP`]; within `wgpu::Limits::default()`
+/// that is up to two storage buffers. The source's size has bounds, see [`DisplaceError::TooLarge`].
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Displacement {
     source: String,
@@ -31,14 +32,14 @@ pub struct Displacement {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DisplaceError {
-    /// It is no valid WGSL.
+    /// It is not valid WGSL.
     #[error("displacement, line {line}, column {column}: {message}")]
     Wgsl {
-        /// Line from 1.
+        /// The line, from 1.
         line: u32,
-        /// Column from 1.
+        /// The column, from 1.
         column: u32,
-        /// What naga says, or the first 500 characters of it.
+        /// The message of naga, or its first 500 characters.
         message: String,
     },
     /// There is no function `displace`.
@@ -47,7 +48,7 @@ pub enum DisplaceError {
     /// `displace` has other arguments or another result.
     #[error("displacement, line {line}: `displace` must be `{SIGNATURE}`")]
     Signature {
-        /// Line from 1.
+        /// The line, from 1.
         line: u32,
     },
     /// A resource lies in another bind group.
@@ -55,25 +56,25 @@ pub enum DisplaceError {
         "displacement, line {line}: `{name}` is in bind group {group}; a displacement's resources belong in group 1"
     )]
     Group {
-        /// Line from 1.
+        /// The line, from 1.
         line: u32,
         /// The resource's name.
         name: String,
-        /// The group it is in.
+        /// The bind group that it is in.
         group: u32,
     },
-    /// It is larger than naga or a driver may be given: more could end the process. The bounds are [`MAX_SOURCE_BYTES`],
-    /// [`MAX_NESTING`], [`MAX_DECLARATIONS`] and [`MAX_ARRAY_ELEMENTS`], checked before it is parsed, and then
+    /// It is too large. A larger source could end the process in naga or in a driver. Before parsing, the bounds are
+    /// [`MAX_SOURCE_BYTES`], [`MAX_NESTING`], [`MAX_DECLARATIONS`] and [`MAX_ARRAY_ELEMENTS`]. After parsing, they are
     /// [`MAX_PRIVATE_BYTES`], [`MAX_FUNCTION_BYTES`], [`MAX_WORKGROUP_BYTES`] and [`MAX_OPERATIONS`].
     #[error(
         "displacement, line {line}: it has {needed} {what}, more than the {limit} that are allowed; make it smaller"
     )]
     TooLarge {
-        /// Line from 1.
+        /// The line, from 1.
         line: u32,
-        /// What there is too much of, in the plural.
+        /// The things that are too many, in the plural.
         what: &'static str,
-        /// How many there are, or at least as many.
+        /// Their number, or a lower bound of it.
         needed: u64,
         /// The bound.
         limit: u64,
@@ -86,16 +87,16 @@ pub enum DisplaceError {
     },
 }
 
-/// Characters of what naga says that are kept.
+/// The number of characters of naga's message that are kept.
 const LONGEST_MESSAGE: usize = 500;
 
 const SIGNATURE: &str = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";
 
 impl Displacement {
-    /// Checks `source` by itself and within the deform stage.
+    /// Checks `source` alone and within the deform stage.
     ///
     /// # Errors
-    /// [`DisplaceError`] that points at the line of `source`.
+    /// [`DisplaceError`], with the line of `source`.
     pub fn new(source: &str) -> Result<Self, DisplaceError> {
         tokens::check(source)?;
         let module = parse(source, source)?;
@@ -121,24 +122,24 @@ impl Displacement {
         Ok(displacement)
     }
 
-    /// The source declares resources, so the deform stage needs a bind group of the caller's.
+    /// Whether the source declares resources. The deform stage then needs a bind group from the caller.
     pub fn uses_resources(&self) -> bool {
         self.uses_resources
     }
 
-    /// The deform stage's module with this displacement. The caller's source comes first, so its line numbers hold.
+    /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
     pub fn deform_wgsl(&self) -> String {
         format!("{}\n{}", self.source, DEFORM.wgsl())
     }
 }
 
-/// The deform stage's module without any displacement.
+/// The WGSL of the deform stage without a displacement.
 pub fn plain_deform_wgsl() -> String {
     let identity = INCLUDES.iter().find(|(name, _)| *name == "deform/displace").map_or("", |(_, source)| source);
     format!("{identity}\n{}", DEFORM.wgsl())
 }
 
-/// Parses `text`, which begins with the caller's `source`; errors are placed in `source`.
+/// Parses `text`, which begins with the caller's `source`. Errors give places in `source`.
 fn parse(text: &str, source: &str) -> Result<Module, DisplaceError> {
     naga::front::wgsl::parse_str(text).map_err(|error| {
         let spans: Vec<Span> = error.labels().map(|(span, _)| span).collect();
@@ -151,7 +152,7 @@ fn validate(module: &Module, text: &str, source: &str) -> Result<ModuleInfo, Dis
         naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
     validator.validate(module).map_err(|error| {
         let spans: Vec<Span> = error.spans().map(|(span, _)| *span).collect();
-        // The error proper is wrapped in one that names the function.
+        // The outer error only names the function; the inner one says what is wrong.
         let mut message = error.as_inner().to_string();
         let mut cause = std::error::Error::source(error.as_inner());
         while let Some(error) = cause {
@@ -163,7 +164,7 @@ fn validate(module: &Module, text: &str, source: &str) -> Result<ModuleInfo, Dis
     })
 }
 
-/// An error at the first of `spans` that lies in `source`, the most precise one if there are several.
+/// An error at the first of `spans` that lies in `source`. The most precise span comes first.
 fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
     let ranges = spans.iter().filter_map(|span| span.to_range()).filter(|range| range.start <= source.len());
     let span = ranges.min_by_key(ExactSizeIterator::len).map_or(Span::UNDEFINED, |range| {
@@ -171,7 +172,7 @@ fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
         Span::new(range.start.min(end) as u32, end as u32)
     });
     let place = span.location(source);
-    // naga cites whole words, which may be as long as the source.
+    // naga quotes whole words, which may be as long as the source.
     let message = match message.char_indices().nth(LONGEST_MESSAGE) {
         Some((end, _)) => format!("{}…", &message[..end]),
         None => message,
@@ -179,7 +180,7 @@ fn wgsl_error(message: String, spans: &[Span], source: &str) -> DisplaceError {
     DisplaceError::Wgsl { line: place.line_number.max(1), column: place.line_position.max(1), message }
 }
 
-/// An override without a default would fail the pipeline, as nobody gives it a value.
+/// Refuses an override without a default. Nobody gives it a value, so the pipeline would fail.
 fn check_overrides(module: &Module, source: &str) -> Result<(), DisplaceError> {
     let mut overrides = module.overrides.iter();
     match overrides.find(|(_, constant)| constant.init.is_none()) {

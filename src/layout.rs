@@ -7,22 +7,22 @@ use bytemuck::{Pod, Zeroable};
 pub struct FieldLayout {
     /// The field's name, the same in WGSL.
     pub name: &'static str,
-    /// Bytes from the struct's start.
+    /// Bytes from the start of the struct.
     pub offset: usize,
-    /// Bytes it takes.
+    /// Size in bytes.
     pub size: usize,
-    /// Its type as Rust writes it.
+    /// The type as Rust writes it.
     pub rust_type: &'static str,
 }
 
-/// How a shared struct lies in memory.
+/// The memory layout of a shared struct.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StructLayout {
     /// The struct's name, the same in WGSL.
     pub name: &'static str,
-    /// Bytes it takes in an array.
+    /// Size in an array, in bytes.
     pub size: usize,
-    /// Its fields in order.
+    /// The fields in order.
     pub fields: &'static [FieldLayout],
 }
 
@@ -51,24 +51,24 @@ macro_rules! shared_structs {
 }
 
 shared_structs! {
-    /// Up to 32 lights and where the positions lie.
+    /// A batch of up to 32 lights, and the layout of the positions.
     struct LightBatch {
-        /// Homogeneous lights, scaled by a power of two; those past `count` repeat the last.
+        /// Homogeneous lights, scaled by a power of two. Entries past `count` repeat the last light.
         lights: [[f32; 4]; 32],
         /// The lights as given, bit for bit.
         light_bits: [[u32; 4]; 32],
-        /// |w| of each scaled light, as far as its products' errors count: 0 where it is a power of two, and not less
-        /// than 2⁻³⁶ where it is so small that scaling and products may lose it.
+        /// |w| of each scaled light, as far as it adds to the error of products. It is 0 if w is a power of two. It is
+        /// at least 2⁻³⁶ if w is so small that scaling and products may lose it.
         inexact_w: [[f32; 4]; 8],
-        /// Of all scaled lights the largest |x|, |y| or |z|, and the largest |w| or `inexact_w`.
+        /// The largest |x|, |y| or |z| of all scaled lights, and their largest |w| or `inexact_w`.
         reach: [f32; 2],
-        /// Lights in use.
+        /// Number of lights in use.
         count: u32,
-        /// The lowest `count` bits.
+        /// A mask of the lowest `count` bits.
         live: u32,
-        /// First word of vertex 0 in the bound positions.
+        /// Word of vertex 0 in the bound positions.
         position_offset: u32,
-        /// Words from a vertex to the next.
+        /// Words from one vertex to the next.
         position_stride: u32,
         /// 0.
         reserved_0: u32,
@@ -76,57 +76,57 @@ shared_structs! {
         reserved_1: u32,
     }
 
-    /// The part of the faces or edges that one dispatch works on.
+    /// The range of faces or edges of one dispatch.
     struct Chunk {
-        /// Its first item.
+        /// First item.
         first: u32,
-        /// Its items.
+        /// Number of items.
         count: u32,
-        /// The first light of the 32 at hand.
+        /// First light of the batch.
         first_light: u32,
-        /// Entries that each light's list has room for.
+        /// Entries that the list of each light has room for.
         capacity: u32,
         /// Blocks of edges in the whole mesh.
         blocks: u32,
     }
 
-    /// What turns counts into draws.
+    /// What turns counts of edges into draws.
     struct DrawShape {
-        /// Lights of all words.
+        /// Number of lights in all batches.
         lights: u32,
-        /// Entries that each light's list has room for.
+        /// Entries that the list of each light has room for.
         capacity: u32,
-        /// Edge records in the mesh.
+        /// Edge records of the mesh.
         edges: u32,
-        /// Vertices that a silhouette edge is drawn with.
+        /// Vertices that draw one silhouette edge.
         vertices_per_edge: u32,
     }
 
-    /// An edge record's bits, one a light.
+    /// The bits of an edge record, one for each light of a batch.
     struct Masks {
-        /// Set where the edge is a silhouette.
+        /// Set if the edge is a silhouette edge.
         silhouette: u32,
-        /// Set where face 0 faces the light.
+        /// Set if face 0 faces the light.
         winding: u32,
     }
 
-    /// What an extraction counts besides its results.
+    /// Statistics of an extraction.
     struct Statistics {
-        /// Faces with an infinite or NaN vertex: they face no light.
+        /// Faces with an infinite or NaN vertex. They face no light.
         non_finite_faces: u32,
-        /// Lists that overflowed; their lights are drawn over all edges.
+        /// Lists that overflowed. The draws of their lights go over all edges.
         overflowed_lists: u32,
         /// Pairs of face and light that the filter left to exact arithmetic.
         undecided_pairs: u32,
-        /// Those of them whose determinant is exactly zero.
+        /// The undecided pairs whose determinant is exactly zero.
         exact_zeros: u32,
     }
 
-    /// What wgpu's `draw_indirect` reads.
+    /// The arguments that wgpu's `draw_indirect` reads.
     struct DrawArguments {
-        /// Vertices an instance.
+        /// Vertices of an instance.
         vertex_count: u32,
-        /// Silhouette edges, or all edges where the list overflowed.
+        /// Instances: silhouette edges, or all edges if the list overflowed.
         instance_count: u32,
         /// 0.
         first_vertex: u32,
@@ -134,17 +134,18 @@ shared_structs! {
         first_instance: u32,
     }
 
-    /// Thirty-two faces and the box around those that count: finite, and naming three vertices.
+    /// Thirty-two faces and their box. The box holds the faces that count: those that are finite and name three
+    /// different vertices.
     struct FaceCluster {
         /// Bits of the lowest x, y and z, and of the largest absolute coordinate.
         low: [u32; 4],
-        /// Bits of the highest x, y and z, and 1 where any face counts; 0 where the box is empty, and all zeros.
+        /// Bits of the highest x, y and z, and 1 if any face counts. All are 0 for an empty box.
         high: [u32; 4],
-        /// The same of the thirty-two clusters from this one on, in the first of each thirty-two.
+        /// `low` for the group of thirty-two clusters that begins here. Only the first cluster of a group has it.
         group_low: [u32; 4],
-        /// The same.
+        /// `high` for this group.
         group_high: [u32; 4],
-        /// Three vertices a face. Faces past the mesh's last name vertex 0 three times.
+        /// Three vertices for each face. Entries past the last face of the mesh name vertex 0 three times.
         corners: [u32; 96],
     }
 
@@ -152,37 +153,37 @@ shared_structs! {
     struct PointChunk {
         /// Points in this dispatch.
         count: u32,
-        /// First word of its first point in the bound points.
+        /// First word of the first point in the bound points.
         offset: u32,
-        /// Words from a point to the next.
+        /// Words from one point to the next.
         stride: u32,
-        /// Lights of all words.
+        /// Number of lights in all batches.
         lights: u32,
-        /// The first light of the word at hand.
+        /// First light of the batch.
         first_light: u32,
     }
 
     /// The clusters of faces that one dispatch goes over.
     struct FaceRange {
-        /// The first in the bound clusters; a multiple of 32.
+        /// First cluster in the bound clusters, a multiple of 32.
         first: u32,
-        /// The end, exclusive.
+        /// End of the range, exclusive.
         end: u32,
-        /// 1 where these are the mesh's first: depths begin here.
+        /// 1 if these are the first clusters of the mesh, so the depths begin at 0.
         is_first: u32,
     }
 
-    /// Faces that a point and a light leave undecided.
+    /// The undecided faces of a pair of point and light.
     struct UndecidedFaces {
-        /// How many.
+        /// Number of undecided faces.
         count: u32,
-        /// The first of them.
+        /// First undecided face.
         face_0: u32,
-        /// The second.
+        /// Second undecided face.
         face_1: u32,
-        /// The third.
+        /// Third undecided face.
         face_2: u32,
-        /// An entry of another list: a pair of point and light that had more, and is counted anew.
+        /// An entry of another list: a pair of point and light that had more, and is counted again.
         recount: u32,
     }
 
@@ -190,53 +191,53 @@ shared_structs! {
     struct DeformChunk {
         /// Vertices in this dispatch.
         count: u32,
-        /// First word of the dispatch's first vertex in the bound positions.
+        /// Word of the first vertex in the bound positions.
         first_word: u32,
-        /// Words in the pose where the matrices begin.
+        /// Word in the pose where the matrices begin.
         palette: u32,
-        /// Words in the pose where the active morph targets begin.
+        /// Word in the pose where the active morph targets begin.
         targets: u32,
-        /// Active morph targets.
+        /// Number of active morph targets.
         target_count: u32,
-        /// 0: every vertex follows the palette's first matrix.
+        /// 0: all vertices follow the first matrix of the palette. 1: they have influences.
         skinned: u32,
-        /// 0: no displacement.
+        /// 1: `displace` is called. 0: it is not.
         displaced: u32,
-        /// Seconds, handed to `displace`.
+        /// Time in seconds, for `displace`.
         time: f32,
     }
 
-    /// What the WGSL include knows of a batch of lights.
+    /// What the WGSL include reads of a batch of lights.
     struct RimlineInfo {
-        /// Edge records in the mesh.
+        /// Edge records of the mesh.
         edges: u32,
-        /// Entries that each light's list has room for.
+        /// Entries that the list of each light has room for.
         capacity: u32,
-        /// The first light of this word among all lights.
+        /// First light of this batch.
         first_light: u32,
-        /// Lights in this word.
+        /// Number of lights in this batch.
         lights: u32,
-        /// First word of vertex 0 in the bound positions.
+        /// Word of vertex 0 in the bound positions.
         position_offset: u32,
-        /// Words from a vertex to the next.
+        /// Words from one vertex to the next.
         position_stride: u32,
     }
 
     /// A camera, as the stages of shadow volumes see it.
     struct ShadowView {
-        /// Columns of the matrix from positions less `origin` to clip space.
+        /// Columns of the matrix that maps positions less `origin` to clip space.
         view_projection: [[f32; 4]; 4],
-        /// Height over the near plane: this times (position − origin, 1).
+        /// The near plane. Its product with (position − origin, 1) is the height over the plane.
         near_plane: [f32; 4],
-        /// What positions are taken relative to.
+        /// The point that positions are relative to.
         origin: [f32; 3],
         /// Clip w of points on the near plane.
         near_w: f32,
-        /// Lowest corner of the near rectangle's bounds.
+        /// Lowest corner of the box of the near rectangle.
         near_min: [f32; 3],
         /// z / w of points on the near plane.
         near_z: f32,
-        /// Highest corner of the near rectangle's bounds.
+        /// Highest corner of the box of the near rectangle.
         near_max: [f32; 3],
         /// 0.
         reserved: u32,
@@ -244,28 +245,29 @@ shared_structs! {
 
     /// A light, and what the GPU chose for it and a caster.
     struct ShadowLight {
-        /// Homogeneous, scaled so that w is 0 or a power of two.
+        /// The homogeneous light, scaled so that w is 0 or a power of two.
         light: [f32; 4],
-        /// The same in clip space.
+        /// The light in clip space.
         clip: [f32; 4],
-        /// Its height over the near plane, times its w.
+        /// The light's height over the near plane, times its w.
         height: f32,
-        /// Casters beyond are skipped; 0: none are.
+        /// The range. Casters farther away are skipped. 0: no limit.
         range: f32,
-        /// Which faces cast: 0 none, 1 those averted from the light, 2 every one.
+        /// The faces that cast: 0 none, 1 those averted from the light, 2 every face.
         casting: u32,
-        /// How is counted: 0 z-pass, 1 ZP+, 2 z-fail, 4 ZP+ as published.
+        /// The counting method: 0 z-pass, 1 ZP+, 2 z-fail, 4 ZP+ as published.
         counting: u32,
-        /// With ZP+ as published the near end of the light's frustum: for a point light its distance over the far end's,
-        /// for a light at infinity its height over the near plane.
+        /// The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near
+        /// end over that of the far end. For a light at infinity it is the height over the near plane.
         frustum_near: f32,
-        /// Where the volume ends: a lower bound of the caster's distance from the light, over the range. 0: at infinity.
+        /// The end of the volume: a lower bound of the caster's distance from the light, divided by the range. 0: at
+        /// infinity.
         end: f32,
-        /// 1: the caster has faces with a corner that is not finite, and so sides of holes.
+        /// 1: the caster has faces with a corner that is not finite, and so it has sides of holes.
         holed: u32,
         /// 1: the light may lie in faces of the caster, which are excluded then.
         excludes: u32,
-        /// Row x of that frustum's matrix, from (position − origin, 1).
+        /// Row x of the matrix of that frustum. It maps (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.
         frustum_y: [f32; 4],
@@ -273,39 +275,40 @@ shared_structs! {
         frustum_w: [f32; 4],
     }
 
-    /// What a caster is and what the caller wants of its volumes.
+    /// A caster, and the caller's options for its volumes.
     struct ShadowShape {
-        /// Lights in use.
+        /// Number of lights.
         lights: u32,
         /// Faces of the mesh.
         faces: u32,
         /// Edge records of the mesh.
         edges: u32,
-        /// Entries that each light's list of silhouettes has room for.
+        /// Entries that the list of silhouettes of each light has room for.
         capacity: u32,
         /// Entries that each list of cap faces has room for.
         cap_capacity: u32,
-        /// 1: closed and consistently oriented, and every face was not asked for.
+        /// 1: averted faces may cast. The caster is closed and consistently oriented, and the caller did not ask for
+        /// every face.
         averted: u32,
-        /// 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
+        /// The counting method that was asked for: 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
         counting: u32,
-        /// 1: skip casters whose shadow the camera cannot see.
+        /// 1: skip the caster where the camera cannot see its shadow.
         skip_unseen: u32,
-        /// First word of vertex 0 in the bound positions.
+        /// Word of vertex 0 in the bound positions.
         position_offset: u32,
-        /// Words from a vertex to the next.
+        /// Words from one vertex to the next.
         position_stride: u32,
         /// Workgroups of the caps stage.
         cap_groups: u32,
-        /// 1: volumes end where their light's range does.
+        /// 1: volumes end at the range of their light.
         end_at_range: u32,
     }
 
-    /// The light, or the batch of lights, that a draw or dispatch is for.
+    /// The light, or the batch of lights, of a draw or dispatch.
     struct ShadowDraw {
-        /// Its number.
+        /// Index of the light.
         light: u32,
-        /// The first light of its word.
+        /// First light of its batch.
         first_light: u32,
         /// 0.
         reserved_0: u32,
@@ -315,7 +318,7 @@ shared_structs! {
 
     /// The draws of one light's shadow volume.
     struct ShadowDraws {
-        /// Sides as they are.
+        /// Sides that are not clipped.
         plain: DrawArguments,
         /// Sides clipped at the near plane.
         clipped: DrawArguments,
@@ -325,31 +328,32 @@ shared_structs! {
         back: DrawArguments,
         /// Sides that ZP+ as published leaves to z-fail.
         switched: DrawArguments,
-        /// Their light and dark caps, or with z-pass the dark caps of a volume that ends: those of the first list.
+        /// Light and dark caps of the first list of cap faces, for these sides. With z-pass, the dark caps of a volume
+        /// that ends.
         far_front: DrawArguments,
-        /// Of the second.
+        /// The same caps of the second list.
         far_back: DrawArguments,
-        /// Sides of holes, beside `plain` or `switched`.
+        /// Sides of holes, drawn with `plain` or `switched`.
         holes: DrawArguments,
-        /// Sides of holes, clipped at the near plane, beside `clipped`.
+        /// Sides of holes, clipped at the near plane, drawn with `clipped`.
         clipped_holes: DrawArguments,
     }
 
-    /// What an encode of shadow volumes counts, a light at a time.
+    /// Statistics of an encode of shadow volumes. All but `count_bound` count lights.
     struct ShadowStatistics {
-        /// Lights for which the caster is skipped: out of range, or its shadow out of sight.
+        /// Lights for which the caster is skipped: it is out of range, or its shadow out of sight.
         skipped: u32,
         /// Lights for which every face casts.
         every_face: u32,
         /// Lights with a near cap.
         capped: u32,
-        /// Lights whose list of cap faces overflowed; drawn over all faces.
+        /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
         overflowed_caps: u32,
-        /// Lights whose volume ends at their range.
+        /// Lights whose volume ends at the light's range.
         ended: u32,
-        /// No stencil count of the caster exceeds this, for any light; 0 unless asked for.
+        /// An upper bound of all stencil counts of the caster, for any light. 0 unless it was asked for.
         count_bound: u32,
-        /// Lights for which that bound is above 255; 0 unless asked for.
+        /// Lights whose bound is above 255. 0 unless it was asked for.
         may_wrap: u32,
     }
 }
@@ -373,12 +377,12 @@ impl LightBatch {
     }
 }
 
-/// Scaling and products may lose a w below this, all of it.
+/// A w below this may be lost in scaling and products.
 const TINY_W: f32 = f32::from_bits((127 - 60) << 23);
-/// What then stands for it in the bounds.
+/// The value that replaces such a w in the error bounds.
 const LEAST_INEXACT_W: f32 = f32::from_bits((127 - 36) << 23);
 
-/// A light as the filter sees it; NUMERICS.md, "Filter".
+/// A light as the filter sees it. See NUMERICS.md, "Filter".
 struct ScaledLight {
     light: [f32; 4],
     inexact_w: f32,
@@ -387,8 +391,8 @@ struct ScaledLight {
 impl ScaledLight {
     fn new(given: [f32; 4]) -> Self {
         let largest = given.iter().fold(0.0_f64, |largest, &c| largest.max(f64::from(c).abs()));
-        // Lights are finite, as `check_lights` holds; others give bits that mean nothing, but no panic.
-        // In f64 neither the power of two nor the product can round, whatever finite f32 the light has.
+        // `check_lights` makes sure that lights are finite. Other lights give meaningless bits, but no panic.
+        // In f64 neither the power of two nor the product rounds, whatever finite f32 the light has.
         let scale = if largest == 0.0 || !largest.is_finite() {
             1.0
         } else {
@@ -408,7 +412,7 @@ impl ScaledLight {
     }
 }
 
-/// The lowest `count` bits of a word, `count` up to 32.
+/// A mask of the lowest `count` bits of a word. `count` is at most 32.
 pub const fn live_bits(count: usize) -> u32 {
     if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }

@@ -1,26 +1,30 @@
-//! Rimline finds the silhouettes of triangle meshes on the GPU, for up to 1,024 lights at a time, and leaves them in
-//! GPU buffers: facing masks a face, silhouette and winding masks an edge, lists of silhouette edges a light, and
-//! arguments for indirect draws. Nothing is read back. It follows Brabec and Seidel, "Shadow Volumes on Programmable
-//! Graphics Hardware" (2003), with a face's side decided once, so that silhouettes close whatever the rounding.
+//! Rimline finds the silhouettes of triangle meshes on the GPU, for up to 1,024 lights at a time. It turns them into
+//! shadow volumes. It reads nothing back: the results stay in GPU buffers. These are facing masks for each face,
+//! silhouette and winding masks for each edge, a list of silhouette edges for each light, and the arguments of indirect
+//! draws.
 //!
-//! * [`Mesh`]: any triangles at all, welded, with edge records for closed, open, non-manifold and inconsistently
-//!   oriented surfaces;
-//! * [`gpu::Extractor`]: the extraction on your device, in your encoder, from your position buffer;
-//! * [`gpu::Pipelines`]: what many meshes on one device share;
-//! * [`gpu::Deformer`]: morph targets, skins and a displacement of yours, from a [`Model`] and a [`Pose`];
-//! * [`gpu::include_wgsl`]: reads the results in your own shaders;
-//! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass, the counting method chosen on the GPU for every caster
-//!   and light;
-//! * [`gpu::ShadowQuery`]: how many faces lie between points and lights;
-//! * [`AreaLight`]: lights with an area, as samples that share one extraction;
-//! * [`cpu`]: the same stages on the CPU, the GPU's bit-for-bit reference;
-//! * `gltf`: models from glTF 2.0 files (feature `gltf`, on by default).
+//! Rimline follows Brabec and Seidel, "Shadow Volumes on Programmable Graphics Hardware" (2003). Unlike their method,
+//! it decides a face's side once, so silhouettes close whatever the rounding.
+//!
+//! * [`Mesh`]: welds any triangles and finds their edge records. The surface may be closed, open, non-manifold or
+//!   inconsistently oriented.
+//! * [`gpu::Extractor`]: extracts silhouettes on your device, in your encoder, from your position buffer.
+//! * [`gpu::Pipelines`]: the compiled pipelines, which many meshes on one device share.
+//! * [`gpu::Deformer`]: computes morph targets, skins and your own displacement, from a [`Model`] and a [`Pose`].
+//! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
+//! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
+//!   and light.
+//! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
+//! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
+//! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same
+//!   bits as the GPU.
+//! * `gltf`: loads models from glTF 2.0 files (feature `gltf`, on by default).
 //!
 //! ```no_run
 //! use rimline::gpu::{Extraction, Extractor, ExtractorOptions, PositionBuffer};
 //! use rimline::{Light, Mesh, mesh::Weld, wgpu};
 //!
-//! /// Once a mesh.
+//! /// Call this once for each mesh.
 //! fn prepare(
 //!     device: &wgpu::Device,
 //!     positions: &[[f32; 3]],
@@ -30,7 +34,7 @@
 //!     Ok(Extractor::new(device, &mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?)
 //! }
 //!
-//! /// Every frame, after whatever moves the vertices.
+//! /// Call this every frame, after whatever moves the vertices.
 //! fn silhouettes(
 //!     extractor: &mut Extractor,
 //!     encoder: &mut wgpu::CommandEncoder,
@@ -79,7 +83,7 @@ pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 
 pub use wgpu;
 
-/// The README's example, compiled.
+/// Compiles the README's examples.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

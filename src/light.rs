@@ -1,47 +1,52 @@
-//! Lights as homogeneous points.
+//! Lights as homogeneous points, and checks of lists of lights.
 
 use glam::{DAffine3, DVec3};
 
-/// The most lights that one extraction takes.
+/// The largest number of lights in one extraction.
 pub const MAX_LIGHTS: usize = 1024;
 
-/// A light (or, for outlines, a camera eye) as a homogeneous point `(x, y, z, w)`, in the space of the positions.
+/// A light as a homogeneous point `(x, y, z, w)`, in the space of the positions. For outlines the camera's eye is the
+/// light.
 ///
-/// `w = 1`: a point light at `(x, y, z)`. `w = 0`: a direction **towards** a light at infinity. Any other finite `w`:
-/// a point light at `(x, y, z) / w`. A face `(a, b, c)` faces the light when `det[b − a, c − a, l − w·a] > 0`, for
-/// every finite `w`; with `w < 0` the sides are therefore reversed, and shadow volumes refuse such a light.
+/// * `w = 1`: a point light at `(x, y, z)`.
+/// * `w = 0`: a direction **towards** a light at infinity.
+/// * Any other finite `w`: a point light at `(x, y, z) / w`.
 ///
-/// The components are used as given: never normalised, never divided.
+/// A face `(a, b, c)` faces the light when `det[b − a, c − a, l − w·a] > 0`, for every finite `w`. So `w < 0` reverses
+/// the sides. Shadow volumes and shadow queries refuse such a light.
+///
+/// Extraction uses the components as given. It never normalises or divides them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Homogeneous x, y and z.
     pub xyz: [f32; 3],
     /// The homogeneous weight.
     pub w: f32,
-    /// How far the light reaches, in the unit of the positions: Bergeron's sphere of influence (1986). Positive; infinite
-    /// for no limit, which is what every constructor sets. It changes no facing or silhouette bit. Casters farther away
-    /// throw no shadow volume; see [`crate::gpu::ShadowOptions::end_at_range`], too. Without meaning where `w` is 0.
+    /// How far the light reaches, in the unit of the positions: Bergeron's sphere of influence (1986). It must be
+    /// positive. Every constructor sets it to infinity, which means no limit. It changes no facing or silhouette bit. A
+    /// caster farther away throws no shadow volume; see also [`crate::gpu::ShadowOptions::end_at_range`]. It has no
+    /// meaning where `w` is 0.
     pub range: f32,
 }
 
 impl Light {
-    /// A light at a point, in the unit and space of the positions.
+    /// A light at the point `xyz`, in the unit and space of the positions.
     pub const fn point(xyz: [f32; 3]) -> Self {
         Self { xyz, w: 1.0, range: f32::INFINITY }
     }
 
-    /// A light at infinity; `towards` points from the scene to the light and need not be of unit length.
+    /// A light at infinity. `towards` points from the scene to the light and may have any length above 0.
     pub const fn directional(towards: [f32; 3]) -> Self {
         Self { xyz: towards, w: 0.0, range: f32::INFINITY }
     }
 
-    /// A light as a homogeneous point.
+    /// A light as a homogeneous point `(x, y, z, w)`.
     pub const fn homogeneous(xyzw: [f32; 4]) -> Self {
         let [x, y, z, w] = xyzw;
         Self { xyz: [x, y, z], w, range: f32::INFINITY }
     }
 
-    /// This light with a range, see [`Self::range`].
+    /// This light with another [range](Self::range).
     #[must_use]
     pub const fn with_range(self, range: f32) -> Self {
         Self { range, ..self }
@@ -53,13 +58,14 @@ impl Light {
         [x, y, z, self.w]
     }
 
-    /// This light, given in world space, in the space of a mesh that `mesh_to_world` places: four columns of three rows,
-    /// the last one the translation.
+    /// Moves this light from world space into the space of a mesh. `mesh_to_world` places the mesh: four columns of
+    /// three rows, and the last column is the translation.
     ///
-    /// A rigid instance may so keep its mesh-space positions: a face's bit is then the one in world space, up to one
-    /// rounding of the light's components (computed in `f64`, rounded once to `f32`), for mirrored transforms too,
-    /// without turning the mesh's faces. The range stays as it is, in the world's unit. `None` when the transform is singular
-    /// or the result is not finite: such an instance casts nothing.
+    /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
+    /// but for one rounding: the light's components are computed in `f64` and rounded once to `f32`. This holds for
+    /// mirrored transforms too, without turning the mesh's faces. The range stays as it is, in the unit of world space.
+    ///
+    /// Returns `None` when the transform is singular or the result is not finite. Such an instance casts nothing.
     pub fn to_mesh_space(self, mesh_to_world: &[[f64; 3]; 4]) -> Option<Self> {
         let mesh_to_world = DAffine3::from_cols_array_2d(mesh_to_world);
         let determinant = mesh_to_world.matrix3.determinant();
@@ -77,10 +83,10 @@ impl Light {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// Room for no light was asked for.
+    /// The room asked for is 0 lights.
     #[error("`max_lights` is 0; make room for at least one light")]
     NoRoom,
-    /// More than [`MAX_LIGHTS`], or more than the extractor was made for.
+    /// There are more lights than [`MAX_LIGHTS`], or more than the extractor has room for.
     #[error("{count} lights given, at most {limit} fit; split them over several extractions")]
     TooMany {
         /// Lights given.
@@ -88,13 +94,13 @@ pub enum LightError {
         /// Lights that fit.
         limit: usize,
     },
-    /// `(0, 0, 0, 0)` is no point.
+    /// All four components are zero, which is no point.
     #[error("light {index} is (0, 0, 0, 0), which is neither a point nor a direction")]
     Zero {
         /// Position in the list.
         index: usize,
     },
-    /// A component is infinite or not a number.
+    /// A component is infinite or NaN.
     #[error("light {index} is ({}, {}, {}, {}), and every component must be finite", .xyzw[0], .xyzw[1], .xyzw[2], .xyzw[3])]
     NotFinite {
         /// Position in the list.
@@ -102,7 +108,7 @@ pub enum LightError {
         /// The light as given.
         xyzw: [f32; 4],
     },
-    /// A range must be positive, or infinite.
+    /// The range is neither positive nor infinite.
     #[error("light {index} has the range {range}; it must be positive, or infinite for no limit")]
     Range {
         /// Position in the list.
@@ -110,7 +116,7 @@ pub enum LightError {
         /// The range given.
         range: f32,
     },
-    /// A negative weight, which shadows refuse.
+    /// The weight is negative, and shadows refuse it.
     #[error(
         "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
     )]
@@ -157,10 +163,10 @@ pub fn check_shadow_lights(lights: &[Light], limit: usize) -> Result<(), LightEr
     }
 }
 
-/// Checks how many lights there shall be room for: 1 to [`MAX_LIGHTS`].
+/// Checks the number of lights that room is asked for: 1 to [`MAX_LIGHTS`].
 ///
 /// # Errors
-/// [`LightError::NoRoom`] and [`LightError::TooMany`].
+/// [`LightError::NoRoom`] or [`LightError::TooMany`].
 pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
     match max_lights {
         0 => Err(LightError::NoRoom),
@@ -169,7 +175,7 @@ pub(crate) fn check_room(max_lights: usize) -> Result<(), LightError> {
     }
 }
 
-/// Batches of 32 light bits that `lights` lights take, ⌈N/32⌉.
+/// The number of batches that `lights` lights take: ⌈lights / 32⌉.
 pub const fn batches(lights: usize) -> usize {
     lights.div_ceil(32)
 }

@@ -1,21 +1,21 @@
-//! How silhouettes are found.
+//! Methods that find silhouettes, and predicates that decide a face's side.
 
-/// The way from positions to silhouette bits.
+/// A method that turns positions into silhouette bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Each face is decided once, and its edges read that: loops always close.
+    /// Decides each face once. The edges read the result, so loops always close.
     #[default]
     FaceMask,
-    /// As published by Brabec and Seidel in 2003: each edge tests both its faces. For comparison; loops may fail to
-    /// close, since a face's side is decided again at each of its edges. It has no exact form: see
-    /// [`Method::predicate`].
+    /// Tests both faces at each edge, as Brabec and Seidel published it in 2003. It is for comparison. A face's side is
+    /// decided again at each of its edges, so loops may fail to close. It has no exact form: see [`Method::predicate`].
     #[cfg(feature = "reference")]
     PerEdge,
 }
 
 impl Method {
-    /// How this method decides a face's side when `asked` is asked for: as asked, but for the per-edge method, for which
-    /// [`Predicate::Exact`], the default of all options, stands for the published [`Predicate::Plane`].
+    /// The predicate that this method uses when a caller asks for `asked`. [`Method::FaceMask`] uses `asked`.
+    /// [`Method::PerEdge`] replaces [`Predicate::Exact`], the default of all options, by the published
+    /// [`Predicate::Plane`].
     pub const fn predicate(self, asked: Predicate) -> Predicate {
         match (self, asked) {
             #[cfg(feature = "reference")]
@@ -33,15 +33,15 @@ impl Method {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Predicate {
-    /// By the sign in exact arithmetic, for every finite position and light: the same bits on every device. A filter in
-    /// `f32` decides almost all pairs of face and light, integers the rest. See NUMERICS.md, "Filter".
+    /// The sign in exact arithmetic, for every finite position and light. Every device gives the same bits. A filter in
+    /// `f32` decides almost all pairs of face and light, and integers decide the rest. See NUMERICS.md, "Filter".
     #[default]
     Exact,
-    /// By the sign that `f32` arithmetic gives for `n · (l − w·a)`: wrong for some lights that are nearly in a face's
-    /// plane, and not the same on all devices. With face masks, silhouettes close all the same.
+    /// The sign that `f32` arithmetic gives for `n · (l − w·a)`. It is wrong for some lights that lie nearly in a
+    /// face's plane, and devices may differ. Silhouettes still close, because each face is decided once.
     Fast,
-    /// As `Fast`, by the plane's equation `n · l − w·(n · a)`, as published in 2003. Less accurate far from the origin,
-    /// where it cancels; for comparison.
+    /// The sign that `f32` arithmetic gives for the plane equation `n · l − w·(n · a)`, as published in 2003. It is
+    /// less accurate than `Fast` far from the origin, because its terms cancel there. It is for comparison.
     #[cfg(feature = "reference")]
     Plane,
 }

@@ -1,4 +1,4 @@
-//! What Rimline is compared with and checked by: the CPU twin of each stage, the struct layouts and the list of stages.
+//! The CPU twin of each stage, the struct layouts, the list of stages, and methods for comparison.
 //!
 //! **Outside the promise of stability**: anything here may change in any release.
 
@@ -9,7 +9,7 @@ pub mod layout {
     pub use crate::layout::*;
 }
 
-/// Cameras and lights as the GPU sees them, and the codes of what is chosen.
+/// Cameras and lights as the GPU sees them, and the codes of the choices that the GPU makes.
 pub mod shadow {
     use crate::layout::{ShadowLight, ShadowView};
     pub use crate::shadow::{
@@ -18,21 +18,22 @@ pub mod shadow {
     };
     use crate::{CameraError, Light, ShadowCamera};
 
-    /// What the GPU needs of a camera.
+    /// The camera as the GPU needs it.
     ///
     /// # Errors
-    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    /// [`CameraError`] for a singular matrix, an oblique near plane, or near and far the wrong way round.
     pub fn view(camera: &ShadowCamera) -> Result<ShadowView, CameraError> {
         camera.view()
     }
 
-    /// A light as a camera sees it; nothing chosen yet.
+    /// The light as a camera sees it. `view` is [`view`] of this camera. No stage has chosen yet: `casting` and
+    /// `counting` are 0.
     pub fn light(camera: &ShadowCamera, view: &ShadowView, light: Light) -> ShadowLight {
         camera.light(view, light)
     }
 }
 
-/// Checks and counts of lights.
+/// Checks of lists of lights, and the number of their batches.
 pub mod light {
     pub use crate::light::{batches, check_lights, check_shadow_lights};
 }
@@ -42,7 +43,8 @@ pub mod stages {
     pub use crate::stages::*;
 }
 
-/// Each stage's CPU twin, of the same file, function and test name as its WGSL. Tests compare them bit for bit.
+/// The CPU twin of each stage. File, function and tests have the same name as the stage's WGSL. Tests compare the two
+/// bit for bit.
 pub mod cpu {
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::extract::arguments::arguments;

@@ -1,59 +1,60 @@
-//! What shadow volumes are asked for: camera, lights with a range, counting method.
+//! Camera, depth direction and counting method of shadow volumes.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::Light;
 use crate::layout::{ShadowLight, ShadowView};
 
-/// [`ShadowLight::casting`]: no face casts.
+/// Value of [`ShadowLight::casting`]: no face casts.
 pub const CAST_NOTHING: u32 = 0;
-/// [`ShadowLight::casting`]: the faces averted from the light cast.
+/// Value of [`ShadowLight::casting`]: the faces averted from the light cast.
 pub const CAST_AVERTED: u32 = 1;
-/// [`ShadowLight::casting`]: every face casts.
+/// Value of [`ShadowLight::casting`]: every face casts.
 pub const CAST_EVERY: u32 = 2;
-/// [`ShadowLight::counting`]: z-pass.
+/// Value of [`ShadowLight::counting`]: z-pass.
 pub const COUNT_Z_PASS: u32 = 0;
-/// [`ShadowLight::counting`]: ZP+.
+/// Value of [`ShadowLight::counting`]: ZP+.
 pub const COUNT_ZP_PLUS: u32 = 1;
-/// [`ShadowLight::counting`]: z-fail.
+/// Value of [`ShadowLight::counting`]: z-fail.
 pub const COUNT_Z_FAIL: u32 = 2;
-/// [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, whichever serves.
+/// Value of [`crate::layout::ShadowShape::counting`]: z-pass or ZP+, chosen for each light.
 pub const COUNT_AUTO: u32 = 3;
-/// [`ShadowLight::counting`]: ZP+ as published.
+/// Value of [`ShadowLight::counting`]: ZP+ as published.
 pub const COUNT_ZP_PLUS_2005: u32 = 4;
 
-/// How the shadow volumes that contain a point are counted in the stencil buffer.
+/// The counting method: how the stencil buffer counts the shadow volumes that contain a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Counting {
-    /// For each caster and light, on the GPU: z-pass where no face lies between the light and the near rectangle, else
-    /// ZP+. Right from every camera.
+    /// The GPU chooses for each caster and light: z-pass where no face lies between the light and the near rectangle,
+    /// else ZP+. It is right from every camera.
     #[default]
     Auto,
-    /// What passes the depth test is counted (Heidmann 1991). Wrong where a volume reaches the near rectangle.
+    /// Counts what passes the depth test (Heidmann 1991). It is wrong where a volume reaches the near rectangle.
     ZPass,
-    /// z-pass, begun with near caps: casting faces projected from the light onto the near plane (after Hornus et al.
-    /// 2005), with sides and caps clipped by the same functions. See NUMERICS.md, "Shadow volumes".
+    /// z-pass that begins with near caps: casting faces, projected from the light onto the near plane (after Hornus et
+    /// al. 2005). The same functions clip sides and caps. See NUMERICS.md, "Shadow volumes".
     ZpPlus,
-    /// ZP+ as Hornus et al. published it in 2005, to compare with: near caps by a matrix of the light's own, side vertices
-    /// before the near plane moved to their place in the cap, corrective quads, and z-fail for a caster and light where the
-    /// near plane cuts both ends of a side (its case D) or where it has faces that are not finite. Not right from every camera; for perspective ones only. Never
-    /// chosen by [`Self::Auto`]. Needs what z-fail needs.
+    /// ZP+ as Hornus et al. published it in 2005, for comparison. A matrix of the light's own computes the near caps.
+    /// Side vertices before the near plane move to their place in the cap, and corrective quads close the gaps. A
+    /// caster is counted by z-fail for a light where the near plane cuts both ends of a side (its case D), or where the
+    /// caster has faces that are not finite. The method is not right from every camera, and takes perspective cameras
+    /// only. [`Self::Auto`] never chooses it. It needs what z-fail needs.
     #[cfg(feature = "reference")]
     ZpPlus2005,
-    /// What fails the depth test is counted, with light and dark caps (Everitt and Kilgard 2002). Needs an infinite far
-    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a far
-    /// plane, caps are drawn unclipped, so casting faces that the near plane cuts may show specks of shadow.
+    /// Counts what fails the depth test, with light and dark caps (Everitt and Kilgard 2002). It needs an infinite far
+    /// plane or `Features::DEPTH_CLIP_CONTROL`, and a depth pass that computes positions as the include does. With a
+    /// far plane, caps are drawn unclipped. Casting faces that the near plane cuts may then show specks of shadow.
     ZFail,
 }
 
 impl Counting {
-    /// ZP+ as published, of the feature `reference`.
+    /// Whether this is ZP+ as published, which only the feature `reference` has.
     pub(crate) const fn is_zp_plus_2005(self) -> bool {
         !matches!(self, Self::Auto | Self::ZPass | Self::ZpPlus | Self::ZFail)
     }
 
-    /// Whether z-fail is ever counted.
+    /// Whether z-fail may be used.
     pub(crate) const fn may_fail(self) -> bool {
         matches!(self, Self::ZFail) || self.is_zp_plus_2005()
     }
@@ -70,13 +71,13 @@ impl Counting {
     }
 }
 
-/// Which end of clip space's depth is near.
+/// The end of clip space's depth that is near.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DepthDirection {
-    /// Near is 1 and far is 0; larger is nearer.
+    /// Near is 1 and far is 0. The larger depth is nearer.
     #[default]
     Reversed,
-    /// Near is 0 and far is 1.
+    /// Near is 0 and far is 1. The smaller depth is nearer.
     Standard,
 }
 
@@ -116,34 +117,36 @@ pub enum DepthDirection {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCamera {
-    /// From positions less [`Self::origin`] to clip space, y up and depth from 0 to 1. Perspective or orthographic.
-    /// Four columns.
+    /// Maps positions less [`Self::origin`] to clip space, with y up and depth from 0 to 1. Four columns. The camera is
+    /// perspective or orthographic.
     pub view_projection: [[f32; 4]; 4],
-    /// What positions are taken relative to. Zero for a plain view-projection matrix; the eye's position, with a matrix
-    /// that does not move, keeps its precision far from the world's origin.
+    /// The point that positions are relative to, in their space. Set it to zero for a plain view-projection matrix. Far
+    /// from the world's origin, set it to the eye's position and use a view without translation; this keeps the
+    /// precision.
     pub origin: [f32; 3],
     /// Which depth is near.
     pub depth: DepthDirection,
 }
 
-/// Why a camera cannot have shadow volumes.
+/// Why shadow volumes cannot be drawn for a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// The matrix or the origin has an infinite or NaN component, or the matrix cannot be inverted.
+    /// The matrix or the origin has an infinite or NaN component, or the matrix is singular.
     #[error("the camera's matrix is singular or not finite")]
     Singular,
     /// The near plane is not at right angles to the direction in which w grows.
     #[error("the camera's near plane is oblique; clip w must be constant on it")]
     Oblique,
-    /// Depth runs the other way. Of an orthographic camera that cannot be told.
+    /// Near and far are the wrong way round. This cannot be detected for an orthographic camera.
     #[error("the near plane lies behind the camera; is depth reversed, as `depth` says?")]
     Backwards,
 }
 
 impl ShadowCamera {
-    /// The far plane is at a finite distance, as [`crate::gpu::ShadowFormat::has_far_plane`] asks. Only a matrix whose far
-    /// plane is at infinity to the last bit has none: by that plane's least slope points at infinity may be clipped.
+    /// Whether the far plane is at a finite distance; [`crate::gpu::ShadowFormat::has_far_plane`] takes this value. A
+    /// matrix has no far plane only where that plane lies exactly at infinity. The smallest tilt of the plane may clip
+    /// points at infinity.
     pub fn has_far_plane(&self) -> bool {
         let matrix = Mat4::from_cols_array_2d(&self.view_projection);
         let (depth, w) = (matrix.row(2), matrix.row(3));
@@ -157,15 +160,15 @@ impl ShadowCamera {
     /// Checks that shadow volumes can be drawn for this camera.
     ///
     /// # Errors
-    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    /// [`CameraError`] for a singular matrix, an oblique near plane, or near and far the wrong way round.
     pub fn check(&self) -> Result<(), CameraError> {
         self.view().map(drop)
     }
 
-    /// What the GPU needs of it.
+    /// The camera as the GPU needs it.
     ///
     /// # Errors
-    /// [`CameraError`] for a singular matrix or an oblique near plane.
+    /// As [`Self::check`].
     pub(crate) fn view(&self) -> Result<ShadowView, CameraError> {
         let matrix = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
         let origin = Vec3::from_array(self.origin);
@@ -180,7 +183,7 @@ impl ShadowCamera {
         };
         let length = plane.truncate().length();
         if length == 0.0 {
-            // That depth is at infinity alone.
+            // This depth lies only at infinity.
             return Err(CameraError::Backwards);
         }
         let plane = plane / length;
@@ -190,7 +193,8 @@ impl ShadowCamera {
             return Err(CameraError::Oblique);
         }
         let near_w = w.w - growth * plane.w;
-        // Where w shrinks behind the plane, it is the far plane. An orthographic camera's planes are alike.
+        // Where w shrinks behind the plane, the plane is the far plane. The two planes of an orthographic camera cannot
+        // be told apart.
         if near_w <= 0.0 || growth < 0.0 {
             return Err(CameraError::Backwards);
         }
@@ -216,24 +220,24 @@ impl ShadowCamera {
         })
     }
 
-    /// A light as this camera sees it; nothing chosen yet. `view` is [`Self::view`] of this camera. Meaningless for lights
-    /// that are refused: all zeros, or not finite.
+    /// The light as this camera sees it. The stages that choose have not run: `casting` and `counting` are 0. `view` is
+    /// [`Self::view`] of this camera. The result has no meaning for a light that is all zeros or not finite.
     pub(crate) fn light(&self, view: &ShadowView, light: Light) -> ShadowLight {
         let range = light.range;
         let given = light.to_array().map(f64::from);
-        // A w that is a power of two times a position is exact, and so is what it says of the light's place.
+        // Multiplying a position by a w that is a power of two is exact, so the light's place is, too.
         let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
         let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
         let scaled = given.map(|c| c * power_of_two_below(largest).recip());
-        // What f32 holds of it is what the shaders see.
+        // The shaders see the values that f32 holds.
         let light = scaled.map(|c| c as f32);
         let [x, y, z, w] = light.map(f64::from);
         let from_origin = (DVec3::new(x, y, z) - w * Vec3::from_array(self.origin).as_dvec3()).extend(w);
         let matrix: DMat4 = Mat4::from_cols_array_2d(&self.view_projection).as_dmat4();
         let height = DVec4::from_array(view.near_plane.map(f64::from)).dot(from_origin);
         let clip = matrix * from_origin;
-        // Section 3.1 without its rotation: positive w between light and near plane.
+        // Hornus et al. 2005, section 3.1, without its rotation: w is positive between light and near plane.
         let side = if height < 0.0 { -1.0 } else { 1.0 };
         let plane = DVec4::from_array(view.near_plane.map(f64::from));
         let frustum = |row: usize| (side * (height * matrix.row(row) - clip[row] * plane)).as_vec4().to_array();
@@ -250,15 +254,20 @@ impl ShadowCamera {
     }
 }
 
-/// The largest power of two that is not above `size`, which is positive and finite.
+/// The largest power of two that is not above `size`. `size` is positive and finite.
 fn power_of_two_below(size: f64) -> f64 {
     f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
-/// How much of a light's intensity arrives at `distance`, from 1 to 0 (Bergeron 1986): all of it up to `begin` (his
-/// `Dec_Begin`), none from `end` on (`Light_End`, the light's range), and between them what is left of the way to `end`
-/// to the power of `exponent` (`Decrease`; 1 is linear). An infinite `end`: all of it everywhere. A `begin` beyond `end`
-/// is never reached: a step at `end`.
+/// The share of a light's intensity that arrives at `distance`, from 1 to 0 (Bergeron 1986). All lengths are in one
+/// unit.
+///
+/// * Up to `begin` (his `Dec_Begin`) it is 1.
+/// * From `end` on (his `Light_End`, the light's range) it is 0.
+/// * Between them it is `((end − distance) / (end − begin))` to the power of `exponent` (his `Decrease`). An exponent
+///   of 1 is linear.
+///
+/// With an infinite `end` it is 1 everywhere. With `begin` beyond `end` it is a step at `end`.
 #[must_use]
 pub fn falloff(distance: f32, begin: f32, end: f32, exponent: f32) -> f32 {
     if end == f32::INFINITY {
@@ -284,7 +293,7 @@ mod tests {
     const REVERSED: DepthDirection = DepthDirection::Reversed;
     const STANDARD: DepthDirection = DepthDirection::Standard;
 
-    /// x, y, z and w of clip space by rows, before a camera at the origin that looks along −z.
+    /// A camera at the origin that looks along −z. `z` and `w` are the rows of z and w in clip space.
     fn camera(z: [f32; 4], w: [f32; 4], depth: DepthDirection) -> ShadowCamera {
         let rows = [[2.0, 0.0, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0], z, w];
         ShadowCamera {
@@ -301,7 +310,7 @@ mod tests {
     const PERSPECTIVE: [f32; 4] = [0.0, 0.0, -1.0, 0.0];
     const PARALLEL: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
-    /// Near at 0.5, far at 8.5 or nowhere.
+    /// The near plane is at 0.5, the far plane at 8.5 or at infinity.
     fn cameras() -> [ShadowCamera; 6] {
         [
             camera([0.0, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED),
@@ -331,7 +340,7 @@ mod tests {
     fn far_planes_are_told_from_infinity() {
         let expected = [false, false, true, true, true, true];
         assert_eq!(cameras().map(|camera| camera.has_far_plane()), expected);
-        // Wherever the camera stands and looks.
+        // The camera's place and direction do not matter.
         let place = look_at_mat4(Vec3::new(3.0, -7.0, 1e3), Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
         let moved = cameras()
             .map(|camera| ShadowCamera { view_projection: (mat(camera) * place).to_cols_array_2d(), ..camera });
@@ -360,7 +369,7 @@ mod tests {
             let at = |place: Vec3| Light::point(place.to_array());
             let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));
             let moved_light = moved.light(&moved_view, at(Vec3::new(101.0, -18.0, 0.0)));
-            // Each is scaled by its own power of two.
+            // Each light has its own power of two as a scale.
             let point = |light: &ShadowLight| {
                 (Vec4::from_array(light.clip) / light.light[3], light.height / light.light[3], light.range)
             };
@@ -397,7 +406,7 @@ mod tests {
         assert_eq!(error(camera([0.3, 0.0, 0.0, 0.5], PERSPECTIVE, REVERSED)), CameraError::Oblique);
         assert_eq!(error(camera([0.3, 0.0, -1.0, -0.5], PERSPECTIVE, STANDARD)), CameraError::Oblique);
         let backwards = |camera: ShadowCamera, depth| error(ShadowCamera { depth, ..camera });
-        // Each has its near plane at infinity or behind, or its far plane for one.
+        // In each the near plane is at infinity or behind the camera, or the far plane is taken for the near one.
         assert_eq!(backwards(infinite, STANDARD), CameraError::Backwards);
         assert_eq!(backwards(cameras()[1], REVERSED), CameraError::Backwards);
         assert_eq!(backwards(cameras()[2], STANDARD), CameraError::Backwards);
@@ -409,9 +418,9 @@ mod tests {
     fn lights_end_at_their_range() {
         assert_eq!([0.0, 1.0, 2.0, 3.0, 4.0].map(|d| falloff(d, 1.0, 3.0, 2.0)), [1.0, 1.0, 0.25, 0.0, 0.0]);
         assert_eq!(falloff(1e30, 1.0, f32::INFINITY, 2.0), 1.0);
-        // No room to fall: a step.
+        // No distance to fall over: a step.
         assert_eq!([1.9, 2.0, 2.1].map(|d| falloff(d, 2.0, 2.0, 1.0)), [1.0, 0.0, 0.0]);
-        // It begins beyond its end: a step, too, and dark from there on.
+        // It begins beyond its end: also a step, dark from there on.
         assert_eq!([2.9, 3.0, 3.5, 5.0].map(|d| falloff(d, 4.0, 3.0, 1.0)), [1.0, 0.0, 0.0, 0.0]);
     }
 }

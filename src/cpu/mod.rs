@@ -1,6 +1,7 @@
-//! Extraction, deforming and shadow depths on the CPU. They need no device, and give the GPU's bits at the same positions.
+//! Extraction, deformation and shadow depth on the CPU. They need no device. Extraction and shadow depth give the same
+//! bits as the GPU at the same positions.
 //!
-//! Masks are laid out as on the GPU: word after batch of 32 lights, within a word item after item.
+//! Masks have the layout of the GPU: one batch of 32 lights after the other, and in a batch one item after the other.
 
 pub(crate) mod common;
 pub(crate) mod deform;

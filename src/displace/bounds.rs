@@ -1,4 +1,4 @@
-//! How large a displacement may be. The bounds are WGSL's own limits where it has some (section "Limits").
+//! Bounds on the size of a displacement. They are WGSL's own limits where it has them (section "Limits").
 
 use naga::proc::TypeResolution;
 use naga::valid::ModuleInfo;
@@ -6,29 +6,32 @@ use naga::{AddressSpace, Block, Function, Handle, Module, Statement};
 
 use super::{DisplaceError, line_of};
 
-/// The most bytes of source.
+/// The largest size of the source, in bytes.
 pub const MAX_SOURCE_BYTES: usize = 1 << 16;
-/// The deepest that brackets and operators may lie within each other: compilers recurse as deep.
+/// The deepest nesting of brackets and operators. Compilers recurse as deep.
 pub const MAX_NESTING: u64 = 255;
-/// The most declarations outside functions.
+/// The largest number of declarations outside functions.
 pub const MAX_DECLARATIONS: u64 = 1023;
-/// The most elements of an array with a fixed length. The length is a number, or sums and products of numbers and
-/// constants, whose numbers are increased by one and multiplied here; an array of runtime size has no bound.
+/// The largest number of elements of an array with a fixed length. The length is a number, or an expression of sums and
+/// products of numbers and constants. The check multiplies all numbers of the expression, each increased by one, and
+/// compares the product with this bound. An array of runtime size has no bound.
 pub const MAX_ARRAY_ELEMENTS: u64 = 1 << 16;
-/// The most bytes of private variables.
+/// The largest size of all private variables, in bytes.
 pub const MAX_PRIVATE_BYTES: u64 = 8192;
-/// The most bytes of a function's own variables with those of all functions it calls, and of a single value.
+/// The largest size of one value, and of a function's variables together with those of all functions that it calls, in
+/// bytes.
 pub const MAX_FUNCTION_BYTES: u64 = 8192;
-/// The most bytes of workgroup variables.
+/// The largest size of all workgroup variables, in bytes.
 pub const MAX_WORKGROUP_BYTES: u64 = 16384;
-/// The most statements and expressions once every call is replaced by what it calls, as drivers do.
+/// The largest number of statements and expressions after every call is replaced by the function that it calls. Drivers
+/// replace calls so.
 pub const MAX_OPERATIONS: u64 = 1 << 16;
 
 pub(super) fn too_large(line: u32, what: &'static str, needed: u64, limit: u64) -> DisplaceError {
     DisplaceError::TooLarge { line, what, needed, limit }
 }
 
-/// Checks what a driver would have to hold: variables, values, and functions put in place of their calls.
+/// Checks what a driver would have to hold: variables, values, and functions inlined in place of their calls.
 pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
     let size = |ty: Handle<naga::Type>| u64::from(module.types[ty].inner.try_size(module.to_ctx()).unwrap_or(u32::MAX));
     let (mut private, mut workgroup) = (0, 0);
@@ -47,7 +50,7 @@ pub(super) fn check(module: &Module, info: &ModuleInfo, source: &str) -> Result<
         let line = || line_of(module.global_expressions.get_span(handle), source);
         check_value(&info[handle], &size, line)?;
     }
-    // Callees come before their callers.
+    // Functions come after the functions that they call.
     let mut costs: Vec<Cost> = Vec::new();
     for (handle, function) in module.functions.iter() {
         for (expression, _) in function.expressions.iter() {
@@ -82,7 +85,7 @@ fn check_value(
     Ok(())
 }
 
-/// What a function takes with all that it calls.
+/// The cost of a function with all that it calls.
 #[derive(Clone, Copy, Default)]
 struct Cost {
     bytes: u64,
@@ -98,7 +101,7 @@ fn cost(function: &Function, costs: &[Cost], size: &impl Fn(Handle<naga::Type>) 
     cost
 }
 
-/// Statements nest no deeper than brackets may.
+/// Adds the cost of the functions that a block calls. Statements nest no deeper than brackets may.
 fn add_calls(block: &Block, costs: &[Cost], cost: &mut Cost) {
     for statement in block {
         cost.operations = cost.operations.saturating_add(1);

@@ -1,5 +1,5 @@
-//! What a displacement may be before naga reads it: bounds on its tokens. naga's parser and evaluator recurse, and they
-//! allocate what an array's type says, so deep or huge source ends the process there.
+//! Bounds on the tokens of a displacement, checked before naga reads it. naga's parser and evaluator recurse, and they
+//! allocate what an array's type says. Deep or huge source would end the process there.
 
 use super::DisplaceError;
 use super::bounds::{MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_NESTING, MAX_SOURCE_BYTES, too_large};
@@ -48,7 +48,7 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// The length of the block comment, which may hold others, at the start of `text`.
+/// The length of the block comment at the start of `text`. Block comments may be nested.
 fn block_comment(text: &str) -> usize {
     let (mut depth, mut at) = (0_usize, 0);
     let bytes = text.as_bytes();
@@ -62,7 +62,7 @@ fn block_comment(text: &str) -> usize {
             break;
         }
     }
-    // Only ASCII is compared with, so this is the end of a character.
+    // Only ASCII characters are compared, so this is the end of a character.
     at.min(bytes.len())
 }
 
@@ -75,7 +75,7 @@ struct Level {
 
 fn check_nesting(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     let mut open = vec![Level::default()];
-    // All that lies outside the innermost bracket.
+    // The nesting outside the innermost bracket.
     let mut outside = 0;
     let mut declarations = 0;
     for (at, token) in tokens.iter().enumerate() {
@@ -127,7 +127,7 @@ fn check_nesting(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     Ok(())
 }
 
-/// Looks at each `array<T, N>`: naga makes a list of N for a constant of it.
+/// Checks each `array<T, N>`. naga makes a list of N elements for a constant of this type.
 fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     let mut lengths = Product { all: tokens, left: MOST_LEAVES };
     for (at, pair) in tokens.windows(2).enumerate() {
@@ -143,13 +143,13 @@ fn check_arrays(tokens: &[Token<'_>]) -> Result<(), DisplaceError> {
     Ok(())
 }
 
-/// The tokens of the second template argument; none for an array of runtime size.
+/// The tokens of the second template argument. An array of runtime size has none.
 fn count_of_array<'a, 'b>(tokens: &'b [Token<'a>]) -> &'b [Token<'a>] {
     let (mut depth, mut begin) = (0_usize, tokens.len());
     for (at, token) in tokens.iter().enumerate() {
         let is_next = |text: &str| tokens.get(at + 1).is_some_and(|next| next.text == text);
         match token.text {
-            // A shift.
+            // `<<` is a shift.
             "<" if is_next("<") || (at > 0 && tokens[at - 1].text == "<") => {}
             "<" | "(" | "[" => depth += 1,
             ">" | ")" | "]" if depth == 0 => return tokens.get(begin..at).unwrap_or_default(),
@@ -162,14 +162,14 @@ fn count_of_array<'a, 'b>(tokens: &'b [Token<'a>]) -> &'b [Token<'a>] {
     &[]
 }
 
-/// Tokens that the lengths of all arrays may be made of, with those of the constants that they name.
+/// The largest number of tokens in the lengths of all arrays, together with the constants that they name.
 const MOST_LEAVES: u32 = 4096;
 
-/// An upper bound of a sum or product of positive numbers and constants: each leaf, increased by one, multiplied.
-/// Whatever else there is counts as infinite.
+/// An upper bound of a sum or product of positive numbers and constants: the product of all leaves, each increased by
+/// one. Everything else counts as infinite.
 struct Product<'a, 'b> {
     all: &'b [Token<'a>],
-    /// Tokens that may still be looked at: constants of constants can be many.
+    /// How many more tokens may be read. Constants may name further constants.
     left: u32,
 }
 
@@ -206,9 +206,10 @@ fn number(text: &str) -> u64 {
     .unwrap_or(u64::MAX)
 }
 
-/// What `const name = …;` sets; the largest would be the last, but a name is declared once where it can be seen from here.
+/// The expression of `const name = …;`. The last declaration would be the one that matters, but a name is declared once
+/// in a scope.
 fn initialiser<'a, 'b>(all: &'b [Token<'a>], name: &str) -> Option<&'b [Token<'a>]> {
-    // An override has another value where a pipeline sets it; nothing sets those of a displacement.
+    // A pipeline may set an override to another value. Nobody sets those of a displacement.
     let begins = |pair: &[Token<'_>]| matches!(pair[0].text, "const" | "override") && pair[1].text == name;
     let mut places = all.windows(2).enumerate().filter(|(_, pair)| begins(pair));
     let (at, _) = places.next()?;

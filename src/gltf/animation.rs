@@ -9,13 +9,13 @@ use super::reader::Reader;
 use super::transforms::unit;
 use super::{AnimationInfo, GltfError};
 
-/// An animation's curves.
+/// The curves of an animation.
 #[derive(Debug)]
 pub(super) struct LoadedAnimation {
     pub(super) channels: Vec<Channel>,
 }
 
-/// A curve and what it moves.
+/// A curve and the property that it moves.
 #[derive(Debug)]
 pub(super) struct Channel {
     pub(super) node: usize,
@@ -43,7 +43,7 @@ pub(super) fn load(reader: &Reader<'_>) -> Result<(Vec<LoadedAnimation>, Vec<Ani
     Ok((loaded, infos))
 }
 
-/// A channel, or `None` where its target has nothing to move.
+/// Reads a channel. Returns `None` where the target has nothing to move.
 fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Result<Option<Channel>, GltfError> {
     let &ChannelTarget { node, property, .. } = target;
     let place = format!("animations[{animation}].channels[{}]", target.channel);
@@ -60,7 +60,7 @@ fn channel(reader: &Reader<'_>, animation: usize, target: &ChannelTarget) -> Res
         log::warn!("{place} animates morph weights of nodes[{node}], which has no morph targets: ignored");
         return Ok(None);
     }
-    // The channel, in a list that doubles, and a key's values while it is read and when it is sampled.
+    // Charges the channel, in a list that doubles, and a key's values while it is read and when it is sampled.
     reader.charge(1, 3 * size_of::<Channel>() as u64 + 64 * width as u64, &|| place.clone())?;
     let curve = curve(reader, animation, target, width)?;
     Ok(Some(Channel { node, property, curve }))

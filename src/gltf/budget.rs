@@ -1,4 +1,4 @@
-//! Memory of a loading: charged before it is taken.
+//! The memory of loading a file. It is charged before it is allocated.
 
 use std::cell::Cell;
 
@@ -7,23 +7,24 @@ use super::document::Node;
 use super::placement::Placement;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 
-/// What loading one input may take, in bytes. A charge is never given back, so charges bound the peak, and the time, too.
+/// The memory that loading one input may take, in bytes. A charge is never given back, so the charges bound the peak,
+/// and also the time.
 #[derive(Debug)]
 pub(super) struct Budget {
     limit: u64,
     used: Cell<u64>,
 }
 
-/// What a list that grows one by one takes at most for each byte of its elements: the old and the new array while it
+/// The largest size of a list that grows one by one, for each byte of its elements: the old and the new array while it
 /// doubles.
 const GROWTH: u64 = 3;
-/// Bytes for a JSON object: a tree of its members, the struct that it becomes, the list and the path that name it.
+/// Bytes for a JSON object: the tree of its members, the struct that it becomes, the list and the path that name it.
 const JSON_OBJECT: u64 = 1536;
-/// Bytes for a member, an array or an element of one.
+/// Bytes for a member, an array, or an element of an array.
 const JSON_VALUE: u64 = 160;
-/// Bytes for each byte of the text: names are copied to what is known of meshes, skins and animations.
+/// Bytes for each byte of text. Names are copied to the descriptions of meshes, skins and animations.
 const JSON_TEXT: u64 = 4;
-/// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records while they are built.
+/// Bytes for a face, and for a vertex, of all instances: `Mesh` with its edge records during construction.
 const PLACED_FACE: u64 = 132;
 const PLACED_VERTEX: u64 = 12;
 /// Bytes for an instance, for a matrix of its pose, and for a morph weight.
@@ -31,7 +32,7 @@ const INSTANCE: u64 =
     GROWTH * (size_of::<Instance>() + size_of::<Placement>() + size_of::<InstancePose>()) as u64 + 128;
 const MATRIX: u64 = 160;
 const MORPH_WEIGHT: u64 = 32;
-/// Bytes for a node beyond its JSON: the struct, its place in the forest, its matrices when it is posed.
+/// Bytes for a node besides its JSON: the struct, its place in the forest, its matrices in a pose.
 const NODE: u64 = GROWTH * size_of::<Node>() as u64 + 512;
 
 impl Budget {
@@ -39,7 +40,7 @@ impl Budget {
         Self { limit, used: Cell::new(0) }
     }
 
-    /// Counts `count` elements of `size` bytes that are about to be made.
+    /// Charges `count` elements of `size` bytes that are about to be allocated.
     pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         let needed = count.saturating_mul(size).saturating_add(self.used.get());
         if needed > self.limit {
@@ -49,7 +50,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Counts what JSON text becomes, by its punctuation: it bounds the values that the text can hold.
+    /// Charges the values that a JSON text can hold, by its punctuation.
     pub(super) fn charge_json(&self, text: &[u8]) -> Result<(), GltfError> {
         let (mut objects, mut values) = (0, 0);
         for byte in text {
@@ -66,7 +67,7 @@ impl Budget {
         self.charge(nodes as u64, NODE, &|| "nodes".to_owned())
     }
 
-    /// Counts the merging of a primitive's `vertices`, with `entries` joints and weights, into a mesh.
+    /// Charges the merging of a primitive's `vertices`, with `entries` joints and weights, into a mesh.
     pub(super) fn charge_merging(
         &self,
         vertices: usize,
@@ -81,11 +82,11 @@ impl Budget {
         self.charge(entries as u64, GROWTH * 8, what)
     }
 
-    /// Counts the welding of a mesh, and the joints in use, which are looked up then.
+    /// Charges the welding of a mesh, and the list of its joints in use.
     pub(super) fn charge_welding(&self, geometry: &Geometry, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         let vertices = geometry.positions().len() as u64;
         let entries = geometry.influences().map_or(0, |i: &Influences| i.joints().len()) as u64;
-        // Two tables with chains and their groups; the vertices that are kept, renumbered, with their data.
+        // Two tables with chains and their groups, and the vertices that are kept, renumbered, with their data.
         let tables = 2 * (16 + 4 + 4);
         let kept = GROWTH * 8 + 4 + 12 * (1 + geometry.morph_targets().len() as u64) + GROWTH * 4 + 4;
         self.charge(vertices, tables + kept, what)?;
@@ -93,7 +94,7 @@ impl Budget {
         self.charge(geometry.faces().len() as u64, 12, what)
     }
 
-    /// Counts an instance, its pose, and its part of the mesh that all instances make.
+    /// Charges an instance, its pose, and its part of the mesh that all instances make.
     pub(super) fn charge_instance(
         &self,
         geometry: &Geometry,

@@ -13,14 +13,14 @@ use super::files::Folder;
 use super::json::shorten;
 use super::{GltfError, files};
 
-/// Some exporters leave the padding out.
+/// Some exporters omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Loads all buffers; `None` for one without data, which matters only where something uses it. Then checks that every
-/// buffer view lies within its buffer's stated length.
+/// Loads all buffers. A buffer without data is `None`; it matters only where something uses it. Then checks that every
+/// buffer view lies within the stated length of its buffer.
 pub(super) fn load<'a>(
     document: &Document,
     binary: Option<&'a [u8]>,
@@ -71,7 +71,7 @@ fn resolve(
 ) -> Result<Vec<u8>, GltfError> {
     let place = || format!("buffers[{index}].uri");
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
-        // Percent signs decoded in a list that doubles, and the bytes.
+        // The URI with percent signs decoded, in a list that doubles, and the bytes.
         budget.charge(uri.len() as u64, 4, &place)?;
         return data_uri(&uri[5..]).map_err(|problem| GltfError::Uri { place: place(), uri: shorten(uri), problem });
     }

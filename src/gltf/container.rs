@@ -1,7 +1,7 @@
-//! The two shapes of a glTF file: JSON text, or a GLB with a JSON and a binary chunk.
+//! The two forms of a glTF file: JSON text, or a GLB with a JSON chunk and a binary chunk.
 //!
-//! `gltf::binary::Glb` is not used: it subtracts without checking, takes chunks beyond the length that the header
-//! states, and refuses chunk types that the specification asks readers to ignore.
+//! `gltf::binary::Glb` is not used. It subtracts without checking, takes chunks beyond the length that the header
+//! states, and refuses chunk types that readers must ignore.
 
 use super::GltfError;
 
@@ -9,7 +9,7 @@ const MAGIC: &[u8] = b"glTF";
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// The JSON text and the binary chunk, if there is one.
+/// The JSON text, and the binary chunk if there is one.
 pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     if !bytes.starts_with(MAGIC) {
         return Ok((bytes, None));
@@ -37,7 +37,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
     Ok((json, binary))
 }
 
-/// A chunk's type and data, and where the next one starts.
+/// The type and data of a chunk, and the offset of the next chunk.
 fn chunk(content: &[u8], offset: usize) -> Result<([u8; 4], &[u8], usize), GltfError> {
     let length = word(content, offset)? as usize;
     let kind = word(content, offset + 4)?.to_le_bytes();

@@ -4,17 +4,18 @@ use gltf::json::animation::Interpolation;
 
 use super::transforms::unit;
 
-/// Values over time. Times increase strictly; there is at least one.
+/// Values over time. There is at least one key, and times increase strictly.
 #[derive(Debug)]
 pub(super) struct Curve {
     pub(super) times: Vec<f32>,
-    /// Key after key, `width` values each; for a cubic spline in-tangent, value and out-tangent of that width.
+    /// The values of all keys, `width` for each. For a cubic spline a key has an in-tangent, a value and an out-tangent
+    /// of that width.
     pub(super) values: Vec<f32>,
     pub(super) width: usize,
     pub(super) interpolation: Interpolation,
 }
 
-/// A component of a key, in the order that cubic splines store them.
+/// A part of a key, in the order of cubic splines.
 #[derive(Clone, Copy)]
 enum Part {
     InTangent,
@@ -23,7 +24,7 @@ enum Part {
 }
 
 impl Curve {
-    /// Values that each key takes.
+    /// The number of values of each key.
     pub(super) fn stride(interpolation: Interpolation, width: usize) -> usize {
         match interpolation {
             Interpolation::CubicSpline => 3 * width,
@@ -31,8 +32,8 @@ impl Curve {
         }
     }
 
-    /// The curve's value at a time, which is clamped to the keys'. Rotations run along the shorter arc (LINEAR) and
-    /// come out with length 1, or not finite where a spline passes through zero.
+    /// The curve's value at a time, which is clamped to the range of the keys. Rotations take the shorter arc (LINEAR)
+    /// and have length 1. They are not finite where a spline passes through zero.
     pub(super) fn sample(&self, time: f64, rotation: bool) -> Vec<f64> {
         let key_value = |key| if rotation { normalized(&self.value(key)) } else { self.value(key) };
         let after = self.times.partition_point(|&t| f64::from(t) <= time);
@@ -67,7 +68,7 @@ impl Curve {
         let offset = match (self.interpolation, part) {
             (Interpolation::CubicSpline, Part::Value) => self.width,
             (Interpolation::CubicSpline, Part::OutTangent) => 2 * self.width,
-            // An in-tangent comes first; without tangents there is the value alone.
+            // An in-tangent comes first; a key without tangents has only the value.
             _ => 0,
         };
         let stride = Self::stride(self.interpolation, self.width);
@@ -92,12 +93,12 @@ fn normalized(rotation: &[f64]) -> Vec<f64> {
     unit.map_or(vec![f64::NAN; rotation.len()], |unit| unit.to_array().to_vec())
 }
 
-/// Between two unit quaternions, along the shorter arc.
+/// Interpolates between two unit quaternions along the shorter arc.
 fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
     let sign = if dot < 0.0 { -1.0 } else { 1.0 };
     let angle = dot.abs().min(1.0).acos();
-    // Below this the sines' quotient loses more than the straight line is off.
+    // Below this angle the quotient of sines loses more than linear interpolation is off.
     let (from, to) = if angle < 1e-4 {
         (1.0 - t, t)
     } else {

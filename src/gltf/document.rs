@@ -1,7 +1,7 @@
 //! The parts of a glTF document that shape, place and move triangles, as plain structs with checked indices.
 //!
-//! `gltf::json::Root` is not used: it refuses legal files (a scene without nodes, an animation channel without a
-//! target node), and its errors name a line where a user needs a mesh.
+//! `gltf::json::Root` is not used. It refuses legal files (a scene without nodes, an animation channel without a target
+//! node), and its errors name a line where a user needs a mesh.
 
 use glam::{DAffine3, DQuat, DVec3};
 use gltf::json::accessor::{ComponentType, Type};
@@ -17,12 +17,12 @@ pub(super) struct Document {
     pub(super) meshes: Vec<Mesh>,
     pub(super) skins: Vec<Skin>,
     pub(super) nodes: Vec<Node>,
-    /// Node lists.
+    /// The root nodes of each scene.
     pub(super) scenes: Vec<Vec<usize>>,
     pub(super) scene: Option<usize>,
     pub(super) animations: Vec<Animation>,
     pub(super) lights: Vec<PunctualLight>,
-    /// Positions may be of an integer type.
+    /// Whether positions may be of an integer type.
     pub(super) quantized: bool,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct View {
     pub(super) offset: u64,
     pub(super) bytes: u64,
     pub(super) stride: Option<u64>,
-    /// The view has a meshopt-compressed twin; the name of the extension.
+    /// The name of the extension if the view has meshopt-compressed data, too.
     pub(super) compressed: Option<&'static str>,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct Mesh {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
     pub(super) weights: Option<Vec<f64>>,
-    /// Morph targets of each primitive.
+    /// The number of morph targets of each primitive.
     pub(super) targets: usize,
 }
 
@@ -74,11 +74,11 @@ pub(super) struct Primitive {
     pub(super) mode: Mode,
     pub(super) indices: Option<usize>,
     pub(super) position: Option<usize>,
-    /// Accessors of `JOINTS_n` and `WEIGHTS_n`, by n.
+    /// The accessors of `JOINTS_n` and `WEIGHTS_n`, by n.
     pub(super) influences: Vec<InfluenceSet>,
-    /// Accessors of the targets' POSITION; `None`: that target moves nothing here.
+    /// The accessor of each target's POSITION. `None`: the target moves nothing here.
     pub(super) targets: Vec<Option<usize>>,
-    /// It has a Draco-compressed twin.
+    /// Whether it has Draco-compressed data, too.
     pub(super) draco: bool,
 }
 
@@ -108,7 +108,7 @@ pub(super) struct Node {
     pub(super) instancing: Option<Instancing>,
 }
 
-/// Accessors of `EXT_mesh_gpu_instancing`'s attributes.
+/// The accessors of the attributes of `EXT_mesh_gpu_instancing`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Instancing {
     pub(super) translation: Option<usize>,
@@ -123,7 +123,7 @@ pub(super) enum Transform {
     Trs(Trs),
 }
 
-/// Scale, then rotate, then translate. The rotation has length 1.
+/// Scale, then rotation, then translation. The rotation has length 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trs {
     pub(super) translation: DVec3,
@@ -135,7 +135,7 @@ pub(super) struct Trs {
 pub(super) struct Animation {
     pub(super) name: Option<String>,
     pub(super) samplers: Vec<Sampler>,
-    /// Those with a target that glTF defines.
+    /// The channels whose target glTF defines.
     pub(super) channels: Vec<ChannelTarget>,
 }
 
@@ -148,7 +148,7 @@ pub(super) struct Sampler {
 
 #[derive(Debug)]
 pub(super) struct ChannelTarget {
-    /// Its position in the file.
+    /// Its index in the file.
     pub(super) channel: usize,
     pub(super) sampler: usize,
     pub(super) node: usize,
@@ -162,7 +162,7 @@ pub(super) struct PunctualLight {
     pub(super) color: [f32; 3],
     pub(super) intensity: f32,
     pub(super) range: Option<f32>,
-    /// Inner and outer angle of a spot's cone.
+    /// The inner and outer angle of a spot light's cone.
     pub(super) cone: Option<[f32; 2]>,
 }
 

@@ -6,23 +6,23 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GltfError {
-    /// The file, or one that it names, cannot be read.
+    /// The file, or a file that it names, cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The binary container is damaged.
     #[error("GLB, byte {offset}: {problem}; the file is cut short or damaged, export it again")]
     Glb {
-        /// Where, from the start of the file.
+        /// The place, in bytes from the start of the file.
         offset: usize,
-        /// What is wrong there.
+        /// What is wrong at this place.
         problem: String,
     },
-    /// The text is no JSON.
+    /// The text is not JSON.
     #[error("the glTF JSON cannot be parsed: {0}")]
     Json(#[source] gltf::json::Error),
     /// A property has the wrong type or an impossible value.
@@ -30,54 +30,54 @@ pub enum GltfError {
     Property {
         /// JSON path of the property.
         place: String,
-        /// What should stand there.
+        /// The value that should be there.
         expected: &'static str,
-        /// What does.
+        /// The value that is there.
         found: String,
     },
-    /// A property that must be there is not.
+    /// A required property is missing.
     #[error("{place} is missing")]
     Missing {
         /// JSON path of the property.
         place: String,
     },
-    /// An index names something that the file does not have.
+    /// An index names an element that the file does not have.
     #[error("{place} is {index}, but the file has {count} {kind}")]
     Reference {
         /// JSON path of the index.
         place: String,
-        /// The array it should point into.
+        /// The array that it points into.
         kind: &'static str,
         /// The index.
         index: u64,
         /// The array's length.
         count: usize,
     },
-    /// The file is of another glTF version than 2.
+    /// The file has another glTF version than 2.
     #[error("glTF version {version} is not supported, only 2.0 is; convert the file")]
     Version {
-        /// As written in the file.
+        /// The version as written in the file.
         version: String,
     },
-    /// The file cannot be drawn right without an extension that is not supported.
+    /// The file needs an extension that is not supported.
     #[error("{place} needs the extension {name}, which is not supported; {advice}")]
     Extension {
         /// The extension.
         name: String,
-        /// Where it is needed.
+        /// Where the file needs it.
         place: String,
-        /// A way out.
+        /// What the user can do instead.
         advice: &'static str,
     },
-    /// What the file holds makes no model.
+    /// The content of the file does not make a model.
     #[error("{place}: {source}")]
     Model {
         /// JSON path of the mesh, or `nodes` for all instances together.
         place: String,
-        /// What is wrong with it.
+        /// Why it does not.
         source: crate::model::ModelError,
     },
-    /// A URI that is not read.
+    /// A URI that the loader does not read.
     #[error("{place}: {uri:?} {problem}")]
     Uri {
         /// JSON path of the URI.
@@ -87,46 +87,46 @@ pub enum GltfError {
         /// Why it is not read, and what to do.
         problem: &'static str,
     },
-    /// A buffer or a view into it reaches past the bytes that are there.
+    /// A buffer, or a view into it, is longer than its data.
     #[error("{place} needs {needed} bytes, but only {available} are there")]
     TooShort {
         /// JSON path of the buffer or buffer view.
         place: String,
-        /// Bytes it claims.
+        /// Bytes that it claims.
         needed: u64,
-        /// Bytes it can have.
+        /// Bytes that it can have.
         available: u64,
     },
-    /// An accessor cannot be read the way that it is used.
+    /// An accessor cannot be read in the way that the file uses it.
     #[error("accessors[{accessor}], used as {user}: {problem}")]
     Accessor {
         /// Index of the accessor.
         accessor: usize,
-        /// JSON path of what refers to it.
+        /// JSON path of the property that refers to it.
         user: String,
         /// What is wrong.
         problem: AccessorProblem,
     },
-    /// Loading would take more memory than the caller allows; a guard against small files that fill the memory.
+    /// Loading would take more memory than the caller allows. This guards against small files that fill the memory.
     #[error(
         "{what}: loading needs at least {needed} bytes of memory, more than the limit of {limit}; raise the limit if \
          the file is meant to be that large, else split it"
     )]
     TooLarge {
-        /// What would have been made next: a file, or a JSON path.
+        /// What would be allocated next: a file, or a JSON path.
         what: String,
-        /// Bytes that loading would have taken with it.
+        /// Bytes that loading would have taken, including this allocation.
         needed: u64,
         /// [`LoadOptions::memory_limit`](super::LoadOptions::memory_limit).
         limit: u64,
     },
-    /// More vertices, or joints of vertices, than 32-bit indices can name.
+    /// There are more vertices, or joints of vertices, than 32-bit indices can name.
     #[error("{place}: its mesh has more vertices or joints than 32-bit indices can name; split it")]
     TooManyVertices {
-        /// JSON path of the primitive that goes over.
+        /// JSON path of the primitive that exceeds the limit.
         place: String,
     },
-    /// A file name that leads outside the glTF's folder.
+    /// A file name leads outside the folder of the glTF.
     #[error(
         "{place}: {uri:?} leads to {}, which is outside the glTF's folder and is not read; put the file there, or \
          allow files outside if the glTF is trusted", path.display()
@@ -136,30 +136,30 @@ pub enum GltfError {
         place: String,
         /// Its first characters.
         uri: String,
-        /// Where it leads.
+        /// The path that it leads to.
         path: PathBuf,
     },
-    /// An attribute, morph target or instance attribute has another number of elements than its fellows.
+    /// An attribute, morph target or instance attribute has another number of elements than the others.
     #[error("{place} has {count} elements, expected {expected}")]
     Count {
-        /// JSON path.
+        /// JSON path of the attribute.
         place: String,
-        /// Elements it has.
+        /// Elements that it has.
         count: usize,
-        /// Elements it must have.
+        /// Elements that it must have.
         expected: usize,
     },
-    /// Triangles that are not three corners each.
+    /// The number of corners is not a multiple of three.
     #[error("meshes[{mesh}].primitives[{primitive}]: {corners} corners are no whole number of triangles")]
     CornerCount {
         /// Index of the mesh.
         mesh: usize,
         /// Index of the primitive in it.
         primitive: usize,
-        /// Indices, or vertices where there are none.
+        /// Indices, or vertices if there are no indices.
         corners: usize,
     },
-    /// An index past the vertices.
+    /// An index is past the last vertex.
     #[error(
         "meshes[{mesh}].primitives[{primitive}]: index {position} (face {face}, corner {corner}) is {index}, but \
          there are {vertices} vertices"
@@ -171,16 +171,16 @@ pub enum GltfError {
         primitive: usize,
         /// Position in the index accessor.
         position: usize,
-        /// The first triangle of the primitive that it belongs to.
+        /// The first triangle of the primitive that reads it.
         face: usize,
-        /// Its corner there.
+        /// The corner of this triangle: 0, 1 or 2.
         corner: usize,
         /// The index.
         index: u32,
         /// Vertices of the primitive.
         vertices: usize,
     },
-    /// An index that means "start a new strip", which glTF forbids.
+    /// An index has the value that restarts a strip, which glTF forbids.
     #[error("meshes[{mesh}].primitives[{primitive}]: index {position} is the primitive restart value {index}")]
     PrimitiveRestart {
         /// Index of the mesh.
@@ -189,25 +189,25 @@ pub enum GltfError {
         primitive: usize,
         /// Position in the index accessor.
         position: usize,
-        /// The largest value of its type.
+        /// The index: the largest value of its type.
         index: u32,
     },
-    /// A position or position offset is infinite or not a number.
+    /// A position or an offset of a position is infinite or NaN.
     #[error("{place}, vertex {vertex} is ({}, {}, {}), and every position must be finite", .value[0], .value[1], .value[2])]
     NonFinitePosition {
         /// JSON path of the attribute.
         place: String,
-        /// Index of the vertex in it.
+        /// Index of the vertex in the attribute.
         vertex: usize,
         /// The position or offset.
         value: [f32; 3],
     },
-    /// A skin weight is negative, infinite or not a number.
+    /// A skin weight is negative, infinite or NaN.
     #[error("{place}, vertex {vertex}: weight {weight} is not a finite number of 0 or more")]
     Weight {
         /// JSON path of the attribute.
         place: String,
-        /// Index of the vertex in it.
+        /// Index of the vertex in the attribute.
         vertex: usize,
         /// The weight.
         weight: f32,
@@ -217,58 +217,58 @@ pub enum GltfError {
     JointOutOfRange {
         /// JSON path of the attribute.
         place: String,
-        /// Index of the vertex in it.
+        /// Index of the vertex in the attribute.
         vertex: usize,
         /// The joint.
         joint: u32,
         /// The node that uses mesh and skin together.
         node: usize,
-        /// The skin.
+        /// Index of the skin.
         skin: usize,
-        /// Its joints.
+        /// Joints of the skin.
         joints: usize,
     },
-    /// A skinned node's mesh has a primitive without joints, which glTF forbids.
+    /// The mesh of a skinned node has a primitive without joints, which glTF forbids.
     #[error("nodes[{node}] has a skin, but meshes[{mesh}].primitives[{primitive}] has no JOINTS_0 and WEIGHTS_0")]
     NotSkinned {
-        /// The node.
+        /// Index of the node.
         node: usize,
-        /// Its mesh.
+        /// Index of its mesh.
         mesh: usize,
-        /// The primitive.
+        /// Index of the primitive in the mesh.
         primitive: usize,
     },
     /// A skinned mesh is also instanced, which neither specification defines.
     #[error("nodes[{node}] has both a skin and EXT_mesh_gpu_instancing; remove one")]
     InstancedSkin {
-        /// The node.
+        /// Index of the node.
         node: usize,
     },
-    /// A matrix or rotation is no transform of space.
+    /// A matrix or rotation does not define a transform.
     #[error("{place}: {problem}")]
     Transform {
-        /// JSON path.
+        /// JSON path of the matrix or rotation.
         place: String,
-        /// What is wrong.
+        /// Why it does not.
         problem: &'static str,
     },
     /// A node is its own ancestor.
     #[error("nodes[{node}] is its own ancestor; nodes must form trees")]
     NodeCycle {
-        /// A node on the cycle or below it.
+        /// Index of a node in the cycle or below it.
         node: usize,
     },
-    /// Two nodes list the same child, or one lists it twice.
+    /// Two nodes list the same child, or one node lists it twice.
     #[error("nodes[{node}] is a child of nodes[{first}] and again of nodes[{second}]; nodes must form trees")]
     TwoParents {
-        /// The child.
+        /// Index of the child.
         node: usize,
-        /// The lower parent.
+        /// Index of the first parent, which is the lower one.
         first: usize,
-        /// The other, or the same again.
+        /// Index of the second parent, or of the same one again.
         second: usize,
     },
-    /// An animation's keyframes make no curve.
+    /// The keyframes of an animation do not make a curve.
     #[error("{place}: {problem}")]
     Keyframes {
         /// JSON path of the sampler.
@@ -276,12 +276,12 @@ pub enum GltfError {
         /// What is wrong.
         problem: String,
     },
-    /// An animation moves a node that has a fixed matrix, which glTF forbids.
+    /// An animation moves a node with a fixed matrix, which glTF forbids.
     #[error("{place} moves nodes[{node}], which has a matrix; give it translation, rotation and scale instead")]
     AnimatedMatrix {
         /// JSON path of the channel.
         place: String,
-        /// The node.
+        /// Index of the node.
         node: usize,
     },
 }
@@ -290,81 +290,81 @@ pub enum GltfError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AccessorProblem {
-    /// Type or component type do not fit the use.
+    /// The type or component type does not fit the use.
     #[error("it holds {found}, expected {expected}")]
     Format {
-        /// What it holds.
+        /// The format that it has.
         found: String,
-        /// What fits.
+        /// The format that fits.
         expected: &'static str,
     },
-    /// It reaches past its buffer view.
+    /// It reaches past the end of its buffer view.
     #[error("it needs {needed} bytes of bufferViews[{view}], which has {available}")]
     TooShort {
         /// Index of the buffer view.
         view: usize,
         /// Bytes from the view's start to the accessor's end.
         needed: u64,
-        /// The view's bytes.
+        /// Bytes of the view.
         available: u64,
     },
-    /// Elements would overlap.
+    /// The stride is smaller than an element, so elements would overlap.
     #[error("the byteStride {stride} of bufferViews[{view}] is smaller than an element's {size} bytes")]
     Stride {
         /// Index of the buffer view.
         view: usize,
-        /// Its stride.
+        /// Stride of the view, in bytes.
         stride: u64,
         /// Bytes of an element.
         size: u64,
     },
-    /// Its buffer has neither URI nor binary chunk.
+    /// Its buffer has no data: neither a URI nor the binary chunk.
     #[error("buffers[{buffer}] has no data")]
     NoData {
         /// Index of the buffer.
         buffer: usize,
     },
-    /// More replaced elements than elements.
+    /// The file replaces more elements than there are.
     #[error("it replaces {count} elements of {elements}")]
     SparseCount {
-        /// Elements replaced.
+        /// Elements that are replaced.
         count: u64,
-        /// Elements there are.
+        /// Elements of the accessor.
         elements: u64,
     },
-    /// Sparse indices must increase and stay below the element count.
+    /// The sparse indices do not increase, or one is not below the number of elements.
     #[error("sparse index {position} is {index}; they must increase and stay below {elements}")]
     SparseIndex {
         /// Position among the sparse indices.
         position: usize,
         /// The index.
         index: u32,
-        /// Elements there are.
+        /// Elements of the accessor.
         elements: u64,
     },
 }
 
-/// Why a model has no pose at some time.
+/// Why there is no pose at some time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// No such animation.
+    /// There is no such animation.
     #[error("animation {index} was asked for, but the file has {count}")]
     NoAnimation {
-        /// The index asked for.
+        /// The index that was asked for.
         index: usize,
         /// Animations in the file.
         count: usize,
     },
-    /// The time is not a number.
+    /// The time is NaN.
     #[error("the time is not a number; give seconds")]
     Time,
-    /// A matrix or morph weight overflows or is not a number.
+    /// A matrix or a morph weight is infinite or NaN.
     #[error("{place} has no finite transform or morph weights at {time_s} s")]
     NotFinite {
         /// JSON path of the node that places the instance or light.
         place: String,
-        /// The time asked for.
+        /// The time that was asked for.
         time_s: f32,
     },
 }

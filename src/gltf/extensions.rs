@@ -1,24 +1,24 @@
-//! Which required extensions a file may have.
+//! The required extensions that a file may have.
 
 use super::GltfError;
 use super::json::{Json, shorten};
 
-/// Compressed buffer views; the file is readable without these where the plain data is there too.
+/// Extensions for compressed buffer views. The loader reads such a file if the plain data is there too.
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// The advice for meshopt, wherever it turns up.
+/// The advice for a file with meshopt data.
 pub(super) const MESHOPT_ADVICE: &str = "decompress the file first (gltfpack without -c, or gltf-transform copy), or export it with an uncompressed \
      fallback buffer";
-/// The advice for Draco, wherever it turns up.
+/// The advice for a file with Draco data.
 pub(super) const DRACO_ADVICE: &str =
     "decompress the file first (gltf-transform copy), or export it without Draco compression";
-/// Draco's name.
+/// The name of the Draco extension.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
-/// Read by the loader.
+/// The extensions that the loader reads.
 const READ: &[&str] = &["KHR_mesh_quantization", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
 
-/// These touch only how surfaces look or what is known about them, never where triangles are.
+/// Extensions of surfaces and of descriptions. They do not change where triangles are.
 const HARMLESS_PREFIXES: &[&str] =
     &["KHR_materials_", "KHR_texture_", "EXT_texture_", "ADOBE_materials_", "MSFT_packing_"];
 const HARMLESS: &[&str] = &[
@@ -37,7 +37,7 @@ const HARMLESS: &[&str] = &[
     "AGI_stk_metadata",
 ];
 
-/// Refuses required extensions that are not supported; gives all that the file uses.
+/// Refuses required extensions that are not supported. Returns all that the file uses.
 pub(super) fn check(root: &Json<'_>) -> Result<Vec<String>, GltfError> {
     let required = root.strings("extensionsRequired")?;
     for &name in &required {

@@ -10,18 +10,18 @@ use super::GltfError;
 use super::budget::Budget;
 use super::json::shorten;
 
-/// Where files named in a glTF are looked for.
+/// Where to look for the files that a glTF names.
 #[derive(Clone, Copy)]
 pub(super) struct Folder<'a> {
-    /// `None`: no file is read.
+    /// The folder. `None`: no file is read.
     pub(super) path: Option<&'a Path>,
-    /// Files outside the folder are read, too.
+    /// Whether files outside the folder are read, too.
     pub(super) allow_outside: bool,
 }
 
 impl Folder<'_> {
-    /// The file that a relative URI names. What lies in the folder by name may still lead out of it by a symbolic link:
-    /// the path given is the one that the system resolved.
+    /// The file that a relative URI names. A symbolic link in the folder may lead out of it, so the path returned is
+    /// the one that the system resolved.
     pub(super) fn find(&self, uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, GltfError> {
         let refuse = |problem| GltfError::Uri { place: place(), uri: shorten(uri), problem };
         let outside = |path| Err(GltfError::Outside { place: place(), uri: shorten(uri), path });
@@ -45,7 +45,7 @@ impl Folder<'_> {
     }
 }
 
-/// The path that a URI names, relative to the glTF's folder.
+/// The path that a URI names, relative to the folder of the glTF.
 fn relative(uri: &str) -> Result<PathBuf, &'static str> {
     let scheme = uri.split(['/', '?', '#', '%']).next().unwrap_or_default();
     if scheme.contains(':') || uri.starts_with("//") {
@@ -57,7 +57,7 @@ fn relative(uri: &str) -> Result<PathBuf, &'static str> {
     if named { Ok(path) } else { Err("names no file") }
 }
 
-/// Whether a path leaves the folder that it starts in, by its names alone.
+/// Whether a path leaves the folder where it starts, judged by its names alone.
 fn leaves(path: &Path) -> bool {
     let mut depth = 0_usize;
     for component in path.components() {
@@ -71,7 +71,7 @@ fn leaves(path: &Path) -> bool {
     false
 }
 
-/// Reads at most `most` bytes of a regular file: never a device or a pipe, which may have no end.
+/// Reads at most `most` bytes of a regular file. It never reads a device or a pipe, which may have no end.
 pub(super) fn read(path: &Path, most: u64, budget: &Budget) -> Result<Vec<u8>, GltfError> {
     let failed = |source| GltfError::Read { path: path.to_owned(), source };
     let metadata = std::fs::metadata(path).map_err(failed)?;

@@ -1,9 +1,9 @@
-//! Which accessor formats the specification allows for each use.
+//! The accessor formats that the specification allows for each use.
 
 use gltf::json::accessor::ComponentType::{F32, I8, I16, U8, U16, U32};
 use gltf::json::accessor::{ComponentType, Type};
 
-/// Which accessors fit a use.
+/// The accessors that fit a use.
 #[derive(Clone, Copy)]
 pub(super) struct Format {
     pub(super) kind: Type,
@@ -11,11 +11,11 @@ pub(super) struct Format {
     pub(super) text: &'static str,
 }
 
-/// A component type, and whether it must be, must not be, or may be normalised.
+/// A component type. `Some(true)`: it must be normalised. `Some(false)`: it must not be. `None`: both are allowed.
 pub(super) type Component = (ComponentType, Option<bool>);
 
 pub(super) const POSITION: Format = Format { kind: Type::Vec3, components: &[(F32, None)], text: "F32 Vec3" };
-/// With `KHR_mesh_quantization`; targets too.
+/// Positions with `KHR_mesh_quantization`, also those of morph targets.
 pub(super) const POSITION_QUANTIZED: Format = Format {
     kind: Type::Vec3,
     components: &[(F32, None), (I8, None), (U8, None), (I16, None), (U16, None)],

@@ -1,4 +1,4 @@
-//! One glTF mesh to one [`Geometry`]: its primitives merged.
+//! Merges the primitives of a glTF mesh into one [`Geometry`].
 
 use std::collections::HashMap;
 
@@ -14,11 +14,11 @@ use crate::model::{Geometry, GeometryOptions, Influences, ModelError};
 #[derive(Debug)]
 pub(super) struct Merged {
     pub(super) geometry: Geometry,
-    /// The highest joint of each primitive that has joints, in primitives that are skipped too.
+    /// The highest joint of each primitive that has joints, also of primitives that are skipped.
     pub(super) highest_joints: Vec<HighestJoint>,
 }
 
-/// What makes primitives of a mesh share vertices.
+/// Primitives of a mesh with equal keys share vertices.
 #[derive(PartialEq, Eq, Hash)]
 struct Key<'a> {
     position: usize,
@@ -26,8 +26,9 @@ struct Key<'a> {
     influences: Vec<(u32, usize, usize)>,
 }
 
-/// Merges all triangle primitives of mesh `index`. The vertices of the others are read too, so that their errors are
-/// found, and dropped. `skinned_by` is a node that gives the mesh a skin; without one the joints are dropped.
+/// Merges all triangle primitives of mesh `index`. Vertices of the other primitives are read too, so that their errors
+/// are found, and then dropped. `skinned_by` is a node that gives the mesh a skin. Without such a node the joints are
+/// dropped.
 pub(super) fn merge(reader: &Reader<'_>, index: usize, skinned_by: Option<usize>) -> Result<Merged, GltfError> {
     let mesh = &reader.document.meshes[index];
     let mut draft = Draft::new(mesh, skinned_by.is_some());
@@ -74,7 +75,7 @@ fn key(primitive: &Primitive, position: usize) -> Key<'_> {
     Key { position, targets: &primitive.targets, influences: primitive.influences.iter().map(set).collect() }
 }
 
-/// A primitive whose plain data was left out when it was compressed would read as zeros.
+/// Refuses a primitive whose plain data was left out in compression. It would read as zeros.
 fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) -> Result<(), GltfError> {
     let empty = |accessor: usize| {
         let accessor = &reader.document.accessors[accessor];
@@ -90,7 +91,7 @@ fn check_compression(reader: &Reader<'_>, primitive: &Primitive, place: &str) ->
     Ok(())
 }
 
-/// A geometry to which primitives are being added.
+/// A geometry while primitives are added to it.
 struct Draft {
     positions: Vec<[f32; 3]>,
     faces: Vec<[u32; 3]>,
@@ -120,7 +121,7 @@ impl Draft {
         Geometry::new(self.positions, self.faces, options)
     }
 
-    /// Adds vertices and gives the index of the first.
+    /// Adds vertices and returns the index of the first.
     fn append(&mut self, vertices: &Vertices, reader: &Reader<'_>, place: &str) -> Result<u32, GltfError> {
         let first = self.positions.len();
         let entries = self.influences.as_ref().map_or(0, |(_, joints, _)| joints.len());

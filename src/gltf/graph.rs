@@ -1,11 +1,11 @@
-//! The node forest: parents before children, the nodes of the chosen scene, world matrices.
+//! The node forest: the order of parents and children, the nodes of the chosen scene, world matrices.
 
 use glam::DAffine3;
 
 use super::GltfError;
 use super::document::Document;
 
-/// The forest that a document's nodes form.
+/// The forest that the nodes of a document form.
 #[derive(Debug)]
 pub(super) struct Graph {
     parents: Vec<Option<usize>>,
@@ -29,7 +29,7 @@ impl Graph {
         let roots: Vec<usize> = (0..count).filter(|&node| parents[node].is_none()).collect();
         let order = preorder(document, &roots);
         if order.len() < count {
-            // Every node has at most one parent, so what no root reaches hangs on a cycle.
+            // Every node has at most one parent. So a node that no root reaches is in a cycle or below one.
             let mut reached = vec![false; count];
             for &node in &order {
                 reached[node] = true;
@@ -44,7 +44,7 @@ impl Graph {
         Ok(Self { parents, order, scene })
     }
 
-    /// Every node's matrix to world space, from each one's matrix to its parent's space.
+    /// The world matrix of every node. `local` gives the matrix of a node to its parent's space.
     pub(super) fn world(&self, local: impl Fn(usize) -> DAffine3) -> Vec<DAffine3> {
         let mut world = vec![DAffine3::IDENTITY; self.parents.len()];
         for &node in &self.order {
@@ -58,7 +58,7 @@ impl Graph {
     }
 }
 
-/// Nodes below and at `roots`, each once, in depth-first order.
+/// The nodes at and below `roots`, each once, in depth-first order.
 fn preorder(document: &Document, roots: &[usize]) -> Vec<usize> {
     let mut seen = vec![false; document.nodes.len()];
     let mut order = Vec::new();

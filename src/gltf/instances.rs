@@ -1,4 +1,4 @@
-//! Which geometry stands where: geometries of every mesh, instances of the chosen scene.
+//! Builds the model: the geometries of every mesh, and the instances of the chosen scene.
 
 use glam::{DAffine3, DVec3};
 
@@ -14,11 +14,11 @@ use super::{GltfError, SceneLight};
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, Instance, Model};
 
-/// A model with what its poses and reports need.
+/// A model with the data that its poses and reports need.
 #[derive(Debug)]
 pub(super) struct Built {
     pub(super) model: Model,
-    /// One an instance.
+    /// The origin of each instance.
     pub(super) placements: Vec<Placement>,
     /// The mesh of each geometry.
     pub(super) meshes: Vec<usize>,
@@ -26,7 +26,7 @@ pub(super) struct Built {
     pub(super) weld_counts: Vec<WeldCounts>,
 }
 
-/// The parts of a model that is being built.
+/// The parts of a model during construction.
 #[derive(Default)]
 pub(super) struct Draft {
     geometries: Vec<Geometry>,
@@ -88,12 +88,12 @@ pub(super) fn build(reader: &Reader<'_>, graph: &Graph, skins: &[LoadedSkin], we
     Ok(Built { model, placements, meshes, weld_counts })
 }
 
-/// Who uses a mesh, in whatever scene.
+/// The nodes that use a mesh, in any scene.
 #[derive(Clone, Debug, Default)]
 struct Users {
     /// Nodes with a skin.
     skinned: Vec<usize>,
-    /// There are nodes without.
+    /// Whether nodes without a skin use it.
     rigid: bool,
 }
 
@@ -115,7 +115,7 @@ fn users(document: &Document) -> Vec<Users> {
     users
 }
 
-/// Every joint that a vertex follows must be one of each skin that the mesh is used with.
+/// Checks that every joint that a vertex follows is in each skin that is used with the mesh.
 fn check_joints(document: &Document, users: &[usize], merged: &Merged, skins: &[LoadedSkin]) -> Result<(), GltfError> {
     let Some(highest) = merged.highest_joints.iter().max_by_key(|highest| highest.joint) else {
         return Ok(());
@@ -215,7 +215,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Counts what the lights of the chosen scene take when they are asked for, names and all.
+    /// Charges the lights of the chosen scene, as they are when they are asked for, with their names.
     pub(super) fn charge_lights(reader: &Reader<'_>, graph: &Graph) -> Result<(), GltfError> {
         let document = reader.document;
         for &n in &graph.scene {
@@ -231,7 +231,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds an instance, if there is anything to draw.
+    /// Adds an instance, unless its geometry has no faces.
     fn place(
         &mut self,
         reader: &Reader<'_>,

@@ -1,4 +1,4 @@
-//! A view of JSON that knows where it stands, so that every error names its place.
+//! A view of JSON that knows its path, so that every error names its place.
 
 use gltf::json::Value;
 
@@ -22,7 +22,7 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// This object's own path.
+    /// The path of this object.
     pub(super) fn path(&self) -> &str {
         if self.path.is_empty() { "the file" } else { &self.path }
     }
@@ -60,12 +60,12 @@ impl<'a> Json<'a> {
         }
     }
 
-    /// Length of an array; 0 where it is missing.
+    /// The length of an array, or 0 if it is missing.
     pub(super) fn count(&self, key: &str) -> Result<usize, GltfError> {
         Ok(self.values(key)?.len())
     }
 
-    /// The objects of an array; none where it is missing.
+    /// The objects of an array, or none if it is missing.
     pub(super) fn objects(&self, key: &str) -> Result<Vec<Self>, GltfError> {
         self.values(key)?.iter().enumerate().map(|(i, v)| Self::new(v, format!("{}[{i}]", self.at(key)))).collect()
     }
@@ -97,7 +97,7 @@ impl<'a> Json<'a> {
         self.value(key).map(|v| whole(v).ok_or_else(|| wrong(self.at(key), WHOLE, v))).transpose()
     }
 
-    /// An index into an array of `count` things of the given kind.
+    /// An index into an array of `count` elements of the given kind.
     pub(super) fn index(&self, key: &str, kind: &'static str, count: usize) -> Result<Option<usize>, GltfError> {
         self.value(key).map(|v| index(v, || self.at(key), kind, count)).transpose()
     }
@@ -133,18 +133,18 @@ impl<'a> Json<'a> {
         Ok(Some(vector))
     }
 
-    /// The property, or that it is missing.
+    /// The property, or an error that it is missing.
     pub(super) fn required<T>(&self, key: &str, value: Option<T>) -> Result<T, GltfError> {
         value.ok_or_else(|| GltfError::Missing { place: self.at(key) })
     }
 
-    /// An error about the value of a property that is there.
+    /// An error about the value of a property.
     pub(super) fn wrong(&self, key: &str, expected: &'static str) -> GltfError {
         wrong(self.at(key), expected, self.value(key).unwrap_or(&Value::Null))
     }
 }
 
-/// A whole number; JSON writers may write `1.0` for it.
+/// A whole number. JSON writers may write it as `1.0`.
 pub(super) fn whole(value: &Value) -> Option<u64> {
     value.as_u64().or_else(|| {
         let number = value.as_f64()?;
@@ -162,7 +162,7 @@ fn index(value: &Value, place: impl Fn() -> String, kind: &'static str, count: u
     }
 }
 
-/// An error about a value, quoted so far as it is short.
+/// An error about a value. It quotes the value, shortened.
 pub(super) fn wrong(place: String, expected: &'static str, value: &Value) -> GltfError {
     let found = match value {
         Value::Array(_) => "an array".to_owned(),

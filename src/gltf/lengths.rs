@@ -1,6 +1,6 @@
-//! Lengths of a document's lists.
+//! The lengths of a document's lists.
 
-/// Lengths of the lists that indices point into.
+/// The lengths of the lists that indices point into.
 #[derive(Clone, Copy)]
 pub(super) struct Lengths {
     pub(super) buffers: usize,

@@ -1,25 +1,27 @@
-//! Loading of glTF 2.0 files: triangles, skins, morph targets, animations, instances, punctual lights.
+//! Loads glTF 2.0 files: triangles, skins, morph targets, animations, instances, punctual lights.
 //!
-//! What is read, by the sections of the glTF 2.0 specification, and what is decided where it leaves a choice:
+//! This is what is read, in the order of the glTF 2.0 specification, and what is decided where it leaves a choice:
 //!
-//! * All nodes of the default scene (none marked: the first; no scenes: all nodes, then the meshes that no node names,
-//!   untransformed). Whatever the scene holds, every mesh, skin and animation of the file is read and checked.
-//! * All triangle primitives of a mesh make one [`Geometry`](crate::Geometry); points and lines are skipped and
-//!   counted, and so are primitives without positions: see [`Asset::skipped`]. A file may so have no faces at all.
-//! * A vertex follows the joints of non-zero weight; weights are brought to the sum 1, and where all are zero the vertex
-//!   follows the first joint listed. A joint of zero weight may be any number. A mesh used both with and without a
-//!   skin gives two geometries.
-//! * A matrix's last row may differ from (0, 0, 0, 1) by 10⁻⁵ and is then taken as that. Rotations are brought to
-//!   length 1.
-//! * Of several channels that move the same property in an animation, the last one holds. Channels without a target
-//!   node, with an unknown path, or for morph weights of a node without morph targets are ignored with a warning.
-//! * A quantised attribute is accepted where the file says that it uses `KHR_mesh_quantization`. Draco and meshopt data
-//!   are never read: a file is refused where the plain data beside them is missing. Alignment of accessors is not
-//!   asked for.
-//! * Buffers are read from data URIs and from regular files in the glTF's folder or below it, nothing else. A file that
-//!   a symbolic link or `..` leads to outside of it is refused, unless [`LoadOptions::allow_outside`] lets it in. Images
-//!   are never read, wherever they are.
-//! * Memory is charged against [`LoadOptions::memory_limit`] before it is taken.
+//! * **Scene.** All nodes of the default scene are loaded, or of the first scene if none is marked as default. A file
+//!   without scenes gives all nodes, and then the meshes that no node names, without a transform. Every mesh, skin and
+//!   animation of the file is read and checked, whatever the scene holds.
+//! * **Primitives.** All triangle primitives of a mesh make one [`Geometry`](crate::Geometry). Points, lines, and
+//!   primitives without positions are skipped and counted, see [`Asset::skipped`]. So a file may have no faces at all.
+//! * **Joints.** A vertex follows the joints whose weight is not zero. Weights are scaled to the sum 1. If all are
+//!   zero, the vertex follows the first joint listed. A joint of weight zero may have any index. A mesh that is used
+//!   both with and without a skin gives two geometries.
+//! * **Matrices.** The last row of a matrix may differ from (0, 0, 0, 1) by 10⁻⁵, and is then taken as that. Rotations
+//!   are scaled to length 1.
+//! * **Animations.** If several channels of an animation move the same property, the last one applies. Channels are
+//!   ignored with a warning if they have no target node or an unknown path, or move the morph weights of a node without
+//!   morph targets.
+//! * **Accessors.** A quantised attribute is accepted if the file says that it uses `KHR_mesh_quantization`. Draco and
+//!   meshopt data are never read; a file is refused where the plain data beside them is missing. Alignment is not
+//!   checked.
+//! * **Files.** Buffers are read from data URIs, and from regular files in the folder of the glTF or below it. A file
+//!   outside, reached by a symbolic link or `..`, is refused unless [`LoadOptions::allow_outside`] is set. Images are
+//!   never read.
+//! * **Memory.** Memory is charged against [`LoadOptions::memory_limit`] before it is allocated.
 
 mod animation;
 mod budget;
@@ -69,9 +71,9 @@ use instances::Built;
 use reader::Reader;
 use skin::LoadedSkin;
 
-/// A glTF file, loaded: its model, and what poses it.
+/// A glTF file that is loaded: its model, and the data for its poses and lights.
 ///
-/// What the loading, the model's mesh and its poses take of memory is bounded: see [`LoadOptions::memory_limit`].
+/// The memory of loading, of the model's mesh and of its poses has a bound: see [`LoadOptions::memory_limit`].
 ///
 /// ```no_run
 /// use rimline::gltf::Asset;
@@ -85,7 +87,7 @@ use skin::LoadedSkin;
 /// ```
 #[derive(Debug)]
 pub struct Asset {
-    /// Without buffers, views and accessors, which are no longer needed.
+    /// The document without buffers, views and accessors, which are no longer needed.
     document: Document,
     graph: Graph,
     skins: Vec<LoadedSkin>,
@@ -95,7 +97,7 @@ pub struct Asset {
     mesh_infos: Vec<MeshInfo>,
     skipped: Skipped,
     built: Built,
-    /// Of each geometry, ascending.
+    /// The joints that each geometry uses, ascending.
     used_joints: Vec<Vec<u32>>,
     named_files: Vec<PathBuf>,
 }
@@ -103,97 +105,99 @@ pub struct Asset {
 /// An animation of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnimationInfo {
-    /// Its name.
+    /// The name, if it has one.
     pub name: Option<String>,
-    /// The time of its last key, in seconds; it starts at 0.
+    /// The time of the last key, in seconds. The animation starts at 0.
     pub duration_s: f32,
-    /// Channels that move something.
+    /// The number of channels that move something.
     pub channels: usize,
 }
 
 /// A skin of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkinInfo {
-    /// Its name.
+    /// The name, if it has one.
     pub name: Option<String>,
-    /// Joints it has.
+    /// The number of joints.
     pub joints: usize,
 }
 
 /// A mesh of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshInfo {
-    /// Its name.
+    /// The name, if it has one.
     pub name: Option<String>,
-    /// Its primitives, skipped ones too.
+    /// The number of primitives, including skipped ones.
     pub primitives: usize,
-    /// Morph targets of each.
+    /// The number of morph targets of each primitive.
     pub morph_targets: usize,
-    /// Indices into [`Model::geometries`]: one; or two, skinned and rigid, where nodes use it both ways.
+    /// Indices into [`Model::geometries`]: one, or two (skinned and rigid) if nodes use the mesh both ways.
     pub geometries: Vec<usize>,
 }
 
-/// Primitives that were not loaded, counted once a mesh, not once an instance.
+/// The number of primitives that were not loaded. Each counts once for its mesh, not for each instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Skipped {
     /// Point primitives.
     pub points: usize,
     /// Line, line loop and line strip primitives.
     pub lines: usize,
-    /// Triangle primitives without a POSITION attribute, which leave nothing to draw.
+    /// Triangle primitives without a POSITION attribute.
     pub without_position: usize,
 }
 
-/// What a light in the file is.
+/// The kind of a light in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SceneLightKind {
-    /// At infinity.
+    /// A light at infinity.
     Directional,
-    /// At a point, to all sides.
+    /// A light at a point that shines to all sides.
     Point,
-    /// At a point, in a cone.
+    /// A light at a point that shines in a cone.
     Spot,
 }
 
-/// A light of the file at some time.
+/// A light of the file at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLight {
-    /// The light's name, or its node's.
+    /// The name of the light, or that of its node.
     pub name: Option<String>,
-    /// World space. Point and spot: the node's position, w = 1. Directional: the node's +Z at length 1, w = 0, for it
-    /// shines along −Z and [`Light`] points towards the light.
+    /// The light in world space, without a range. A point or spot light has the node's position and w = 1. A
+    /// directional light has the node's +Z at length 1 and w = 0: it shines along −Z, and [`Light`] points towards the
+    /// light.
     pub light: Light,
-    /// What it is.
+    /// The kind of the light.
     pub kind: SceneLightKind,
     /// Red, green and blue, linear.
     pub color: [f32; 3],
-    /// Candela of a point or spot light, lux of a directional one.
+    /// In candela for a point or spot light, in lux for a directional one.
     pub intensity: f32,
-    /// The distance at which a point or spot light's light ends, in the file's unit, scaled by no node; `None`: nowhere.
+    /// The distance where a point or spot light ends, in the unit of the file. Nodes do not scale it. `None`: it does
+    /// not end.
     pub range: Option<f32>,
-    /// A spot light's cone.
+    /// The cone of a spot light. `None` for other lights, and for a node without extent along Z.
     pub cone: Option<SpotCone>,
 }
 
-/// Where a spot light shines: all of it within the inner angle, none beyond the outer one.
+/// The cone of a spot light. It shines fully within the inner angle and not at all beyond the outer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotCone {
-    /// The way it shines, in world space, at length 1: the node's −Z.
+    /// The direction in which it shines, in world space, at length 1: the node's −Z.
     pub direction: [f32; 3],
-    /// From the direction to where the light begins to fade, in radians.
+    /// The angle from the direction to where the light begins to fade, in radians.
     pub inner_angle: f32,
-    /// From the direction to where it has faded, in radians; at least the inner angle.
+    /// The angle from the direction to where the light has faded, in radians. It is at least the inner angle.
     pub outer_angle: f32,
 }
 
 impl Asset {
-    /// Loads a .gltf or .glb file, told apart by content. Buffers named in it are looked for in its folder. A
-    /// [`Weld`](crate::mesh::Weld) serves as options: the others are then the default ones.
+    /// Loads a .gltf or .glb file; its content tells which. Buffers that it names are looked for in its folder. A
+    /// [`Weld`](crate::mesh::Weld) can be given as options; the other options are then the defaults.
     ///
     /// # Errors
-    /// [`GltfError`] for a file that cannot be read, whose content is damaged or not supported, or that takes more
-    /// memory than the options allow.
+    /// [`GltfError`] if a file cannot be read, its content is damaged or not supported, or it takes more memory than
+    /// the options allow.
     pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
         let (path, options) = (path.as_ref(), options.into());
         let budget = Budget::new(options.memory_limit);
@@ -201,11 +205,11 @@ impl Asset {
         Self::load(&bytes, path.parent(), options, &budget)
     }
 
-    /// Loads a .gltf or .glb file's content. Buffers named in it are looked for in `base_dir`.
+    /// Loads the content of a .gltf or .glb file. Buffers that it names are looked for in `base_dir`.
     ///
     /// # Errors
-    /// [`GltfError`] for content that is damaged or not supported, that names files where there is no `base_dir`, or
-    /// that takes more memory than the options allow.
+    /// [`GltfError`] if the content is damaged or not supported, names files and there is no `base_dir`, or takes more
+    /// memory than the options allow.
     pub fn from_slice(
         bytes: &[u8],
         base_dir: Option<&Path>,
@@ -252,18 +256,19 @@ impl Asset {
         })
     }
 
-    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, what extensions
-    /// name. They need not exist. Empty without a folder to look in.
+    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, files of
+    /// extensions. They need not exist. The list is empty without a folder to look in.
     pub fn named_files(&self) -> &[PathBuf] {
         &self.named_files
     }
 
-    /// Geometry of every mesh, instances of the chosen scene. Only geometries with faces have instances.
+    /// The model: the geometries of every mesh and the instances of the chosen scene. Only geometries with faces have
+    /// instances.
     pub fn model(&self) -> &Model {
         &self.built.model
     }
 
-    /// What welding did to a geometry; `None` past the end.
+    /// What welding did to the geometry with this index, or `None` past the end.
     pub fn weld_counts(&self, geometry: usize) -> Option<WeldCounts> {
         self.built.weld_counts.get(geometry).copied()
     }
@@ -283,14 +288,14 @@ impl Asset {
         &self.animation_infos
     }
 
-    /// The first animation of this name, else the one of this number.
+    /// The index of the first animation with this name. If there is none, the name is read as an index.
     pub fn animation_index(&self, name_or_index: &str) -> Option<usize> {
         let named = |info: &AnimationInfo| info.name.as_deref() == Some(name_or_index);
         let number = || name_or_index.parse().ok().filter(|&index| index < self.animation_infos.len());
         self.animation_infos.iter().position(named).or_else(number)
     }
 
-    /// What was left out on loading.
+    /// The primitives that were not loaded.
     pub fn skipped(&self) -> Skipped {
         self.skipped
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gltf::json::Value;
 use percent_encoding::percent_decode_str;
 
-/// All of them, in no order: buffers, pictures, and what extensions name by a `uri`. They need not exist.
+/// All files that a glTF names, in no order: buffers, images, and what extensions name by a `uri`. They need not exist.
 pub(super) fn find(json: &Value, base: Option<&Path>) -> Vec<PathBuf> {
     let Some(base) = base else { return Vec::new() };
     let (mut files, mut rest) = (Vec::new(), vec![json]);
@@ -29,7 +29,7 @@ fn add(files: &mut Vec<PathBuf>, uri: &str, base: &Path) {
         return;
     }
     let decoded = percent_decode_str(uri).decode_utf8_lossy();
-    // Some exporters leave names as they are, percent signs and all.
+    // Some exporters write names as they are, with percent signs.
     if decoded != uri {
         files.push(base.join(uri));
     }

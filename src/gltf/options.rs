@@ -2,38 +2,38 @@
 
 use crate::mesh::Weld;
 
-/// What a caller may choose of [`Asset::open`](super::Asset::open).
+/// Options of [`Asset::open`](super::Asset::open) and [`Asset::from_slice`](super::Asset::from_slice).
 ///
 /// ```no_run
 /// use rimline::gltf::{Asset, LoadOptions};
 ///
-/// // An upload: what takes more than 256 MiB is refused.
+/// // An upload: refuse it if it takes more than 256 MiB.
 /// let asset = Asset::open("upload.glb", LoadOptions { memory_limit: 256 << 20, ..LoadOptions::default() })?;
 /// # Ok::<(), rimline::gltf::GltfError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// Which vertices become one.
+    /// Which vertices are welded.
     pub weld: Weld,
-    /// The most bytes of memory that the file may make this process take: for the files read, for their JSON and data,
-    /// for the asset, and for a pose, the lights and the mesh that all instances make ([`Model::mesh`]). The asset is
-    /// refused with [`GltfError::TooLarge`] before more is taken.
+    /// The largest memory, in bytes, that the file may take. It counts the files read, their JSON and data, the asset,
+    /// and one pose, the lights and the mesh of all instances ([`Model::mesh`]). [`GltfError::TooLarge`] refuses the
+    /// asset before more is taken.
     ///
-    /// Everything that is made on the way counts, given back or not, so the memory in use at any time is less; a mesh of
-    /// a million faces and one instance counts about 0.4 GiB. The bytes handed to
-    /// [`Asset::from_slice`](super::Asset::from_slice) do not count, and neither does what is made of the model later, such as a
-    /// copy on the GPU. Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
+    /// All allocations on the way count, also those given back. So the memory in use at any time is less. A mesh of a
+    /// million faces and one instance counts about 0.4 GiB. The bytes given to
+    /// [`Asset::from_slice`](super::Asset::from_slice) do not count, nor does later data such as a copy on the GPU.
+    /// Default: [`LoadOptions::DEFAULT_MEMORY_LIMIT`].
     ///
     /// [`Model::mesh`]: crate::Model::mesh
     /// [`GltfError::TooLarge`]: super::GltfError::TooLarge
     pub memory_limit: u64,
-    /// Reads buffers that lie outside the glTF's folder, by `..`, an absolute path or a symbolic link. They are files that
-    /// whoever wrote the glTF chose. Default: no, which is [`GltfError::Outside`](super::GltfError::Outside).
+    /// Whether to read buffers outside the folder of the glTF, by `..`, an absolute path or a symbolic link. The author
+    /// of the glTF chooses these files. Default: no, which gives [`GltfError::Outside`](super::GltfError::Outside).
     pub allow_outside: bool,
 }
 
 impl LoadOptions {
-    /// 4 GiB: about ten million faces.
+    /// 4 GiB, which is about ten million faces.
     pub const DEFAULT_MEMORY_LIMIT: u64 = 4 << 30;
 }
 

@@ -1,4 +1,4 @@
-//! From JSON to [`Document`].
+//! Reads [`Document`] from JSON.
 
 use std::fmt::Write as _;
 
@@ -14,7 +14,7 @@ use super::{extensions, parse_mesh, parse_scene};
 
 const COMPONENT: &str = "a component type (5120, 5121, 5122, 5123, 5125 or 5126)";
 
-/// Reads a document and checks its version, required extensions, and every index that matters here.
+/// Reads a document and checks its version, its required extensions, and every index that is used.
 pub(super) fn document(value: &Value, budget: &Budget) -> Result<Document, GltfError> {
     let root = Json::new(value, String::new())?;
     version(&root)?;
@@ -68,7 +68,7 @@ fn version(root: &Json<'_>) -> Result<(), GltfError> {
     Ok(())
 }
 
-/// Textures are not read; but a texture index that is no index says that the file was damaged.
+/// Checks texture indices. Textures are not read, but an impossible index tells that the file is damaged.
 fn texture_indices(root: &Value, path: &mut String) -> Result<(), GltfError> {
     let Some(materials) = root.get("materials") else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! From JSON to [`Document`](super::document::Document): meshes and skins.
+//! Reads meshes and skins of [`Document`](super::document::Document) from JSON.
 
 use gltf::json::mesh::Mode;
 
@@ -23,7 +23,7 @@ pub(super) fn mesh(json: &Json<'_>, lengths: Lengths) -> Result<Mesh, GltfError>
     Ok(Mesh { name: json.name()?, primitives, weights, targets })
 }
 
-/// Default morph weights must be as many as there are targets.
+/// Checks that there are as many default morph weights as targets.
 fn check_weights(json: &Json<'_>, weights: Option<&Vec<f64>>, targets: usize) -> Result<(), GltfError> {
     match weights {
         Some(weights) if weights.len() != targets => {
@@ -60,7 +60,7 @@ fn primitive(json: &Json<'_>, lengths: Lengths) -> Result<Primitive, GltfError> 
     })
 }
 
-/// Pairs `JOINTS_n` with `WEIGHTS_n`; one without the other is an error.
+/// Pairs `JOINTS_n` with `WEIGHTS_n`. It is an error if one of them is missing.
 fn influences(attributes: &Json<'_>, lengths: Lengths) -> Result<Vec<InfluenceSet>, GltfError> {
     let mut sets = Vec::new();
     for key in attributes.keys() {

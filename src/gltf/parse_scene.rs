@@ -1,4 +1,4 @@
-//! From JSON to [`Document`](super::document::Document): nodes, animations, lights.
+//! Reads nodes, animations and lights of [`Document`](super::document::Document) from JSON.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -79,15 +79,15 @@ pub(super) fn light(json: &Json<'_>) -> Result<PunctualLight, GltfError> {
         kind,
         color: color.map(single),
         intensity: single(intensity),
-        // Of no meaning at infinity.
+        // A range has no meaning at infinity.
         range: range.filter(|_| kind != SceneLightKind::Directional).map(|range| single(range).max(f32::MIN_POSITIVE)),
         cone: (kind == SceneLightKind::Spot).then(|| cone(json)).transpose()?,
     })
 }
 
-/// Inner and outer angle of a spot's cone.
+/// The inner and outer angle of a spot light's cone.
 fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
-    /// What rounding on export may add to half a turn of the whole cone.
+    /// How far rounding on export may take half the cone's angle past a right angle.
     const TOLERANCE: f64 = 1e-5;
     let Some(spot) = json.object("spot")? else { return Ok([0.0, FRAC_PI_4 as f32]) };
     let inner = spot.number("innerConeAngle")?.unwrap_or(0.0);
@@ -95,7 +95,7 @@ fn cone(json: &Json<'_>) -> Result<[f32; 2], GltfError> {
     if !(outer > 0.0 && outer <= FRAC_PI_2 + TOLERANCE) {
         return Err(spot.wrong("outerConeAngle", "an angle of more than 0 and at most a quarter turn, in radians"));
     }
-    // Cones without a soft rim have both alike, though the extension wants the inner one smaller.
+    // A cone without a soft rim has two equal angles, though the extension asks for a smaller inner one.
     if !(inner >= 0.0 && inner <= outer) {
         return Err(spot.wrong("innerConeAngle", "an angle from 0 to that of the outer cone, in radians"));
     }

@@ -1,4 +1,4 @@
-//! Poses and lights at a time.
+//! Poses and lights at one time.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -15,16 +15,16 @@ use crate::model::{Geometry, Influences, InstancePose, Matrix3x4, ModelError, Po
 /// World matrices and morph weights of the nodes at one time.
 struct State {
     world: Vec<DAffine3>,
-    /// Only of nodes whose weights an animation moves.
+    /// Only for nodes whose weights an animation moves.
     weights: HashMap<usize, Vec<f64>>,
 }
 
 impl Asset {
-    /// The model's state at a time, in seconds, of one animation; `None` is the file as it stands, whatever the time.
-    /// Before the first and after the last key the nearest key holds.
+    /// The state of the model at a time of one animation, in seconds. Without an animation it is the state of the file,
+    /// whatever the time. Before the first key and after the last one, the nearest key applies.
     ///
     /// # Errors
-    /// [`PoseError`] for an animation that is not there, a time that is not a number, or a result that is not finite.
+    /// [`PoseError`] for an animation that does not exist, a time that is NaN, or a result that is not finite.
     pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, PoseError> {
         let state = self.state(animation, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
@@ -44,7 +44,8 @@ impl Asset {
         Ok(Pose::new(instances).with_mixed_determinants(mixed_determinants))
     }
 
-    /// The lights of the chosen scene (`KHR_lights_punctual`) at a time, in world space, in the order of its nodes.
+    /// The lights of the chosen scene (`KHR_lights_punctual`) at a time in seconds, in world space, in the order of its
+    /// nodes.
     ///
     /// # Errors
     /// [`PoseError`] as for [`Asset::pose`].
@@ -70,7 +71,7 @@ impl Asset {
                 let direction = direction.to_array();
                 SpotCone { direction, inner_angle, outer_angle }
             };
-            // A node without extent along Z turns its light no way.
+            // A node without extent along Z gives its light no direction.
             let cone = light.cone.filter(|_| direction.is_finite()).map(spot);
             lights.push(SceneLight {
                 name: light.name.clone().or_else(|| node.name.clone()),
@@ -102,7 +103,7 @@ impl Asset {
         Ok(State { world, weights })
     }
 
-    /// An instance's pose, and whether its joints both mirror and do not.
+    /// The pose of an instance, and whether some of its joints mirror and some do not.
     fn instance(
         &self,
         placement: &Placement,
@@ -146,14 +147,14 @@ impl Asset {
     }
 }
 
-/// Sets what a channel moves.
+/// Sets the property that a channel moves.
 fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &mut HashMap<usize, Vec<f64>>) {
     let value = channel.curve.sample(time, channel.property == Property::Rotation);
     if channel.property == Property::MorphTargetWeights {
         weights.insert(channel.node, value);
         return;
     }
-    // A channel of a node with a matrix was refused on loading.
+    // Loading refused channels of nodes with a matrix.
     let Transform::Trs(trs) = &mut transforms[channel.node] else {
         return;
     };
@@ -165,14 +166,14 @@ fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &m
     }
 }
 
-/// The matrix's rows, rounded to `f32`.
+/// The rows of the matrix, rounded to `f32`.
 fn rows(matrix: &DAffine3) -> Matrix3x4 {
     let DAffine3 { matrix3, translation } = matrix;
     [0, 1, 2]
         .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
 }
 
-/// The joints that a geometry's vertices follow; none where it is rigid.
+/// The joints that the vertices of a geometry follow. A rigid geometry has none.
 pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
     let joints = geometry.influences().map_or(&[][..], Influences::joints);
     joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
@@ -184,7 +185,7 @@ mod tests {
     use crate::gltf::GltfError;
     use crate::mesh::Weld;
 
-    /// The lights of a file that has one such, on a node that is turned about X by half a turn and stretched.
+    /// The lights of a file with one light, on a node that is turned about X by half a turn and stretched.
     fn lights(light: &str) -> Result<Vec<SceneLight>, GltfError> {
         let json = format!(
             r#"{{ "asset": {{ "version": "2.0" }}, "extensionsUsed": ["KHR_lights_punctual"],

@@ -1,4 +1,4 @@
-//! Accessors: checked against the bytes that are there, sparse elements put in, components converted.
+//! Reads accessors: checks them against the data, puts sparse elements in, converts components.
 
 use std::borrow::Cow;
 
@@ -22,17 +22,17 @@ impl<'a> Reader<'a> {
         Self { document, buffers, budget }
     }
 
-    /// Counts `count` elements of `size` bytes that are about to be made.
+    /// Charges `count` elements of `size` bytes that are about to be allocated.
     pub(super) fn charge(&self, count: u64, size: u64, what: &dyn Fn() -> String) -> Result<(), GltfError> {
         self.budget.charge(count, size, what)
     }
 
-    /// The element count of an accessor. Nothing is checked.
+    /// The number of elements of an accessor, without checks.
     pub(super) fn count(&self, accessor: usize) -> usize {
         usize::try_from(self.document.accessors[accessor].count).unwrap_or(usize::MAX)
     }
 
-    /// Vectors of floats; integers are dequantised, or converted where they are not normalised.
+    /// Vectors of floats. Normalised integers are dequantised, others are converted.
     pub(super) fn vectors<const N: usize>(
         &self,
         accessor: usize,
@@ -65,7 +65,7 @@ impl<'a> Reader<'a> {
         Ok(unsigned(&bytes, self.document.accessors[accessor].component))
     }
 
-    /// The elements' bytes without gaps, at the accessor's own component type.
+    /// The bytes of the elements without gaps, in the accessor's own component type.
     fn raw(&self, index: usize, format: Format, user: &str) -> Result<Vec<u8>, GltfError> {
         let accessor = &self.document.accessors[index];
         self.elements(accessor, format, &|| format!("accessors[{index}], used as {user}"))
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
         }
         let (components, size) = (accessor.kind.multiplicity(), accessor.component.size());
         let element = components * size;
-        // What is checked against the bytes there comes first, so that a wrong number is told as such.
+        // The check against the data comes first, so that a wrong number gets its own error.
         let source = match accessor.view {
             Some(view) => Some(self.strided(view, accessor.offset, accessor.count, element as u64)?),
             None => None,
@@ -100,7 +100,7 @@ impl<'a> Reader<'a> {
         Ok(bytes)
     }
 
-    /// The bytes from the first to the last of `count` elements, and the distance between two.
+    /// The bytes from the first to the last of `count` elements, and the distance between two elements.
     fn strided(&self, view_index: usize, offset: u64, count: u64, size: u64) -> Result<(&'a [u8], usize), Failure> {
         let view = &self.document.views[view_index];
         let stride = view.stride.unwrap_or(size);
@@ -158,7 +158,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What stops an accessor's reading, before its place is put to it.
+/// Why an accessor cannot be read, without its place.
 enum Failure {
     Problem(AccessorProblem),
     Compressed(&'static str, usize),
@@ -191,7 +191,7 @@ impl Failure {
     }
 }
 
-/// Copies elements together; `data` reaches from the first to the end of the last.
+/// Copies elements into one block. `data` reaches from the start of the first to the end of the last.
 fn pack(data: &[u8], stride: usize, element: usize, count: usize) -> Vec<u8> {
     if stride == element {
         return data.to_vec();

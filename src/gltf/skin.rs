@@ -1,4 +1,4 @@
-//! Skins: joints and what takes mesh space to each joint's.
+//! Skins: joints, and the matrices from mesh space to the space of each joint.
 
 use glam::DAffine3;
 
@@ -11,13 +11,13 @@ use super::transforms::affine;
 /// A skin.
 #[derive(Debug)]
 pub(super) struct LoadedSkin {
-    /// Joint nodes.
+    /// The nodes of the joints.
     pub(super) joints: Vec<usize>,
-    /// One a joint.
+    /// One matrix for each joint.
     pub(super) inverse_binds: Vec<DAffine3>,
 }
 
-/// Reads all skins of the document, after the counts of all were found right.
+/// Reads all skins of the document, after the counts of all were checked.
 pub(super) fn load(reader: &Reader<'_>) -> Result<Vec<LoadedSkin>, GltfError> {
     let skins = &reader.document.skins;
     for (index, skin) in skins.iter().enumerate() {

@@ -1,10 +1,10 @@
-//! Rotations and matrices as glTF states them.
+//! Rotations and matrices in the form that glTF gives them.
 
 use glam::{DAffine3, DMat4, DQuat};
 
 use super::GltfError;
 
-/// A quaternion made of length 1; `None` for one of no length, or not finite.
+/// A quaternion scaled to length 1, or `None` if its length is zero or not finite.
 pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
     let largest = rotation.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
     let scaled = DQuat::from_array(rotation.map(|c| c / largest));
@@ -12,7 +12,7 @@ pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {
     normalized.is_finite().then_some(normalized)
 }
 
-/// A column-major matrix whose last row must be (0, 0, 0, 1), up to what rounding on export leaves.
+/// A column-major matrix. Its last row must be (0, 0, 0, 1), except for rounding on export.
 pub(super) fn affine(columns: [f64; 16], place: impl Fn() -> String) -> Result<DAffine3, GltfError> {
     const TOLERANCE: f64 = 1e-5;
     let matrix = DMat4::from_cols_array(&columns);

@@ -1,4 +1,4 @@
-//! A primitive's triangles from its corners: lists, strips and fans, with indices or without.
+//! Reads the triangles of a primitive: lists, strips and fans, with or without indices.
 
 use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Mode;
@@ -8,20 +8,20 @@ use super::document::Primitive;
 use super::formats;
 use super::reader::Reader;
 
-/// Where the triangles belong, for errors.
+/// The place of the triangles, for errors.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub(super) mesh: usize,
     pub(super) primitive: usize,
 }
 
-/// Points and lines make no triangles.
+/// Whether a mode makes triangles. Points and lines do not.
 pub(super) fn has_triangles(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners that the specification
-/// gives. A strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept.
+/// Counter-clockwise triangles as indices below `vertices`, in the order and with the corners of the specification. A
+/// strip or fan of fewer than three corners has none. Triangles that name a vertex twice are kept.
 pub(super) fn read(
     reader: &Reader<'_>,
     primitive: &Primitive,
@@ -38,7 +38,7 @@ pub(super) fn read(
         Mode::Triangles => count / 3,
         _ => count.saturating_sub(2),
     };
-    // Once by itself, and in the mesh's list, which may double.
+    // Once alone, and once in the mesh's list, which may double.
     reader.charge(faces as u64, 48, &|| place.clone())?;
     let Some(accessor) = primitive.indices else {
         return Ok(faces_of(primitive.mode, faces, |corner| corner as u32));
@@ -65,7 +65,7 @@ fn faces_of(mode: Mode, faces: usize, vertex: impl Fn(usize) -> u32) -> Vec<[u32
     (0..faces).map(|face| corners(mode, face).map(&vertex)).collect()
 }
 
-/// Positions of a face's corners in the list of corners (glTF 2.0, section 3.7.2.1).
+/// The positions of a face's corners in the list of corners (glTF 2.0, section 3.7.2.1).
 fn corners(mode: Mode, face: usize) -> [usize; 3] {
     match mode {
         Mode::TriangleStrip if face % 2 == 1 => [face, face + 2, face + 1],
@@ -75,7 +75,7 @@ fn corners(mode: Mode, face: usize) -> [usize; 3] {
     }
 }
 
-/// The first face, and its corner, that reads a position in the list of corners.
+/// The first face that reads a position in the list of corners, and its corner.
 fn first_use(mode: Mode, position: usize) -> (usize, usize) {
     let face = match mode {
         Mode::Triangles => position / 3,

@@ -13,10 +13,10 @@ pub(super) struct Vertices {
     pub(super) bindings: Bindings,
 }
 
-/// Joints and weights of every vertex, those of no weight left out; empty for a primitive without joints.
+/// Joints and weights of all vertices, without those of weight zero. Empty for a primitive without joints.
 #[derive(Debug, Default)]
 pub(super) struct Bindings {
-    /// Entries of each vertex.
+    /// The number of entries of each vertex.
     pub(super) counts: Vec<u32>,
     pub(super) joints: Vec<u32>,
     pub(super) weights: Vec<f32>,
@@ -109,8 +109,8 @@ fn bindings(reader: &Reader<'_>, primitive: &Primitive, vertices: usize, place: 
 }
 
 impl Bindings {
-    /// Weights are brought to the sum 1 in `f64` and rounded once. Where they are all zero, the vertex follows the
-    /// first joint listed.
+    /// Weights are scaled to the sum 1 in `f64` and rounded once. If all are zero, the vertex follows the first joint
+    /// listed.
     fn push(&mut self, sets: &[Set], vertex: usize) {
         let start = self.joints.len();
         let total: f64 = sets.iter().flat_map(|set| set.weights[vertex]).map(f64::from).sum();

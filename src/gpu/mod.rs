@@ -1,5 +1,5 @@
-//! The stages on the GPU, recorded into the caller's encoder. Nothing here reads back but [`read_back`] itself and
-//! [`StageTimer::read`].
+//! The stages on the GPU. They are recorded into the caller's encoder. Only [`read_back`], its variants and
+//! [`StageTimer::read`] read anything back.
 
 mod common;
 mod deform;

@@ -1,33 +1,37 @@
-//! What a person wants to know of a mesh before trusting its silhouette: is it closed, and if not, where it is open.
+//! What a user wants to know about a mesh: whether it is closed and, if it is not, where it is open.
 
 use super::{Edge, EdgeCounts, EdgeKind, Mesh, is_degenerate};
 
-/// The findings of [`Mesh::survey`].
+/// The result of [`Mesh::survey`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshDiagnostics {
-    /// Parts that share no vertex with each other, degenerate faces left out.
+    /// The number of parts that share no vertex with each other. Degenerate faces do not count.
     pub components: usize,
-    /// Edge records by kind.
+    /// The number of edge records of each kind.
     pub edges: EdgeCounts,
-    /// Undirected edges where more than two faces meet; each has several records.
+    /// The number of undirected edges where more than two faces meet. Each has several records.
     pub non_manifold_edges: usize,
-    /// Faces that name a vertex twice: they keep their row, face no light and have no edges.
+    /// The number of faces that name a vertex twice. They keep their place in the list, face no light and have no edge
+    /// records.
     pub degenerate_faces: usize,
-    /// Faces with the same three vertices as an earlier one, whichever way round; degenerate ones left out.
+    /// The number of faces with the same three vertices as an earlier face, in any order. Degenerate faces do not
+    /// count.
     pub duplicate_faces: usize,
-    /// The first records that are not of kind [`EdgeKind::Consistent`]: why the mesh does not count as closed.
+    /// The first records that are not of kind [`EdgeKind::Consistent`]. They are the reason why the mesh is not closed.
     pub offending_edges: Vec<Edge>,
 }
 
 impl MeshDiagnostics {
-    /// Every record is of kind [`EdgeKind::Consistent`]; a mesh of degenerate faces alone has none, so it counts.
+    /// Whether every record is of kind [`EdgeKind::Consistent`]. A mesh with only degenerate faces has no records, so
+    /// it counts as closed.
     pub fn is_closed(&self) -> bool {
         self.edges.boundary == 0 && self.edges.inconsistent == 0
     }
 }
 
 impl Mesh {
-    /// Looks the mesh over; at most `offending_limit` edges are listed. Takes time like a sort of the faces.
+    /// Examines the mesh. `offending_limit` is the largest number of edges in [`MeshDiagnostics::offending_edges`]. It
+    /// takes about as long as sorting the faces.
     pub fn survey(&self, offending_limit: usize) -> MeshDiagnostics {
         let offends = |edge: &Edge| edge.kind != EdgeKind::Consistent;
         MeshDiagnostics {
@@ -41,7 +45,7 @@ impl Mesh {
     }
 }
 
-/// The smallest box, along the axes, around some positions.
+/// The smallest axis-aligned box around some positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The lowest x, y and z.
@@ -51,7 +55,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box around the finite ones of `positions`; `None` when there is none.
+    /// The box around the finite ones of `positions`, in their space and unit. `None` if none is finite.
     pub fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
         positions.into_iter().filter(|position| position.iter().all(|c| c.is_finite())).fold(
             None,
@@ -69,7 +73,8 @@ impl Bounds {
     }
 }
 
-/// Trees of vertices, joined along faces; every root that a face leads to is a part.
+/// The number of components. Trees of vertices are joined along the faces; each root that a face leads to is a
+/// component.
 fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
     fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
         while parents[vertex as usize] != vertex {
@@ -85,7 +90,8 @@ fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
         let first = root(&mut parents, a);
         for vertex in [b, c] {
             let other = root(&mut parents, vertex);
-            // The higher root hangs below the lower: cheap, and with the halving above near enough to linear.
+            // The higher root becomes a child of the lower one. This is cheap and, with the path halving above, nearly
+            // linear.
             let (low, high) = (parents[first as usize].min(other), parents[first as usize].max(other));
             parents[high as usize] = low;
             parents[first as usize] = low;
@@ -97,7 +103,8 @@ fn components(vertex_count: usize, faces: &[[u32; 3]]) -> usize {
     (0..vertex_count).filter(|&v| used[v] && parents[v] as usize == v).count()
 }
 
-/// k faces at an edge make ⌈k/2⌉ records, so more than one record means more than two faces.
+/// The number of edges with more than one record. k faces at an edge make ⌈k / 2⌉ records, so more than one record
+/// means more than two faces.
 fn non_manifold_edges(records: &[[u32; 2]]) -> usize {
     let mut keys: Vec<[u32; 2]> = records.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     keys.sort_unstable();
@@ -148,7 +155,7 @@ mod tests {
 
     #[test]
     fn parts_met_in_any_order_join() {
-        // Triangles far apart first, joined by the last ones: roots change after they were taken.
+        // The triangles are separate at first, and the last ones join them: roots change after they were taken.
         let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
         assert_eq!(survey(11, &faces).components, 1);
         assert_eq!(survey(11, &faces[..4]).components, 2);

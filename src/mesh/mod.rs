@@ -1,4 +1,4 @@
-//! Triangle meshes as the extraction sees them: faces, welded vertices, edge records.
+//! Triangle meshes as the extraction needs them: faces, welded vertices, edge records.
 
 mod diagnostics;
 mod topology;
@@ -10,17 +10,17 @@ pub use diagnostics::{Bounds, MeshDiagnostics};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 
-/// The most faces that a mesh may have: an edge's index and its winding bit share one `u32` in the edge lists, and a
-/// mesh has at most three edge records a face.
+/// The largest number of faces of a mesh. An edge's index and its winding bit share one `u32` in the edge lists, and a
+/// mesh has at most three edge records for each face.
 pub const MAX_FACES: usize = (1 << 31) / 3;
 
-/// Faces over welded vertices and the edge records between them; what the extraction needs of a mesh but its positions.
+/// The faces of a mesh over welded vertices, and the edge records between them. Positions are not kept.
 ///
-/// Vertices keep the caller's numbering: each welded group goes by its lowest source index, in faces and records alike,
-/// so the caller's own position buffer can be read as it lies.
+/// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, so the
+/// stages read the caller's own position buffer as it is.
 ///
-/// Memory beyond positions and indices, once built: 16 bytes an edge record, so 24 bytes a face on closed meshes (1.5
-/// records a face) and at most 48 (no two faces share an edge).
+/// Memory besides positions and indices: 16 bytes for each edge record. That is 24 bytes a face on closed meshes (1.5
+/// records a face), and at most 48 bytes (no two faces share an edge).
 #[derive(Clone, Debug)]
 pub struct Mesh {
     id: MeshId,
@@ -30,7 +30,7 @@ pub struct Mesh {
     weld: WeldCounts,
 }
 
-/// Which mesh: a clone has its original's, since a mesh never changes.
+/// The identity of a mesh. A clone has the identity of its original, because a mesh never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MeshId(u64);
 
@@ -41,7 +41,7 @@ impl MeshId {
     }
 }
 
-/// Equal vertices, faces, records and weld counts.
+/// Compares vertex counts, faces, records and weld counts.
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         let Self { id: _, vertex_count, faces, edges, weld } = self;
@@ -52,11 +52,12 @@ impl PartialEq for Mesh {
 impl Eq for Mesh {}
 
 impl Mesh {
-    /// Welds vertices and builds the edge records of counter-clockwise triangles. Positions may be non-finite: their
-    /// faces never face a light. Without skin or morph data here, [`Weld::Data`] and [`Weld::Position`] do the same.
+    /// Welds vertices and builds the edge records. `faces` are counter-clockwise triangles, as indices into
+    /// `positions`. Positions may be non-finite; their faces never face a light. There is no skin or morph data here,
+    /// so [`Weld::Data`] and [`Weld::Position`] do the same.
     ///
     /// # Errors
-    /// [`MeshError`] for no faces, too many, or an index out of range.
+    /// [`MeshError`] for no faces, too many faces or vertices, or an index out of range.
     pub fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], weld: Weld) -> Result<Self, MeshError> {
         check(positions.len(), faces)?;
         let (groups, counts) = weld::weld_positions(positions, weld);
@@ -67,10 +68,11 @@ impl Mesh {
         Ok(Self::build(positions.len(), faces, counts))
     }
 
-    /// Builds the edge records of counter-clockwise triangles over `vertex_count` vertices that are welded already.
+    /// Builds the edge records of counter-clockwise triangles. `faces` are indices below `vertex_count`, and the
+    /// vertices are already welded.
     ///
     /// # Errors
-    /// [`MeshError`] for no faces, too many, or an index out of range.
+    /// [`MeshError`] for no faces, too many faces or vertices, or an index out of range.
     pub fn from_faces(vertex_count: usize, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         check(vertex_count, &faces)?;
         Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
@@ -81,17 +83,17 @@ impl Mesh {
         Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, edges, weld }
     }
 
-    /// Which mesh this is.
+    /// The identity of this mesh.
     pub(crate) fn id(&self) -> MeshId {
         self.id
     }
 
-    /// Source vertices, welded away or not: what a position buffer must hold.
+    /// The number of source vertices, including those that were welded to others. A position buffer must hold so many.
     pub fn vertex_count(&self) -> u32 {
         self.vertex_count
     }
 
-    /// Counter-clockwise triangles, degenerate ones included, in the order given.
+    /// Counter-clockwise triangles in the order given, as vertex indices. Degenerate faces are included.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
@@ -106,24 +108,24 @@ impl Mesh {
         self.weld
     }
 
-    /// Every record is of kind [`EdgeKind::Consistent`]: closed and consistently oriented.
+    /// Whether every record is of kind [`EdgeKind::Consistent`]: the mesh is closed and consistently oriented.
     pub fn is_closed(&self) -> bool {
         let EdgeCounts { inconsistent, boundary, .. } = self.edges.counts();
         inconsistent == 0 && boundary == 0
     }
 
-    /// Faces that name a vertex twice. They face no light and have no edge records.
+    /// The number of faces that name a vertex twice. They face no light and have no edge records.
     pub fn degenerate_faces(&self) -> usize {
         self.faces.iter().filter(|face| is_degenerate(**face)).count()
     }
 
-    /// Bytes that the edge records take in memory.
+    /// The size of the edge records in memory, in bytes.
     pub fn topology_bytes(&self) -> usize {
         self.edges.bytes()
     }
 }
 
-/// A face that names a vertex twice.
+/// Whether a face names a vertex twice.
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }
@@ -150,31 +152,31 @@ fn check(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), MeshError> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// Nothing could be a silhouette.
+    /// There are no faces, so there is no silhouette.
     #[error("the mesh has no faces; a silhouette needs triangles")]
     NoFaces,
-    /// More than [`MAX_FACES`].
+    /// There are more faces than [`MAX_FACES`].
     #[error("the mesh has {faces} faces, more than the {MAX_FACES} that edge indices can count; split it")]
     TooManyFaces {
         /// Faces given.
         faces: usize,
     },
-    /// More vertices than `u32` indices can name.
+    /// There are more vertices than `u32` indices can name.
     #[error("the mesh has {vertices} vertices, more than u32 indices can name; split it")]
     TooManyVertices {
         /// Vertices given.
         vertices: usize,
     },
-    /// A face names a vertex that is not there.
+    /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index} at corner {corner}, but there are {vertices} vertices")]
     IndexOutOfRange {
         /// The face's index.
         face: usize,
         /// 0, 1 or 2.
         corner: usize,
-        /// The vertex it names.
+        /// The vertex that it names.
         index: u32,
-        /// Vertices there are.
+        /// Vertices of the mesh.
         vertices: usize,
     },
 }

@@ -1,7 +1,7 @@
-//! Edge records: which faces meet at each edge, for any triangles whatever.
+//! Edge records: which faces meet at each edge, for any set of triangles.
 //!
-//! Half-edges are sorted by their two vertices with stable counting sorts, so the time is linear; a run of equal vertex
-//! pairs holds all faces at one edge, lowest face first, and is split into records of at most two faces.
+//! Stable counting sorts order the half-edges by their two vertices, so the time is linear. A run of equal vertex pairs
+//! holds all faces at one edge, lowest face first. It is split into records of at most two faces.
 
 use super::is_degenerate;
 
@@ -9,42 +9,43 @@ use super::is_degenerate;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum EdgeKind {
-    /// Face 1 traverses the edge against face 0, `b→a`: both have the same outside.
+    /// Face 1 traverses the edge `b→a`, opposite to face 0. Both faces have the same outside.
     Consistent = 0,
-    /// Face 1 traverses it like face 0, `a→b`: one of them is turned inside out.
+    /// Face 1 traverses the edge `a→b`, as face 0 does. One of the faces is inside out.
     Inconsistent = 1,
     /// There is no face 1.
     Boundary = 2,
 }
 
-/// One edge record, unpacked.
+/// One unpacked edge record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// `(a, b)`; face 0 traverses the edge `a→b`.
+    /// The vertices `(a, b)`. Face 0 traverses the edge `a→b`.
     pub vertices: [u32; 2],
-    /// Face 0, the lower of the record's faces.
+    /// Face 0. Its index is lower than that of face 1.
     pub face_0: u32,
     /// Face 1, if there is one.
     pub face_1: Option<u32>,
-    /// How face 1 traverses it.
+    /// How face 1 traverses the edge.
     pub kind: EdgeKind,
 }
 
-/// Edge records by kind.
+/// The number of edge records of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EdgeCounts {
-    /// Of kind [`EdgeKind::Consistent`].
+    /// Records of kind [`EdgeKind::Consistent`].
     pub consistent: usize,
-    /// Of kind [`EdgeKind::Inconsistent`].
+    /// Records of kind [`EdgeKind::Inconsistent`].
     pub inconsistent: usize,
-    /// Of kind [`EdgeKind::Boundary`].
+    /// Records of kind [`EdgeKind::Boundary`].
     pub boundary: usize,
 }
 
-/// The edge records of a mesh, ordered by face 0 and its corner: the edge from corner 0 to corner 1 first.
+/// The edge records of a mesh, ordered by face 0 and its corner. The edge from corner 0 to corner 1 comes first.
 ///
-/// An edge with more than two faces has several records that partition them: opposite traversals are paired first,
-/// lowest face first; of the rest, alike in traversal, neighbours pair up, and a last single one is a boundary.
+/// An edge with more than two faces has several records that partition its faces. Faces of opposite traversal are
+/// paired first, lowest face first. The faces that remain all traverse the edge alike. Neighbours among them are
+/// paired, and a last single face makes a boundary record.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EdgeRecords {
     vertices: Vec<[u32; 2]>,
@@ -52,28 +53,28 @@ pub struct EdgeRecords {
     counts: EdgeCounts,
 }
 
-/// Face 1 of a boundary record, in [`EdgeRecords::packed_faces`].
+/// The value of face 1 in a boundary record of [`EdgeRecords::packed_faces`].
 pub const NO_FACE: u32 = u32::MAX;
-/// Set in face 0 of an inconsistent record, in [`EdgeRecords::packed_faces`].
+/// The bit that is set in face 0 of an inconsistent record of [`EdgeRecords::packed_faces`].
 pub const INCONSISTENT: u32 = 1 << 31;
 
 impl EdgeRecords {
-    /// How many there are.
+    /// The number of records.
     pub fn len(&self) -> usize {
         self.vertices.len()
     }
 
-    /// None at all: every face is degenerate.
+    /// Whether there are no records: every face is degenerate.
     pub fn is_empty(&self) -> bool {
         self.vertices.is_empty()
     }
 
-    /// How many there are of each kind.
+    /// The number of records of each kind.
     pub fn counts(&self) -> EdgeCounts {
         self.counts
     }
 
-    /// One record; `None` past the end.
+    /// The record with this index, or `None` past the end.
     pub fn get(&self, index: usize) -> Option<Edge> {
         let (&vertices, &faces) = (self.vertices.get(index)?, self.faces.get(index)?);
         Some(unpack(vertices, faces))
@@ -84,18 +85,18 @@ impl EdgeRecords {
         self.vertices.iter().zip(&self.faces).map(|(&vertices, &faces)| unpack(vertices, faces))
     }
 
-    /// `(a, b)` of each record, as the GPU reads them.
+    /// The vertices `(a, b)` of each record, as the GPU reads them.
     pub fn vertices(&self) -> &[[u32; 2]] {
         &self.vertices
     }
 
-    /// The faces of each record, as the GPU reads them: bit 31 of face 0 set for an inconsistent record, face 1
-    /// `0xFFFFFFFF` for a boundary.
+    /// The faces of each record, as the GPU reads them. Face 0 has bit 31 set in an inconsistent record. Face 1 is
+    /// `0xFFFFFFFF` in a boundary record.
     pub fn packed_faces(&self) -> &[[u32; 2]] {
         &self.faces
     }
 
-    /// Bytes in memory.
+    /// The size in memory, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.vertices) + size_of_val(&*self.faces)
     }
@@ -138,21 +139,21 @@ fn unpack(vertices: [u32; 2], [face_0, face_1]: [u32; 2]) -> Edge {
     Edge { vertices, face_0: face_0 & !INCONSISTENT, face_1: (face_1 != NO_FACE).then_some(face_1), kind }
 }
 
-/// The corner after each corner of a face.
+/// The next corner after each corner of a face.
 const NEXT: [usize; 3] = [1, 2, 0];
-/// The mate of a half-edge that has none. No half-edge's number comes near it, with or without [`INCONSISTENT`]: the most
-/// is `3·MAX_FACES − 1`, which is 2³¹ − 3.
+/// The mate of a half-edge without a mate. No half-edge has this number, with or without [`INCONSISTENT`]: the largest
+/// number is `3·MAX_FACES − 1`, which is 2³¹ − 3.
 const BOUNDARY: u32 = u32::MAX;
-/// The mate of a half-edge of a degenerate face: it belongs to no record.
+/// The mate of a half-edge of a degenerate face. It belongs to no record.
 const DEGENERATE: u32 = u32::MAX - 1;
 
-/// Whether a half-edge is face 0's of its record, so that the record is written at its place.
+/// Whether a half-edge belongs to face 0 of its record. The record is written at its place.
 fn is_first(half_edge: usize, mate: u32) -> bool {
     mate == BOUNDARY || (mate != DEGENERATE && half_edge < (mate & !INCONSISTENT) as usize)
 }
 
-/// A half-edge at its lower vertex: the other vertex, and the half-edge with [`Entry::FORWARD`] set where it runs from
-/// the lower vertex to the upper.
+/// A half-edge, stored at its lower vertex: the other vertex, and the half-edge's number. [`Entry::FORWARD`] is set
+/// where it runs from the lower to the upper vertex.
 #[derive(Clone, Copy, Default)]
 struct Entry {
     upper: u32,
@@ -184,8 +185,8 @@ fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
     }
 }
 
-/// For every half-edge `3·face + corner` the one it shares a record with, [`INCONSISTENT`] set if both traverse the edge
-/// alike, [`BOUNDARY`] or [`DEGENERATE`].
+/// For every half-edge `3·face + corner`, the half-edge that shares its record, with [`INCONSISTENT`] set if both
+/// traverse the edge alike. Or [`BOUNDARY`], or [`DEGENERATE`].
 fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
     for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
@@ -199,7 +200,7 @@ fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
             insertion_sort(&mut entries[bucket]);
         }
     } else {
-        // A hub: some vertex has so many edges that only a second counting sort keeps the time linear.
+        // One vertex has so many edges that only a second counting sort keeps the time linear.
         entries = sorted_by_both(faces, &starts);
     }
     let mut mates = vec![DEGENERATE; 3 * faces.len()];
@@ -211,7 +212,8 @@ fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     mates
 }
 
-/// Buckets up to this size are sorted in place; quadratic, but with an average of three entries nothing is faster.
+/// Buckets up to this size are sorted in place. This is quadratic, but nothing is faster for an average of three
+/// entries.
 const INSERTION_SORT_LIMIT: u32 = 64;
 
 fn prefix_sum(starts: &mut [u32]) {
@@ -244,7 +246,7 @@ fn insertion_sort(entries: &mut [Entry]) {
     }
 }
 
-/// Two stable counting sorts, by the upper vertex and then by the lower.
+/// Sorts by two stable counting sorts: by the upper vertex and then by the lower.
 fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
     let mut next = vec![0_u32; starts.len()];
     for_each_half_edge(faces, |_, entry| next[entry.upper as usize + 1] += 1);
@@ -261,14 +263,15 @@ fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
     sorted
 }
 
-/// Pairs the half-edges of one edge, given lowest face first: opposite traversals, then the rest among themselves.
+/// Pairs the half-edges of one edge, lowest face first: opposite traversals first, then the rest.
 fn pair_run(run: &[Entry], mates: &mut [u32]) {
     let mut record = |first: Entry, second: Option<Entry>| {
         let Some(second) = second else {
             mates[first.half_edge() as usize] = BOUNDARY;
             return;
         };
-        // Said here, where it is at hand: to look the mate's corners up later costs a cache miss a record.
+        // The flag is set here, where both are in the cache. Looking up the mate's corners later costs a cache miss for
+        // each record.
         let inconsistent = if first.is_opposite(second) { 0 } else { INCONSISTENT };
         mates[first.half_edge() as usize] = second.half_edge() | inconsistent;
         mates[second.half_edge() as usize] = first.half_edge() | inconsistent;
@@ -277,7 +280,7 @@ fn pair_run(run: &[Entry], mates: &mut [u32]) {
         [single] => record(single, None),
         [first, second] => record(first, Some(second)),
         _ => {
-            // Traversals taken in order: the i-th of one direction meets the i-th of the other.
+            // The i-th half-edge of one direction meets the i-th of the other.
             let forward = || run.iter().copied().filter(|entry| !entry.is_opposite(run[0]));
             let backward = || run.iter().copied().filter(|entry| entry.is_opposite(run[0]));
             forward().zip(backward()).for_each(|(first, second)| record(first, Some(second)));

@@ -1,38 +1,40 @@
-//! Welding: one index for vertices that are the same point.
+//! Welding: vertices that are the same point get one index.
 
 use std::hash::{BuildHasher, RandomState};
 
-/// Which vertices become one.
+/// Which vertices are welded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weld {
-    /// Equal position bits (−0 equals +0) and equal skin and morph data.
+    /// Those with equal position bits (−0 equals +0) and equal skin and morph data.
     #[default]
     Data,
-    /// Equal position bits (−0 equals +0) alone: the lowest source index's skin and morph data hold for all.
+    /// Those with equal position bits (−0 equals +0). All of them take the skin and morph data of the lowest source
+    /// index.
     Position,
-    /// None: vertices stay as given.
+    /// None. Vertices stay as given.
     Keep,
 }
 
 /// What welding did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WeldCounts {
-    /// Vertices before.
+    /// The number of vertices before welding.
     pub before: usize,
-    /// Vertices after.
+    /// The number of vertices after welding.
     pub after: usize,
-    /// Of those, how many stayed apart from another at the same position, for their skin or morph data.
+    /// How many vertices remained separate from another at the same position, because their skin or morph data differ.
+    /// They are included in `after`.
     pub apart: usize,
 }
 
 impl WeldCounts {
-    /// Counts of a mesh whose vertices stay as they are.
+    /// The counts of a mesh whose vertices are not welded.
     pub(crate) fn kept(vertices: usize) -> Self {
         Self { before: vertices, after: vertices, apart: 0 }
     }
 }
 
-/// For every vertex the lowest index of its group, by position alone, and the counts.
+/// The lowest index of each vertex's group, by position only, and the counts.
 pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, WeldCounts) {
     if weld == Weld::Keep {
         return (Vec::new(), WeldCounts::kept(positions.len()));
@@ -44,43 +46,42 @@ pub(super) fn weld_positions(positions: &[[f32; 3]], weld: Weld) -> (Vec<u32>, W
     (groups, WeldCounts { before: positions.len(), after, apart: 0 })
 }
 
-/// A float's bits, with one zero.
+/// The bits of a float, where −0 has those of +0.
 pub(crate) fn bits(value: f32) -> u32 {
     if value == 0.0 { 0 } else { value.to_bits() }
 }
 
-/// Equal bits, component by component, −0 like +0; so a NaN equals itself.
+/// Whether the bits of all components are equal, where −0 equals +0. So a NaN equals itself.
 pub(crate) fn same_bits(a: [f32; 3], b: [f32; 3]) -> bool {
     a.map(bits) == b.map(bits)
 }
 
-/// Groups, of which each goes by its lowest member.
+/// The number of groups. Each has the index of its lowest member.
 pub(crate) fn count(groups: &[u32]) -> usize {
     groups.iter().enumerate().filter(|&(v, &group)| v == group as usize).count()
 }
 
-/// Random numbers that a hash of words is made with, drawn anew each time, so that nobody can choose vertices that collide.
-/// Results do not depend on them: a group goes by its lowest member whatever the hashes are.
+/// Random keys for hashing words. They are drawn anew each time, so that nobody can choose vertices that collide.
+/// Results do not depend on them, because a group has the index of its lowest member whatever the hashes are.
 pub(crate) struct Keys(Vec<u64>);
 
 impl Keys {
-    /// Keys for elements of at most so many words; further words are left out of the hash.
+    /// Keys for elements of at most `words` words. The hash ignores further words.
     pub(crate) fn new(words: usize) -> Self {
         let random = RandomState::new();
         Self((0..=words).map(|key| random.hash_one(key)).collect())
     }
 
-    /// Multilinear hashing: its upper 32 bits are strongly universal, so any two elements of which one has a word that the
-    /// other has not share them with a probability of 2⁻³² (Lemire and Kaser, "Strongly universal string hashing is
-    /// fast", 2014).
+    /// Multilinear hashing. Its upper 32 bits are strongly universal: two elements with a word that differs have equal
+    /// bits with a probability of 2⁻³² (Lemire and Kaser, "Strongly universal string hashing is fast", 2014).
     pub(crate) fn hash(&self, words: impl IntoIterator<Item = u32>) -> u64 {
         let products = words.into_iter().zip(&self.0[1..]).map(|(word, key)| key.wrapping_mul(u64::from(word)));
         products.fold(self.0[0], u64::wrapping_add)
     }
 }
 
-/// For each of `count` elements the lowest index of an equal one. Linear expected time, whatever the elements, if the upper
-/// bits of `hash` are universal: chains, since open addressing asks more of a hash than that.
+/// For each of `count` elements, the lowest index of an equal element. The expected time is linear for any elements, if
+/// the upper bits of `hash` are universal. It uses chaining, since open addressing asks more of a hash.
 pub(crate) fn groups(count: usize, hash: impl Fn(usize) -> u64, equal: impl Fn(usize, usize) -> bool) -> Vec<u32> {
     const END: u32 = u32::MAX;
     let bits = (count.max(1) * 2).next_power_of_two().ilog2();

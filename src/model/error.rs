@@ -1,19 +1,19 @@
-//! Why a model, a part of one, or a pose is refused.
+//! Why a model, a part of a model, or a pose is refused.
 
 use crate::mesh::MeshError;
 
-/// Why a [`Geometry`](super::Geometry), [`Influences`](super::Influences), a [`Model`](super::Model) or an
-/// [`InstancePose`](super::InstancePose) cannot be made of what was given.
+/// Why a [`Geometry`](super::Geometry), an [`Influences`](super::Influences), a [`Model`](super::Model) or an
+/// [`InstancePose`](super::InstancePose) cannot be made from what was given.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// More vertices than `u32` indices can name.
+    /// There are more vertices than `u32` indices can name.
     #[error("{vertices} vertices in all are more than u32 indices can name; split the model")]
     TooManyVertices {
         /// Vertices of the geometry, or of all instances together.
         vertices: usize,
     },
-    /// A face names a vertex that is not there.
+    /// A face names a vertex that does not exist.
     #[error(
         "face {face} names vertex {index} at corner {corner}, but the geometry has {vertices} vertices; use indices below that"
     )]
@@ -22,9 +22,9 @@ pub enum ModelError {
         face: usize,
         /// 0, 1 or 2.
         corner: usize,
-        /// The vertex it names.
+        /// The vertex that it names.
         index: u32,
-        /// Vertices there are.
+        /// Vertices of the geometry.
         vertices: usize,
     },
     /// A morph target has another length than the positions.
@@ -36,7 +36,7 @@ pub enum ModelError {
         target: usize,
         /// Offsets given.
         given: usize,
-        /// Vertices there are.
+        /// Vertices of the geometry.
         vertices: usize,
     },
     /// The source vertices have another length than the positions.
@@ -46,20 +46,20 @@ pub enum ModelError {
     SourceVertices {
         /// Source vertices given.
         given: usize,
-        /// Vertices there are.
+        /// Vertices of the geometry.
         vertices: usize,
     },
-    /// Influences of another number of vertices than the geometry's.
+    /// The influences are for another number of vertices than the geometry has.
     #[error(
         "the influences are those of {given} vertices, and the geometry has {vertices}; give one more offset than vertices"
     )]
     InfluencedVertices {
-        /// Vertices that the influences tell of.
+        /// Vertices that the influences are for.
         given: usize,
-        /// Vertices there are.
+        /// Vertices of the geometry.
         vertices: usize,
     },
-    /// Joints and weights do not pair up.
+    /// There are not as many joints as weights.
     #[error("the influences have {joints} joints and {weights} weights; give one weight a joint")]
     InfluenceWeights {
         /// Joints given.
@@ -67,20 +67,20 @@ pub enum ModelError {
         /// Weights given.
         weights: usize,
     },
-    /// The offsets do not begin at 0, or there is none.
+    /// The first offset is not 0, or there are no offsets.
     #[error("the influences' offsets must begin with 0, but begin with {found:?}")]
     FirstOffset {
-        /// The first offset; `None` where there is none at all.
+        /// The first offset, or `None` if there are no offsets.
         found: Option<u32>,
     },
-    /// An offset is below the one before it.
+    /// An offset is smaller than the one before it.
     #[error("the influences of vertex {vertex} begin at {begin} and end at {end}; offsets must never fall")]
     FallingOffset {
         /// The vertex.
         vertex: usize,
         /// Its offset.
         begin: u32,
-        /// The next vertex's.
+        /// The offset of the next vertex.
         end: u32,
     },
     /// The last offset is not the number of joints.
@@ -91,7 +91,7 @@ pub enum ModelError {
         /// Joints given.
         joints: usize,
     },
-    /// A joint's weight is infinite or no number.
+    /// The weight of a joint is infinite or NaN.
     #[error("vertex {vertex} follows joint {joint} with weight {weight}; give a finite weight")]
     InfluenceWeight {
         /// The vertex.
@@ -101,29 +101,29 @@ pub enum ModelError {
         /// Its weight.
         weight: f32,
     },
-    /// An instance names a geometry that is not there.
+    /// An instance names a geometry that does not exist.
     #[error("instance {instance} names geometry {geometry}, but the model has {geometries}; use an index below that")]
     InstanceGeometry {
         /// The instance's index.
         instance: usize,
-        /// The geometry it names.
+        /// The geometry that it names.
         geometry: usize,
-        /// Geometries there are.
+        /// Geometries of the model.
         geometries: usize,
     },
-    /// A matrix of a pose has an infinite entry or one that is no number.
+    /// A matrix of a pose has an infinite or NaN entry.
     #[error("matrix {joint} of the palette has {value} in row {row}, column {column}; give finite matrices")]
     Matrix {
-        /// The matrix's index, which is the joint's.
+        /// The index of the matrix, which is that of the joint.
         joint: usize,
         /// 0, 1 or 2.
         row: usize,
         /// 0 to 3.
         column: usize,
-        /// What stands there.
+        /// The entry.
         value: f32,
     },
-    /// A morph weight of a pose is infinite or no number.
+    /// A morph weight of a pose is infinite or NaN.
     #[error("the weight of morph target {target} is {weight}; give a finite weight")]
     MorphWeight {
         /// The target's index.
@@ -133,11 +133,11 @@ pub enum ModelError {
     },
 }
 
-/// Why a pose is not one of a model.
+/// Why a pose does not fit a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseMismatch {
-    /// Another number of instances.
+    /// The pose has another number of instances.
     #[error("the pose has {given} instances, and the model has {needed}; pose each instance once")]
     Instances {
         /// Instances of the pose.
@@ -145,7 +145,7 @@ pub enum PoseMismatch {
         /// Instances of the model.
         needed: usize,
     },
-    /// Too few matrices.
+    /// The pose has too few matrices.
     #[error("the pose of instance {instance} has {given} matrices, and its geometry needs {needed}; give one a joint")]
     Palette {
         /// The instance's index.
@@ -155,7 +155,7 @@ pub enum PoseMismatch {
         /// Matrices needed.
         needed: usize,
     },
-    /// Another number of morph weights than targets.
+    /// The number of morph weights is not the number of morph targets.
     #[error(
         "the pose of instance {instance} has {given} morph weights, and its geometry has {needed} targets; give one a target"
     )]
@@ -169,14 +169,14 @@ pub enum PoseMismatch {
     },
 }
 
-/// Why a pose of a model makes no mesh.
+/// Why a model in a pose does not make a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PosedMeshError {
-    /// The pose is not one of the model.
+    /// The pose does not fit the model.
     #[error(transparent)]
     Pose(#[from] PoseMismatch),
-    /// All instances together are no mesh.
+    /// All instances together do not make a mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }

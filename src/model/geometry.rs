@@ -1,10 +1,10 @@
-//! Triangle meshes in their own space, with morph targets and influences.
+//! Triangle meshes in mesh space, with morph targets and influences.
 
 use super::ModelError;
 use crate::mesh::weld::{self, Keys, bits, groups, same_bits};
 use crate::mesh::{Weld, WeldCounts};
 
-/// The joints that move each vertex, any number a vertex.
+/// The joints that move each vertex, with their weights. A vertex may have any number of joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Influences {
     offsets: Vec<u32>,
@@ -14,13 +14,15 @@ pub struct Influences {
 }
 
 impl Influences {
-    /// `offsets` says where each vertex's entries begin in `joints` and `weights`; it is one longer than there are
-    /// vertices, begins with 0 and ends with the number of entries. `joints` are indices into the instance's palette
-    /// ([`InstancePose::palette`](super::InstancePose::palette)). The weights of a vertex should sum to 1; they are used
-    /// as given.
+    /// Makes influences from three lists.
+    ///
+    /// * `offsets` says where the entries of each vertex begin in `joints` and `weights`. It has one element more than
+    ///   there are vertices, begins with 0 and ends with the number of entries.
+    /// * `joints` are indices into the instance's palette ([`InstancePose::palette`](super::InstancePose::palette)).
+    /// * `weights` are used as given. Those of a vertex should sum to 1.
     ///
     /// # Errors
-    /// [`ModelError`] for offsets, joints and weights that do not go together, or a weight that is not finite.
+    /// [`ModelError`] when offsets, joints and weights do not fit together, or a weight is not finite.
     pub fn new(offsets: Vec<u32>, joints: Vec<u32>, weights: Vec<f32>) -> Result<Self, ModelError> {
         if joints.len() != weights.len() {
             return Err(ModelError::InfluenceWeights { joints: joints.len(), weights: weights.len() });
@@ -41,7 +43,8 @@ impl Influences {
         Ok(Self { joints_needed: joints_needed(&joints), offsets, joints, weights })
     }
 
-    /// Where each vertex's entries begin in [`Influences::joints`] and [`Influences::weights`]; one more than vertices.
+    /// Where the entries of each vertex begin in [`Influences::joints`] and [`Influences::weights`]. There is one more
+    /// offset than there are vertices.
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
     }
@@ -51,12 +54,13 @@ impl Influences {
         &self.joints
     }
 
-    /// The joints' weights; finite.
+    /// The weight of each joint. All are finite.
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
 
-    /// Where vertex `v`'s entries lie in [`Influences::joints`] and [`Influences::weights`]; empty past the last vertex.
+    /// The range of vertex `v`'s entries in [`Influences::joints`] and [`Influences::weights`]. It is empty past the
+    /// last vertex.
     pub fn range(&self, v: usize) -> std::ops::Range<usize> {
         match self.offsets.get(v..).unwrap_or_default() {
             &[begin, end, ..] => begin as usize..end as usize,
@@ -64,7 +68,7 @@ impl Influences {
         }
     }
 
-    /// The most entries that any vertex has.
+    /// The largest number of entries of a vertex.
     pub fn most_per_vertex(&self) -> usize {
         self.offsets.windows(2).map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0)
     }
@@ -86,20 +90,21 @@ fn joints_needed(joints: &[u32]) -> usize {
     joints.iter().max().map_or(0, |&joint| (joint as usize).saturating_add(1))
 }
 
-/// What a [`Geometry`] has besides positions and faces.
+/// The parts of a [`Geometry`] besides positions and faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GeometryOptions {
-    /// Its name.
+    /// The name.
     pub name: Option<String>,
-    /// Offsets from the positions, one list a target, one offset a vertex.
+    /// One list for each morph target, with one offset for each vertex: its displacement from the position, in mesh
+    /// space.
     pub morph_targets: Vec<Vec<[f32; 3]>>,
-    /// `None`: rigid, moved by the palette's only matrix.
+    /// The joints that move each vertex. `None`: the mesh is rigid, and the palette's only matrix moves it.
     pub influences: Option<Influences>,
-    /// The number that a displacement knows each vertex by; `None`: they are numbered in order.
+    /// The index by which a displacement knows each vertex. `None`: vertices are numbered in order.
     pub source_vertices: Option<Vec<u32>>,
 }
 
-/// A triangle mesh in its own space, with what deforms it.
+/// A triangle mesh in mesh space, with what deforms it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Geometry {
     name: Option<String>,
@@ -111,11 +116,12 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Counter-clockwise triangles, as indices into `positions`, which lie in mesh space. Positions and morph offsets may
-    /// be non-finite: their faces never face a light.
+    /// Makes a geometry. `positions` are in mesh space. `faces` are counter-clockwise triangles, as indices into
+    /// `positions`. Positions and morph offsets may be non-finite; their faces never face a light.
     ///
     /// # Errors
-    /// [`ModelError`] for an index out of range, or a list in `options` that has not one entry a vertex.
+    /// [`ModelError`] for an index out of range, too many vertices, or a list in `options` whose length does not fit
+    /// the vertices.
     pub fn new(positions: Vec<[f32; 3]>, faces: Vec<[u32; 3]>, options: GeometryOptions) -> Result<Self, ModelError> {
         let GeometryOptions { name, morph_targets, influences, source_vertices } = options;
         let vertices = positions.len();
@@ -143,7 +149,7 @@ impl Geometry {
         Ok(Self { name, positions, faces, morph_targets, influences, source_vertices })
     }
 
-    /// Its name.
+    /// The name, if it has one.
     pub fn name(&self) -> Option<&str> {
         self.name.as_deref()
     }
@@ -158,27 +164,27 @@ impl Geometry {
         &self.faces
     }
 
-    /// Offsets from [`Geometry::positions`], one list a target, one offset a vertex.
+    /// One list for each morph target, with one offset for each vertex: its displacement from [`Geometry::positions`].
     pub fn morph_targets(&self) -> &[Vec<[f32; 3]>] {
         &self.morph_targets
     }
 
-    /// `None`: rigid, moved by the palette's only matrix.
+    /// The joints that move each vertex. `None`: the mesh is rigid, and the palette's only matrix moves it.
     pub fn influences(&self) -> Option<&Influences> {
         self.influences.as_ref()
     }
 
-    /// The index each vertex had before welding: the lowest of its group. A displacement knows vertices by it.
+    /// The index of each vertex before welding: the lowest of its group. A displacement knows vertices by it.
     pub fn source_vertices(&self) -> &[u32] {
         &self.source_vertices
     }
 
-    /// Matrices that a pose's palette must have: one more than the highest joint named, or 1 where nothing is skinned.
+    /// The number of matrices that a pose's palette must have: one more than the highest joint, or 1 for a rigid mesh.
     pub fn joints_needed(&self) -> usize {
         self.influences.as_ref().map_or(1, |influences| influences.joints_needed)
     }
 
-    /// This geometry with equal vertices made one and the vertices renumbered, in order of their lowest source index.
+    /// Welds equal vertices and numbers the vertices anew, in the order of their lowest source index.
     #[must_use]
     pub fn welded(&self, weld: Weld) -> (Self, WeldCounts) {
         let count = self.positions.len();
@@ -189,8 +195,8 @@ impl Geometry {
         let by_position = groups(count, |v| keys.hash(self.positions[v].map(bits)), |a, b| self.same_position(a, b));
         let groups = match weld {
             Weld::Position => by_position.clone(),
-            // The hash covers all that is compared: vertices that share a position alone would else be searched one by
-            // one, in quadratic time.
+            // The hash covers everything that is compared. Otherwise vertices that share only a position would be
+            // searched one by one, in quadratic time.
             _ => groups(
                 count,
                 |v| keys.hash(self.words(v)),
@@ -214,15 +220,15 @@ impl Geometry {
         (welded, counts)
     }
 
-    /// At least as many words as any vertex has.
+    /// An upper bound of the number of words of a vertex.
     fn most_words(&self) -> usize {
         let ranges = self.influences.iter().flat_map(|influences| influences.offsets.windows(2));
         let most = ranges.map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0);
         3 * (1 + self.morph_targets.len()) + 1 + 2 * most
     }
 
-    /// A vertex's position, morph and skin data as words. The number of joints comes before them, so vertices whose data
-    /// differ have a word that differs.
+    /// A vertex's position, morph and skin data as words. The number of joints comes before them, so vertices with
+    /// different data have a word that differs.
     fn words(&self, v: usize) -> impl Iterator<Item = u32> + '_ {
         let morph = self.morph_targets.iter().flat_map(move |target| target[v].map(bits));
         let skin = self.influences.iter().flat_map(move |influences| {

@@ -1,6 +1,6 @@
-//! Deformable models: geometries, their instances, and a pose, whatever file they came from.
+//! Deformable models: geometries, their instances, and poses. They do not depend on a file format.
 //!
-//! Every part is checked when it is made, so whatever takes one can rely on it.
+//! Every part is checked when it is made, so the code that takes a part can rely on it.
 
 mod error;
 mod geometry;
@@ -12,7 +12,7 @@ pub use pose::{InstancePose, Matrix3x4, Pose};
 
 use crate::mesh::{MAX_FACES, Mesh, MeshError};
 
-/// One geometry at one place.
+/// One placement of a geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     geometry: usize,
@@ -20,7 +20,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// An instance of the geometry of this index in [`Model::geometries`], and its name, if it has one.
+    /// An instance of the geometry with index `geometry` in [`Model::geometries`], with a name if it has one.
     pub fn new(geometry: usize, name: Option<String>) -> Self {
         Self { geometry, name }
     }
@@ -30,14 +30,14 @@ impl Instance {
         self.geometry
     }
 
-    /// The node's name in the file.
+    /// The name, if it has one.
     pub fn name(&self) -> Option<&str> {
         self.name.as_deref()
     }
 }
 
-/// Geometries and the instances that place them. All instances together make one [`Mesh`], in their order, vertices
-/// and faces concatenated; vertices are welded within an instance, never across.
+/// Geometries and the instances that place them. All instances together make one [`Mesh`]: vertices and faces are
+/// concatenated in the order of the instances. Vertices are welded within an instance, never across instances.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     geometries: Vec<Geometry>,
@@ -46,10 +46,11 @@ pub struct Model {
 }
 
 impl Model {
-    /// The distinct meshes, and where they stand. A geometry may have any number of instances, none too.
+    /// Makes a model of `geometries` and their placements. A geometry may have any number of instances, also none.
     ///
     /// # Errors
-    /// [`ModelError`] for an instance of a geometry that is not there, or more vertices than `u32` indices can name.
+    /// [`ModelError`] for an instance of a geometry that does not exist, or for more vertices than `u32` indices can
+    /// name.
     pub fn new(geometries: Vec<Geometry>, instances: Vec<Instance>) -> Result<Self, ModelError> {
         let mut vertex_count = 0_usize;
         for (index, instance) in instances.iter().enumerate() {
@@ -68,12 +69,12 @@ impl Model {
         Ok(Self { geometries, instances, vertex_count })
     }
 
-    /// The distinct meshes.
+    /// The geometries.
     pub fn geometries(&self) -> &[Geometry] {
         &self.geometries
     }
 
-    /// Where they stand.
+    /// The placements of the geometries.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
     }
@@ -83,12 +84,13 @@ impl Model {
         self.instances.iter().map(|instance| &self.geometries[instance.geometry])
     }
 
-    /// Vertices of all instances together.
+    /// The number of vertices of all instances together.
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
-    /// Whether `pose` has an instance for each of this model's, with the matrices and weights that its geometry needs.
+    /// Checks that `pose` has one pose for each instance of this model, with the matrices and weights that its geometry
+    /// needs.
     ///
     /// # Errors
     /// [`PoseMismatch`] for the first instance that does not fit.
@@ -101,15 +103,15 @@ impl Model {
         instances.try_for_each(|(instance, (pose, geometry))| pose.check(instance, geometry))
     }
 
-    /// The mesh that all instances make in this pose: instances in order, vertices and faces concatenated, the faces
-    /// of mirrored instances turned. Only [`InstancePose::turned`] of the pose matters, so the mesh stays valid for
-    /// other poses until that changes.
+    /// The mesh that all instances make in this pose. Vertices and faces are concatenated in the order of the
+    /// instances, and the faces of mirrored instances are turned. The mesh depends only on [`InstancePose::turned`] of
+    /// the pose, so it stays valid for other poses until this changes.
     ///
     /// # Errors
-    /// [`PosedMeshError`] as for [`Mesh::from_faces`], and for a pose of another model.
+    /// [`PosedMeshError`] when the pose does not fit the model, or for the reasons of [`Mesh::from_faces`].
     pub fn mesh(&self, pose: &Pose) -> Result<Mesh, PosedMeshError> {
         self.check(pose)?;
-        // Counted first, so that instances of a large geometry are refused before they fill the memory.
+        // Faces are counted first, so that many instances of a large geometry are refused before they fill the memory.
         let count = self.placed_geometries().fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len()));
         if count > MAX_FACES {
             return Err(MeshError::TooManyFaces { faces: count }.into());
@@ -118,7 +120,7 @@ impl Model {
         let mut first_vertex = 0;
         for (geometry, pose) in self.placed_geometries().zip(pose.instances()) {
             faces.extend(geometry.faces().iter().map(|&face| {
-                // No sum overflows: all instances' vertices together are fewer than `u32::MAX`.
+                // No sum overflows: all instances together have fewer than `u32::MAX` vertices.
                 let [a, b, c] = face.map(|v| v + first_vertex);
                 if pose.turned() { [a, c, b] } else { [a, b, c] }
             }));

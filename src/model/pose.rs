@@ -1,8 +1,8 @@
-//! Poses: where each instance of a model stands at one time, and how it is bent.
+//! Poses: the place and shape of each instance of a model at one time.
 
 use super::{Geometry, ModelError, PoseMismatch};
 
-/// A row-major 3×4 matrix that maps `(x, y, z, 1)`.
+/// A matrix of three rows and four columns, stored by rows. It maps `(x, y, z, 1)`.
 pub type Matrix3x4 = [[f32; 4]; 3];
 
 /// The state of one instance at one time.
@@ -14,11 +14,12 @@ pub struct InstancePose {
 }
 
 impl InstancePose {
-    /// `palette` takes mesh space to world space: a matrix a joint where the geometry has influences, else exactly one.
-    /// `morph_weights` has a weight a morph target; weights may be negative, and larger than 1.
+    /// Makes a pose. `palette` maps mesh space to world space. It has a matrix for each joint if the geometry has
+    /// influences, else exactly one. `morph_weights` has a weight for each morph target. Weights may be negative or
+    /// larger than 1.
     ///
     /// The faces are turned if more matrices mirror (negative determinant) than do not, so that they stay
-    /// counter-clockwise outside; [`InstancePose::with_turned`] sets this otherwise.
+    /// counter-clockwise from outside. [`InstancePose::with_turned`] overrides this.
     ///
     /// # Errors
     /// [`ModelError`] for a matrix or weight that is not finite.
@@ -28,14 +29,14 @@ impl InstancePose {
         Self::with(palette, morph_weights, mirroring > keeping)
     }
 
-    /// The same with faces turned or not, whatever the matrices: for skins that have joints which no vertex follows, and
-    /// for meshes that are wound inwards.
+    /// The same pose with faces turned or not, whatever the matrices are. Use it for skins with joints that no vertex
+    /// follows, and for meshes that are wound inwards.
     #[must_use]
     pub fn with_turned(self, turned: bool) -> Self {
         Self { turned, ..self }
     }
 
-    /// Checks that all is finite.
+    /// Checks that all numbers are finite.
     pub(crate) fn with(palette: Vec<Matrix3x4>, morph_weights: Vec<f32>, turned: bool) -> Result<Self, ModelError> {
         let entries = palette.as_flattened().as_flattened();
         if let Some(at) = entries.iter().position(|entry| !entry.is_finite()) {
@@ -48,27 +49,27 @@ impl InstancePose {
         Ok(Self { palette, morph_weights, turned })
     }
 
-    /// Mesh space to world space, a matrix a joint; finite.
+    /// The matrices from mesh space to world space, one for each joint. All are finite.
     pub fn palette(&self) -> &[Matrix3x4] {
         &self.palette
     }
 
-    /// A weight a morph target; finite.
+    /// One weight for each morph target. All are finite.
     pub fn morph_weights(&self) -> &[f32] {
         &self.morph_weights
     }
 
-    /// The transform mirrors, so the faces are turned to stay counter-clockwise outside.
+    /// Whether the faces are turned, because the transform mirrors them. They so stay counter-clockwise from outside.
     pub fn turned(&self) -> bool {
         self.turned
     }
 
-    /// Whether this poses instance `instance`, which is of `geometry`.
+    /// Checks that this pose fits instance number `instance`, which is of `geometry`.
     pub(super) fn check(&self, instance: usize, geometry: &Geometry) -> Result<(), PoseMismatch> {
         self.check_counts(instance, geometry.joints_needed(), geometry.morph_targets().len())
     }
 
-    /// Whether there are as many matrices and weights as instance `instance` needs.
+    /// Checks that there are as many matrices and weights as instance number `instance` needs.
     pub(crate) fn check_counts(&self, instance: usize, joints: usize, targets: usize) -> Result<(), PoseMismatch> {
         let (given, needed) = (self.palette.len(), joints);
         if given < needed {
@@ -82,7 +83,7 @@ impl InstancePose {
     }
 }
 
-/// Of the matrix's first three columns, in `f64`, where nothing finite in `f32` overflows.
+/// The determinant of the first three columns. It is computed in `f64`, where no product of finite `f32` overflows.
 fn determinant(matrix: &Matrix3x4) -> f64 {
     let [a, b, c] = matrix.map(|[x, y, z, _]| [x, y, z].map(f64::from));
     a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
@@ -96,8 +97,8 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A pose of each of [`Model::instances`](super::Model::instances), in their order. Whatever takes a pose of a model
-    /// compares the two and reports a [`PoseMismatch`].
+    /// One pose for each of [`Model::instances`](super::Model::instances), in their order. Functions that take a model
+    /// and a pose compare the two and return a [`PoseMismatch`] if they do not fit.
     pub fn new(instances: Vec<InstancePose>) -> Self {
         Self { instances, mixed_determinants: 0 }
     }
@@ -107,12 +108,13 @@ impl Pose {
         Self { mixed_determinants, ..self }
     }
 
-    /// One for each of [`Model::instances`](super::Model::instances).
+    /// One pose for each of [`Model::instances`](super::Model::instances).
     pub fn instances(&self) -> &[InstancePose] {
         &self.instances
     }
 
-    /// Skinned instances of a file of which some joint matrices mirror and some do not; they are turned by the majority.
+    /// The number of skinned instances that have both mirroring and non-mirroring joint matrices. The majority decides
+    /// whether they are turned. It is 0 for poses that were not loaded from a file.
     pub fn mixed_determinants(&self) -> usize {
         self.mixed_determinants
     }

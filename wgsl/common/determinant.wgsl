@@ -1,10 +1,10 @@
-// det[b - a, c - a, l - w a] in f32, whose sign is a face's side: in the local form, from differences alone, and by the
-// face's plane; NUMERICS.md, "Facing" and "Per edge".
+// det[b - a, c - a, l - w a] in f32. Its sign tells the light's side of the face. The local form takes differences
+// only; the plane form takes the face's plane. NUMERICS.md, "Facing" and "Per edge".
 
-// By the plane's equation, as published in 2003; else in the local form.
+// Whether to use the plane form, as published in 2003, instead of the local form.
 override PLANE: bool = false;
 
-// u x v, counter-clockwise outside.
+// u x v. For b - a and c - a it is the normal on the counter-clockwise side.
 fn cross_product(u: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
 }

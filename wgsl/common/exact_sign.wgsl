@@ -1,8 +1,8 @@
-// The sign of det[b - a, c - a, l - w a] for any finite f32 whatever, in pure integer arithmetic: rare and slow, so as
-// short as can be. NUMERICS.md, "Exact facing".
+// The sign of det[b - a, c - a, l - w a] for all finite f32, in integer arithmetic. It is rare and slow, so the code is
+// short rather than fast. NUMERICS.md, "Exact facing".
 
 const DIGIT: u32 = 0xffffffu;
-// Digits of 24 bits, zeros between uses. 48 of them hold every sum of products of four finite f32; four more are read.
+// Digits of 24 bits, zero between uses. 48 of them hold every sum of products of four finite f32; four more are read.
 var<private> digits: array<i32, 52>;
 
 // The 48-bit product of two digits, as two digits.
@@ -26,9 +26,9 @@ fn multiply_three(a: vec3<u32>, b: u32) -> vec4<u32> {
   return vec4<u32>(low.x, second & DIGIT, third & DIGIT, high.y + (third >> 24u));
 }
 
-// Adds or subtracts the product of four floats, given as bits; `sign` is added to theirs. Returns its lowest digit.
-// Without a loop: some software GPUs end an invocation's loops after 2^16 turns, all of them together (ARCHITECTURE.md,
-// "Decisions").
+// Adds or subtracts the product of four floats, given as bits. `sign` is combined with their signs. Returns the lowest
+// digit of the product. It has no loop, because some software GPUs end an invocation's loops after 2^16 turns in total
+// (ARCHITECTURE.md, "Limits of devices").
 fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let exponents = (bits >> vec4<u32>(23u)) & vec4<u32>(0xffu);
   let implied = select(vec4<u32>(0u), vec4<u32>(0x800000u), exponents != vec4<u32>(0u));
@@ -41,7 +41,7 @@ fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   let shift = above % 24u;
   let shifted = (product << vec4<u32>(shift)) & vec4<u32>(DIGIT);
   let carried = product >> vec4<u32>(24u - shift);
-  // 0, or -1 where the product is negative.
+  // 0, or -1 if the product is negative.
   let negative = -i32((bits.x ^ bits.y ^ bits.z ^ bits.w ^ sign) >> 31u);
   let low = (vec4<i32>(shifted | vec4<u32>(0u, carried.xyz)) ^ vec4<i32>(negative)) - vec4<i32>(negative);
   let at = above / 24u;
@@ -53,7 +53,7 @@ fn add_product(bits: vec4<u32>, sign: u32) -> u32 {
   return at;
 }
 
-// What is carried over a digit and which bits of all below are set, after another digit.
+// After a digit: the carry over it, and the bits that are set in it or in any lower digit.
 struct Sweep {
   carry: i32,
   any_bit: i32,
@@ -67,8 +67,8 @@ fn take_digit(sweep: Sweep, at: u32) -> Sweep {
 
 // The sign of the determinant, from bits: 1, 0 or -1.
 fn exact_sign(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, light: vec4<u32>) -> i32 {
-  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four, where those without w have a 1. Of
-  // each pair the second is subtracted; then the next axis comes first.
+  // det(b, c, l) + det(a, b, l) + det(c, a, l) + w det(a, c, b): 24 products of four; those without w have a factor of
+  // 1. The second product of each pair is subtracted. Then the next axis comes first.
   var p = b;
   var q = c;
   var r = light.xyz;

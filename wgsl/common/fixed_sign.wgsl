@@ -1,20 +1,20 @@
-// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits:
-// integers of 12-bit limbs in i32, which no compiler can round, fuse or flush. NUMERICS.md, "Exact facing".
+// The sign of det[b - a, c - a, l - w a] in fixed point, for faces and lights whose numbers lie in a window of bits.
+// The integers have limbs of 12 bits in i32. No compiler can round, fuse or flush them. NUMERICS.md, "Exact facing".
 
-// Bits that a face's nine coordinates may span from the lowest bit set to the highest, and those of l and w a.
+// The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of l and w a.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 48;
-// An exponent beyond all.
+// An exponent above all others.
 const FAR: i32 = 4096;
 
 
-// Three numbers, odd or zero times a power of two: sign * mantissa * 2^(exponent - 149).
+// Three numbers, each odd or zero, times a power of two: sign * mantissa * 2^(exponent - 149).
 struct Numbers {
   mantissa: vec3<u32>,
   exponent: vec3<i32>,
-  // Bits that the mantissa has at most.
+  // The largest number of bits of the mantissa.
   length: vec3<i32>,
-  // 0, or -1 where negative.
+  // 0, or -1 if the number is negative.
   sign: vec3<i32>,
 }
 
@@ -22,14 +22,14 @@ fn numbers(bits: vec3<u32>) -> Numbers {
   let exponent = (bits >> vec3<u32>(23u)) & vec3<u32>(0xffu);
   let implied = select(vec3<u32>(0u), vec3<u32>(0x800000u), exponent != vec3<u32>(0u));
   let mantissa = (bits & vec3<u32>(0x7fffffu)) | implied;
-  // The lowest bit alone is a power of two, which a float holds exactly, its exponent in view.
+  // The lowest set bit is a power of two. A float holds it exactly and shows its exponent.
   let lowest = bitcast<vec3<u32>>(vec3<f32>(vec3<i32>(mantissa & (~mantissa + 1u)))) >> vec3<u32>(23u);
   let zeros = max(lowest, vec3<u32>(127u)) - 127u;
   let place = vec3<i32>(max(exponent, vec3<u32>(1u)) - 1u + zeros);
   return Numbers(mantissa >> zeros, place, 24 - vec3<i32>(zeros), -vec3<i32>(bits >> vec3<u32>(31u)));
 }
 
-// The exponent of the lowest bit set, and one above the highest; zeros have none.
+// The exponent of the lowest set bit, and one more than that of the highest. Zeros do not count.
 fn window(is_zero: vec3<bool>, exponent: vec3<i32>, length: vec3<i32>) -> vec2<i32> {
   let low = select(exponent, vec3<i32>(FAR), is_zero);
   let high = select(exponent + length, vec3<i32>(-FAR), is_zero);
@@ -44,15 +44,15 @@ fn hull(a: vec2<i32>, b: vec2<i32>) -> vec2<i32> {
   return vec2<i32>(min(a.x, b.x), max(a.y, b.y));
 }
 
-// Three integers in two digits of 24 bits, the second of which has the sign.
+// Three integers in two digits of 24 bits. The second digit has the sign.
 struct Wide {
   low: vec3<i32>,
   high: vec3<i32>,
 }
 
-// Two digits, `above` bits up.
+// The number in two digits, shifted up by `above` bits.
 fn wide(low: vec3<u32>, high: vec3<u32>, above: vec3<i32>, sign: vec3<i32>) -> Wide {
-  // A zero may be anywhere.
+  // A zero may have any exponent.
   let up = vec3<u32>(clamp(above, vec3<i32>(0), vec3<i32>(47)));
   let is_high = up >= vec3<u32>(24u);
   let shift = select(up, up - 24u, is_high);
@@ -61,12 +61,12 @@ fn wide(low: vec3<u32>, high: vec3<u32>, above: vec3<i32>, sign: vec3<i32>) -> W
   return Wide((vec3<i32>(select(first, vec3<u32>(0u), is_high)) ^ sign) - sign, (vec3<i32>(second) ^ sign) - sign);
 }
 
-// A digit's two limbs after another's.
+// The two limbs of a digit after those of another.
 fn limbs(low: i32, high: i32) -> vec4<i32> {
   return vec4<i32>(low & 0xfff, low >> 12u, high & 0xfff, high >> 12u);
 }
 
-// Three integers of four limbs of 12 bits, lowest first; the last has the sign.
+// Three integers of four limbs of 12 bits, the lowest first. The last limb has the sign.
 struct Limbs {
   x: vec4<i32>,
   y: vec4<i32>,
@@ -104,7 +104,7 @@ fn multiply_limbs(p: vec4<i32>, q: vec4<i32>) -> Columns {
   );
 }
 
-// A component of the normal, in limbs of 12 bits but for the last, which has the sign.
+// A component of the normal, in limbs of 12 bits. The last limb has the sign and may have more bits.
 fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Columns {
   let first = multiply_limbs(p, q);
   let second = multiply_limbs(r, s);
@@ -120,7 +120,7 @@ fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Colum
   return Columns(low & vec4<i32>(0xfff), vec4<i32>(high.xyz & vec3<i32>(0xfff), high.w));
 }
 
-// What all lights of a face share.
+// The values that all lights of a face share.
 struct FixedFace {
   fits: bool,
   a: Numbers,
@@ -129,7 +129,7 @@ struct FixedFace {
   z: Columns,
 }
 
-// From one corner to another.
+// The vector from one corner to another.
 fn side(from_corner: Numbers, to_corner: Numbers, lowest: i32) -> Limbs {
   let none = vec3<u32>(0u);
   let p = wide(from_corner.mantissa, none, from_corner.exponent - lowest, from_corner.sign);
@@ -153,7 +153,7 @@ fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedF
   );
 }
 
-// The lowest four columns as one limb's carry, and whether any of their bits is set.
+// The carry of the lowest four columns, as one limb, and whether any of their bits is set.
 fn sweep(columns: vec4<i32>, carry: i32) -> vec2<i32> {
   let x = columns.x + carry;
   let y = columns.y + (x >> 12u);
@@ -162,7 +162,7 @@ fn sweep(columns: vec4<i32>, carry: i32) -> vec2<i32> {
   return vec2<i32>(w >> 12u, (x | y | z | w) & 0xfff);
 }
 
-// 1, 0 or -1; 2 where the numbers do not fit.
+// Returns 1, 0 or -1, or 2 if the numbers do not fit.
 fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
   let l = numbers(light.xyz);
   let w = numbers(light.www);

@@ -1,12 +1,12 @@
-// Positions in whatever buffer holds them: words at any offset and stride, in up to four bindings of equal length.
-// Read as u32, so that no load can flush a subnormal.
+// Reads positions from any buffer: words at any offset and stride, in up to four bindings of equal length. They are
+// read as u32, so that no load can flush a subnormal.
 
 @group(0) @binding(2) var<storage, read> positions_0: array<u32>;
 @group(0) @binding(3) var<storage, read> positions_1: array<u32>;
 @group(0) @binding(4) var<storage, read> positions_2: array<u32>;
 @group(0) @binding(5) var<storage, read> positions_3: array<u32>;
 
-// 0: everything lies in the first binding.
+// The number of words in a window. 0: everything is in the first binding.
 override WINDOW_WORDS: u32 = 0u;
 
 fn position_word(word: u32) -> u32 {
@@ -27,7 +27,7 @@ fn position_bits(vertex: u32, offset: u32, stride: u32) -> vec3<u32> {
   return vec3<u32>(position_word(word), position_word(word + 1u), position_word(word + 2u));
 }
 
-// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+// The test is on the bits, because WGSL allows an implementation to assume that floats are finite.
 fn is_finite(bits: vec3<u32>) -> bool {
   let exponent = bits & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));

@@ -1,10 +1,11 @@
-// Deform: morph, skin, displace, from mesh space to world space, for the vertices of one instance.
+// Deform: computes morph targets, skin and displacement for the vertices of one instance, from mesh space to world
+// space.
 
 @group(0) @binding(0) var<uniform> chunk: DeformChunk;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// Target by target, three words a vertex of this chunk.
+// Three words for each vertex of this chunk, target by target.
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
-// One word a vertex and one more: where its influences begin; then the influences, joint and weight.
+// First the offset of each vertex's influences, and one more; then joint and weight of each influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;

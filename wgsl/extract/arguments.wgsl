@@ -1,5 +1,5 @@
-// Arguments: for each light what an indirect draw of its list needs. A list that overflowed is drawn over all edges,
-// and the vertex shader rejects those that are no silhouettes.
+// Arguments: computes the indirect draw of each light's list. The draw of a list that overflowed goes over all edges.
+// The vertex shader then rejects those that are no silhouettes.
 
 @group(0) @binding(0) var<uniform> shape: DrawShape;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;

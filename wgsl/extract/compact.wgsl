@@ -1,15 +1,15 @@
-// Compact: lists of silhouette edges a light, in the order of the edges, from the masks. Three passes: count the bits of
-// each block of edges, turn the counts into places, scatter.
+// Compact: makes lists of silhouette edges for each light, in edge order, from the masks. It has three passes: count
+// the bits of each block of edges, turn the counts into offsets, scatter.
 
 @group(0) @binding(0) var<uniform> chunk: Chunk;
 @group(0) @binding(1) var<storage, read> masks: array<Masks>;
-// Light by light, a number a block: how many silhouettes it has, then how many all earlier blocks have.
+// For each light one number a block: first its silhouettes in the block, then those in all earlier blocks.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(4) var<storage, read_write> list: array<u32>;
 
 const BLOCK_WORDS: u32 = BLOCK / 32u;
-// Light by light the block's edges as a bit set.
+// For each light the silhouette edges of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;
 
 fn silhouette_of(edge: u32) -> Masks {
@@ -44,7 +44,7 @@ fn compact_count(
 
 var<workgroup> sums: array<u32, BLOCK>;
 
-// Each thread takes a run of blocks, the runs' sums are scanned, then the runs are filled in.
+// Each invocation takes a run of blocks. The sums of the runs are scanned, and then the runs are filled in.
 fn scan_light(light: u32, local: u32) {
   let run = (chunk.blocks + BLOCK - 1u) / BLOCK;
   let begin = min(local * run, chunk.blocks);
@@ -74,7 +74,7 @@ fn scan_light(light: u32, local: u32) {
   }
 }
 
-// One workgroup a light; where a dispatch may not have so many, each takes several lights in turn.
+// One workgroup takes one light. If a dispatch may not have so many, each takes several lights in turn.
 @compute @workgroup_size(BLOCK)
 fn compact_scan(
   @builtin(workgroup_id) group: vec3<u32>,

@@ -1,5 +1,5 @@
-// Edges: for each edge record its silhouette and winding mask, from the facing masks of its faces. Writes the masks,
-// appends silhouette edges to the lights' lists in no particular order, or both.
+// Edges: computes the silhouette and winding mask of each edge record from the facing masks of its faces. It writes the
+// masks, appends silhouette edges to the lists of the lights in no particular order, or does both.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -9,7 +9,7 @@
 @group(0) @binding(5) var<storage, read> facing_3: array<u32>;
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 
-// Faces in each binding but the last; 0: all lie in the first.
+// The number of faces in each binding except the last. 0: all are in the first.
 override WINDOW_WORDS: u32 = 0u;
 
 fn facing_mask(face: u32) -> u32 {

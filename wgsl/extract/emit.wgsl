@@ -1,4 +1,4 @@
-// Where the edge stages put what they found: masks, lists, or both.
+// Writes what the edge stages found: masks, lists, or both.
 
 @group(0) @binding(7) var<storage, read_write> masks: array<Masks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
@@ -12,7 +12,7 @@ fn emit(edge: u32, silhouette: u32, winding: u32) {
     masks[edge] = Masks(silhouette, winding);
   }
   if (APPEND) {
-    // Silhouettes are few, so one atomic each costs less than agreeing on places within the workgroup.
+    // Silhouettes are few, so one atomic for each costs less than agreeing on places within the workgroup.
     for (var rest = silhouette; rest != 0u; rest &= rest - 1u) {
       let light = firstTrailingBit(rest);
       let place = atomicAdd(&counts[chunk.first_light + light], 1u);

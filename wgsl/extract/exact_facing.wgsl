@@ -1,6 +1,6 @@
-// Exact facing: the masks of the faces that the facing stage left undecided. A bound of each light's own decides most
-// signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"); the rest is settled in integers that no compiler can
-// round, fuse or flush, in fixed point where the numbers fit and else for every finite f32 ("Exact facing").
+// Exact facing: computes the masks of the faces that the facing stage left undecided. A bound for each light decides
+// most signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"). Integers decide the rest, because no compiler can
+// round, fuse or flush them: in fixed point where the numbers fit, else for every finite f32 ("Exact facing").
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -17,7 +17,7 @@ struct Face {
   c: vec3<u32>,
 }
 
-// Bits of facing lights and of those undecided.
+// The bits of facing lights and those of undecided lights.
 struct Decision {
   facing: u32,
   doubt: u32,
@@ -29,7 +29,7 @@ struct Signs {
   coplanar: u32,
 }
 
-// By f32 where the light's own bound allows it.
+// Decides lights by f32 if the bound of the light allows it.
 fn filter_lights(face: Face) -> Decision {
   let largest = largest_magnitude(face.a, face.b, face.c);
   var decision = Decision(0u, word.live);
@@ -52,7 +52,7 @@ fn filter_lights(face: Face) -> Decision {
     let l = word.lights[light];
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
-    // The error of w a counts only where w is no power of two, or tiny.
+    // The error of w a counts only if w is not a power of two, or is tiny.
     let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);
@@ -64,8 +64,8 @@ fn filter_lights(face: Face) -> Decision {
   return decision;
 }
 
-// The bits of the lights undecided, by integers. In two loops, since some GPUs execute a branch once for each turn of the
-// loop around it, whether any face needs it or not.
+// The bits of the undecided lights, by integers. There are two loops, because some GPUs execute a branch once for each
+// turn of the loop around it, whether any face needs it or not.
 fn settle(doubt: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
   var signs = Signs(0u, 0u);
@@ -115,10 +115,10 @@ fn decide(index: u32) -> Signs {
   return signs;
 }
 
-// Few invocations for many faces, by turns: as a rule nearly none is undecided.
+// Few invocations take many faces in turn, because nearly no face is undecided as a rule.
 @compute @workgroup_size(64)
 fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  // Every face where the list overflowed. One call of `decide`, since each is compiled by itself.
+  // If the list overflowed, every face is decided. `decide` is called once, because each call is compiled by itself.
   let undecided = atomicLoad(&record.undecided_count);
   let overflowed = undecided > arrayLength(&record.undecided);
   let items = select(undecided, chunk.count, overflowed);

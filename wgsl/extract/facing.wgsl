@@ -1,6 +1,6 @@
-// Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
-// Sign of det[b - a, c - a, l - w a]; NUMERICS.md, "Facing". One bound a face tells whether all its signs are certain
-// ("Filter"); if not, the face is listed for exact_facing.wgsl, which sets its mask.
+// Facing: computes one bit for each face and light, set if the light lies strictly on the face's counter-clockwise
+// side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
+// whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -8,10 +8,10 @@
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
 
-// Without it signs are taken as f32 gives them.
+// If false, signs are those that f32 gives.
 override EXACT: bool = true;
 
-// The determinant for one of the word's lights.
+// The determinant for one light of the batch.
 fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
   if (PLANE) {
     return plane_form(plane_through(n, a), bitcast<vec4<f32>>(word.light_bits[light]));
@@ -19,13 +19,14 @@ fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
   return local_form(n, a, word.lights[light]);
 }
 
-// Bits of all lights, and the smallest absolute determinant.
+// The bits of all lights, and the smallest absolute determinant.
 struct Signs {
   mask: u32,
   smallest: f32,
 }
 
-// Four at a time: the loop's own cost counts beside a test of a dozen operations. Lights past `count` repeat the last.
+// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Entries past `count`
+// repeat the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   for (var light = 0u; light < word.count; light += 4u) {
@@ -72,7 +73,7 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
     facing_masks[face] = signs.mask;
     let bound = face_bound(size, bitcast<f32>(magnitude), word.reach);
-    // A large magnitude covers what is not finite, too.
+    // A large magnitude also covers numbers that are not finite.
     if (signs.smallest <= bound || magnitude >= LARGE) {
       list(face);
     }

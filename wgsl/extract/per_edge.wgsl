@@ -1,6 +1,6 @@
-// Per edge: the method as Brabec and Seidel published it in 2003, kept for comparison. One thread an edge gathers four
-// positions and tests both faces against every light, by their planes' equations as published or in the local form, so a
-// face's side is decided again at each of its edges: loops may fail to close.
+// Per edge: the method as Brabec and Seidel published it in 2003, for comparison. One invocation takes one edge,
+// gathers four positions and tests both faces against every light. It uses the plane equations, as published, or the
+// local form. A face's side is decided again at each of its edges, so loops may fail to close.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
@@ -11,7 +11,7 @@ fn position(vertex: u32) -> vec3<f32> {
   return bitcast<vec3<f32>>(position_bits(vertex, word.position_offset, word.position_stride));
 }
 
-// What a face needs to know of itself for all lights.
+// The values of a face that all lights share.
 struct Side {
   plane: vec4<f32>,
   a: vec3<f32>,

@@ -1,27 +1,28 @@
-// Reads Rimline's results in a caller's own shaders: up to 32 lights, whose numbers here count from the word's first.
-// Bind group GROUP is made by `Extraction::bind_group`.
+// Reads Rimline's results in a caller's shaders, for a batch of up to 32 lights. Light numbers count from the first
+// light of the batch. `Extraction::bind_group` makes bind group GROUP.
 
 struct RimlineInfo {
   edges: u32,
-  // Entries that a light's list has room for.
+  // Entries that the list of each light has room for.
   capacity: u32,
-  // The first light of this word among all lights.
+  // The first light of this batch among all lights.
   first_light: u32,
   lights: u32,
-  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
 }
 
-// One silhouette edge for one light.
+// A silhouette edge for one light.
 struct RimlineSilhouette {
-  // False: draw nothing (the list overflowed, and this edge is no silhouette).
+  // False: draw nothing. The list overflowed, and this edge is no silhouette.
   valid: bool,
-  // The edge record's index, and its vertices: face 0 traverses it a -> b.
+  // The index of the edge record, and its vertices. Face 0 traverses the edge a -> b.
   edge: u32,
   a: u32,
   b: u32,
-  // Face 0 faces the light: (b, a, far a, far b) is then counter-clockwise seen from outside the shadow volume.
+  // Whether face 0 faces the light. If so, (b, a, far a, far b) is counter-clockwise as seen from outside the shadow
+  // volume.
   winding: bool,
   // 0 consistent, 1 inconsistent, 2 boundary.
   kind: u32,
@@ -35,15 +36,15 @@ struct RimlineSilhouette {
 @group(GROUP) @binding(5) var<storage, read> rimline_list: array<u32>;
 @group(GROUP) @binding(6) var<storage, read> rimline_counts: array<u32>;
 
-// The position of a vertex, in the space of the positions that were extracted from.
+// The position of a vertex, in the space of the positions of the extraction.
 fn rimline_position(vertex: u32) -> vec3<f32> {
   let word = rimline_info.position_offset + vertex * rimline_info.position_stride;
   return bitcast<vec3<f32>>(
     vec3<u32>(rimline_positions[word], rimline_positions[word + 1u], rimline_positions[word + 2u]));
 }
 
-// A position in clip space. A depth pass that computes it so, from the same matrix and origin as the `ShadowCamera`,
-// has the bits that light caps have, which z-fail needs.
+// A position in clip space. A depth pass that computes positions in this way, from the matrix and origin of the
+// `ShadowCamera`, has the same bits as light caps. z-fail needs this.
 fn rimline_clip(view_projection: mat4x4<f32>, origin: vec3<f32>, position: vec3<f32>) -> vec4<f32> {
   let q = position - origin;
   return view_projection[0] * q.x + view_projection[1] * q.y + view_projection[2] * q.z + view_projection[3];
@@ -54,12 +55,12 @@ fn rimline_faces_light(face: u32, light: u32) -> bool {
   return ((rimline_facing[face] >> light) & 1u) != 0u;
 }
 
-// How many silhouette edges a light has, in the list or beyond its capacity.
+// The number of silhouette edges of a light, including those that its list has no room for.
 fn rimline_silhouettes(light: u32) -> u32 {
   return rimline_counts[rimline_info.first_light + light];
 }
 
-// The silhouette edge that instance `instance` of a light's indirect draw stands for.
+// The silhouette edge of instance `instance` of a light's indirect draw.
 fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
   let overflowed = rimline_silhouettes(light) > rimline_info.capacity;
   var edge = instance;

@@ -1,11 +1,11 @@
-// Depth arguments: the indirect dispatch that counts pairs of point and light anew, from how many are listed; and the
-// list is empty again.
+// Depth arguments: computes the indirect dispatch that counts pairs of point and light again, from the length of their
+// list. Then it empties the list.
 
 @group(0) @binding(0) var<uniform> range: FaceRange;
 @group(0) @binding(1) var<storage, read_write> undecided_pairs: UndecidedPairs;
 @group(0) @binding(2) var<storage, read_write> dispatch: array<u32, 3>;
 
-// Workgroups that a dispatch may have along x or y.
+// The largest number of workgroups of a dispatch along x or y.
 override MOST_WORKGROUPS: u32 = 65535u;
 
 @compute @workgroup_size(1)

@@ -1,8 +1,8 @@
-// Exact shadow depth: the faces that shadow_depth.wgsl left undecided, settled in integers, in fixed point where the
-// numbers fit. The line and an edge that it meets are told apart as if the light were moved by (e, e^2, e^3);
-// NUMERICS.md, "Shadow depth".
+// Exact shadow depth: decides the faces that shadow_depth.wgsl left undecided. It computes in integers, and in fixed
+// point where the numbers fit. Where the line from point to light meets an edge, the tie is broken as if the light were
+// moved by (e, e^2, e^3). NUMERICS.md, "Shadow depth".
 
-// The light, and then the axes along which it is moved.
+// The light, or the axis along which it moves in a tie.
 fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
   switch (tie) {
     case 0u: { return light; }
@@ -12,10 +12,12 @@ fn light_at(light: vec4<u32>, tie: u32) -> vec4<u32> {
   }
 }
 
-// Both ends strictly on opposite sides of the plane, and the line past all edges on the light's side.
+// Whether point and light are strictly on opposite sides of the plane, and the line passes all edges on the light's
+// side.
 fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   var light_side = 0;
-  // The point's side, the light's, and those of three edges; in one loop, so that the integers are compiled once.
+  // The sides of the point, of the light, and of three edges. One loop computes them, so that the integers are compiled
+  // once.
   for (var test = 0u; test < 5u; test++) {
     var a = face.a;
     var b = face.b;
@@ -50,12 +52,12 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   return true;
 }
 
-// One of a pair's faces, as they were noted.
+// A face of a pair, as it was noted.
 fn noted_face(noted: UndecidedFaces, at: u32) -> u32 {
   return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
 }
 
-// The faces noted of each pair of point and light.
+// Settles the noted faces of each pair of point and light.
 @compute @workgroup_size(64)
 fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let pair = id.x;
@@ -74,7 +76,7 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   }
 }
 
-// The pairs that had more: a workgroup for each of them and group of faces, so that no invocation has many to settle.
+// Counts the pairs with more faces. A workgroup takes a pair and a group of faces, so no invocation has many to settle.
 @compute @workgroup_size(64)
 fn exact_shadow_depth_recount(
   @builtin(workgroup_id) group: vec3<u32>,

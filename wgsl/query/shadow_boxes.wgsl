@@ -1,5 +1,5 @@
-// Shadow boxes: boxes around clusters of 32 faces and groups of 32 clusters, a workgroup a group. Floats are compared as
-// integers of the same order, so that no device can flush or round.
+// Shadow boxes: computes boxes around clusters of 32 faces and groups of 32 clusters. One workgroup takes one group.
+// Floats are compared as integers of the same order, so that no device can flush or round them.
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> range: FaceRange;
@@ -7,7 +7,7 @@
 
 const SIGN: u32 = 0x80000000u;
 
-// Lowest and highest keys, and the bits of the largest absolute coordinate; `any_face` 0 where there is nothing.
+// The lowest and the highest keys, and the bits of the largest absolute coordinate. `any_face` is 0 if no face counts.
 struct Keys {
   low: vec3<u32>,
   largest: u32,

@@ -1,5 +1,6 @@
-// Shadow depth: how many faces lie strictly between each point and each light, one invocation a pair of these. Faces in
-// doubt are noted for exact_shadow_depth.wgsl; a pair with more than can be noted is listed, to be counted anew there.
+// Shadow depth: counts the faces strictly between each point and each light. One invocation takes one pair of point and
+// light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
+// exact_shadow_depth.wgsl counts it again.
 
 var<private> doubt: UndecidedFaces;
 
@@ -13,14 +14,14 @@ fn note(face: u32) {
   doubt.count++;
 }
 
-// Faces of a cluster that lie between.
+// The number of faces of a cluster that lie between.
 fn count_cluster(segment: Segment, cluster: u32) -> u32 {
   let low = clusters[cluster].low;
   let high = clusters[cluster].high;
   if (misses(segment, low, high)) {
     return 0u;
   }
-  // One bound for all edges: the box holds them all.
+  // One bound for all edges, because the box holds them all.
   let to_low = bitcast<vec3<f32>>(low.xyz) - segment.p;
   let to_high = bitcast<vec3<f32>>(high.xyz) - segment.p;
   let edge = sum_of_sizes(bitcast<vec3<f32>>(high.xyz) - bitcast<vec3<f32>>(low.xyz));
@@ -50,7 +51,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> u32 {
   return count;
 }
 
-// Faces of the range that lie between.
+// The number of faces of the range that lie between.
 fn count_range(segment: Segment) -> u32 {
   var count = 0u;
   for (var group = range.first; group < range.end; group += CLUSTER) {

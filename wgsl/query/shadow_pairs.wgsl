@@ -1,10 +1,10 @@
-// Faces between a point and a light, for both stages of the shadow depth query, as far as f32 bounds decide. NUMERICS.md,
-// "Shadow depth".
+// Decides with f32 bounds whether a face lies between a point and a light. Both stages of the shadow depth query use
+// it. NUMERICS.md, "Shadow depth".
 
-// As many doubts as are noted of a pair of point and light.
+// The largest number of undecided faces that are noted for a pair of point and light.
 const MOST_DOUBTS: u32 = 3u;
 
-// The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|; 0 where it is not certain.
+// The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|. It is 0 if the sign is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
   let bound = (RELATIVE * t) * uv + underflow * (1.0 + 3.0 * t);
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
@@ -44,7 +44,7 @@ const NOT_BETWEEN: u32 = 0u;
 const BETWEEN: u32 = 1u;
 const IN_DOUBT: u32 = 2u;
 
-// Sides of the line against the three edges, as f32 gives them.
+// The sides of the line against the three edges, as f32 computes them.
 fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
   let at_a = cross_product(segment.p - a, segment.d);
   let at_b = cross_product(segment.p - b, segment.d);
@@ -59,7 +59,7 @@ fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>)
   );
 }
 
-// By each determinant's own bound.
+// Decides by the bound of each determinant.
 fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let a = bitcast<vec3<f32>>(face.a);
   let b = bitcast<vec3<f32>>(face.b);
@@ -97,7 +97,8 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
 // The bits of 1.0.
 const ONE: u32 = 0x3f800000u;
 
-// A point or light in the face's plane without any arithmetic: at a corner, or with a face that is flat along an axis.
+// Whether point or light is in the plane of the face, without arithmetic: at a corner, or with a face that is flat
+// along an axis.
 fn is_coplanar(segment: Segment, face: Face) -> bool {
   if (all(segment.p_bits == face.a) || all(segment.p_bits == face.b) || all(segment.p_bits == face.c)) {
     return true;

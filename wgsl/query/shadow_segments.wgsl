@@ -1,40 +1,40 @@
-// Segments from points to lights, and boxes that they miss, for both stages of the shadow depth query. NUMERICS.md,
-// "Shadow depth".
+// Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
+// NUMERICS.md, "Shadow depth".
 
 @group(0) @binding(0) var<uniform> word: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: PointChunk;
 @group(0) @binding(6) var<uniform> range: FaceRange;
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
 @group(0) @binding(8) var<storage, read> points: array<u32>;
-// Point after point, a number a light.
+// One number for each light, point after point.
 @group(0) @binding(9) var<storage, read_write> depths: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> undecided_pairs: UndecidedPairs;
 
-// Leave out groups and clusters whose boxes the segment misses.
+// Whether groups and clusters are skipped if the segment misses their box.
 override SKIP: bool = true;
 
-// From a point to a light: all of the ray where the light is a direction.
+// The segment from a point to a light, or the whole ray if the light is a direction.
 struct Segment {
   p_bits: vec3<u32>,
-  // Which of the word's lights.
+  // The index of the light in the batch.
   light: u32,
   p: vec3<f32>,
-  // Bits of the largest absolute coordinate of p.
+  // The bits of the largest absolute coordinate of p.
   largest: u32,
-  // Towards the light, l - w p, of the scaled light.
+  // The direction to the light, l - w p, of the scaled light.
   d: vec3<f32>,
-  // The largest of `sizes`.
+  // The largest component of `sizes`.
   size: f32,
   // |d|, and |w p| where its error counts.
   sizes: vec3<f32>,
-  // f32 may decide.
+  // Whether f32 may decide.
   is_certain: bool,
-  // |w|, or what stands for it in the bounds.
+  // |w|, or the value that replaces it in the bounds.
   w_size: f32,
 }
 
 struct Query {
-  // Place of the depth.
+  // The index of the depth.
   at: u32,
   p_bits: vec3<u32>,
   light: u32,
@@ -60,11 +60,11 @@ fn segment_of(query: Query) -> Segment {
   return Segment(query.p_bits, query.light, p, largest, d, size, sizes, largest < LARGE, w_size);
 }
 
-// What roundings may add in a box test, and what underflow may.
+// The most that rounding adds in a box test, and the most that underflow adds.
 const MARGIN: f32 = 0x1p-18;
 const TINY: f32 = 0x1p-100;
 
-// Certainly no face in this box lies between.
+// Whether certainly no face in this box lies between.
 fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (high_bits.w == 0u) {
     return true;
@@ -74,7 +74,7 @@ fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   }
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
-  // Before both ends, or beyond both.
+  // The box is before both ends or beyond both.
   let light = word.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;
@@ -87,7 +87,7 @@ fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   if (any(is_before | is_beyond)) {
     return true;
   }
-  // Beside the line, seen along an axis.
+  // The box is beside the line, seen along an axis.
   let middle = 0.5 * (to_low + to_high);
   let half_size = 0.5 * (to_high - to_low);
   let extent = half_size + MARGIN * (half_size + abs(middle)) + TINY;

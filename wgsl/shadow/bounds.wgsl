@@ -1,12 +1,13 @@
-// Bounds: the box of a caster's finite faces, for `choose`, and whether there are others. Floats are compared as integers of the same order.
+// Bounds: computes the box of a caster's finite faces, for `choose`, and whether the caster has other faces. Floats are
+// compared as integers of the same order.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> positions: array<u32>;
 @group(0) @binding(2) var<storage, read> faces: array<u32>;
-// Lowest x, y, z, then highest; then 1 where a face has a corner that is not finite.
+// The lowest x, y, z, and the highest. The last element is 1 if a face has a corner that is not finite.
 @group(0) @binding(3) var<storage, read_write> box: array<atomic<u32>, 7>;
 
-// Ordered as the floats are.
+// The bits of a float as an integer with the same order as the floats.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }

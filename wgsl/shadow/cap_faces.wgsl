@@ -1,5 +1,6 @@
-// Cap faces: light caps and dark caps as faces at their place and at the far end, near caps as faces clipped to what
-// lies between the light and the near plane and projected onto that; and the sides of holes.
+// Cap faces: computes the vertices of caps and of the sides of holes. A light cap is a face at its place. A dark cap is
+// the face at the far end of the volume. A near cap is the part of a face between the light and the near plane,
+// projected from the light onto that plane.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -12,7 +13,7 @@
 @group(1) @binding(4) var<storage, read> cap_list: array<u32>;
 @group(1) @binding(5) var<storage, read> coplanar_masks: array<u32>;
 
-// Which of the two lists is drawn.
+// The list of cap faces that is drawn.
 override CAP_CLASS: u32 = 0u;
 
 struct CapVertex {
@@ -75,8 +76,8 @@ fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
   return CapVertex(far_end(view, light, caster_position(face.corners[vertex])));
 }
 
-// Whether the camera's own direction is left of the edge between two far vertices, which are seen from the light. The
-// lower index comes first, so that faces on both sides of the edge agree.
+// Whether the camera's direction is left of the edge between two far vertices, as seen from the light. The vertex of
+// lower index comes first, so that the faces on both sides of the edge agree.
 fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
   if (is_ordered) {
     return a.x * b.y - a.y * b.x >= 0.0;
@@ -84,8 +85,8 @@ fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
   return !(b.x * a.y - b.y * a.x >= 0.0);
 }
 
-// A face at infinity as an orthographic camera sees it: all of the picture if the camera's direction is within the face
-// as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
+// A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
+// within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
 fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   let a = extrusion(light, caster_position(face.corners.x));
   let b = extrusion(light, caster_position(face.corners.y));
@@ -99,18 +100,18 @@ fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
   if (left != left_of_second || left != left_of_third) {
     return NOTHING;
   }
-  // The direction, or its opposite, is this sum of the three.
+  // The direction, or its opposite, is this sum of the three vectors.
   let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
   if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
     return NOTHING;
   }
-  // Turned on the screen as the face is.
+  // It has the orientation of the face on the screen.
   let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
   let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
   return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
 }
 
-// From `a` on to where the edge to `b` leaves or enters the slab between light and near plane.
+// Offers the vertices from `a` on, up to where the edge to `b` leaves or enters the slab between light and near plane.
 fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
   let a_above = a.height >= 0.0;
   let a_rises = a.far_height >= 0.0;
@@ -148,7 +149,7 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
   return CapVertex(picked.clip);
 }
 
-// The near cap as published: the face by the matrix of the light's frustum, clipped by the hardware.
+// The near cap as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
 @vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let light = shadow_lights[draw.light];
   let face = cap_face(light, instance);
@@ -208,5 +209,5 @@ fn hole_edge(light: ShadowLight, instance: u32) -> HoleEdge {
   return CapVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, place));
 }
 
-// For passes with colour attachments, which stay as they are.
+// For passes with colour attachments, which are not changed.
 @fragment fn nothing() {}

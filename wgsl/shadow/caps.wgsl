@@ -5,7 +5,7 @@
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
-// The first light of this word.
+// The first light of this batch.
 @group(0) @binding(2) var<uniform> draw: ShadowDraw;
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
 @group(0) @binding(4) var<storage, read> faces: array<u32>;
@@ -15,7 +15,7 @@
 @group(0) @binding(8) var<storage, read_write> cap_list: array<u32>;
 @group(0) @binding(9) var<storage, read> coplanar_masks: array<u32>;
 
-// Whether all three corners lie outside of one of the pyramid's planes.
+// Whether all three corners are outside one of the pyramid's planes.
 fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
   let p = pyramid_planes(view, light, a);
   let q = pyramid_planes(view, light, b);

@@ -1,4 +1,4 @@
-// The caster's positions, as the stage binds them: `positions`, placed by `shape`.
+// The positions of the caster, as the stage binds them: `positions`, with the layout in `shape`.
 
 fn caster_bits(vertex: u32) -> vec3<u32> {
   let word = shape.position_offset + vertex * shape.position_stride;

@@ -1,11 +1,12 @@
-// Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone: the cheap way
-// out. What may need caps goes on to `caps`, whose dispatches are written here.
+// Choose: chooses for each light the faces of the caster that cast and the counting method, from the caster's box
+// alone. This is cheap and settles most casters. Casters that may need caps go on to `caps`, whose dispatches are
+// written here.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
 @group(0) @binding(2) var<storage, read> box: array<u32, 7>;
 @group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
-// Three numbers of workgroups a batch of lights.
+// Three workgroup counts for each batch of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
 // `Statistics` of the extraction. The last tells how many lights lie in planes of faces.
 @group(0) @binding(5) var<storage, read> extraction_statistics: array<u32, 4>;
@@ -18,14 +19,14 @@ fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
   return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
 
-// Whether the box lies wholly beyond the light's range.
+// Whether the whole box is beyond the light's range.
 fn out_of_range(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   if (light.range <= 0.0 || light.light.w <= 0.0) {
     return false;
   }
   let place = light.light.xyz / light.light.w;
   let d = max(max(low - place, place - high), vec3<f32>(0.0));
-  // By the largest side first, since squares may overflow.
+  // The largest side is factored out, because squares may overflow.
   let size = max(max(d.x, d.y), max(d.z, light.range));
   let r = light.range / size;
   let e = d / size;
@@ -38,14 +39,15 @@ fn boxes_meet(low: vec3<f32>, high: vec3<f32>) -> bool {
   return all(low - slack <= view.near_max) && all(high + slack >= view.near_min);
 }
 
-// Whether the light may stand in the box, with slack. A light at infinity does not. Times w, so that nothing overflows.
+// Whether the light may be in the box, with slack. A light at infinity is not. Values are multiplied by w, so that
+// nothing overflows.
 fn light_meets(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   let w = light.light.w;
   let slack = SLACK * max(max(abs(w * low), abs(w * high)), abs(light.light.xyz));
   return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
 }
 
-// Which of left, right, bottom, top and near the camera's planes have the whole volume of the box outside.
+// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
 fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var out = vec4<bool>(true);
   var before = true;
@@ -70,7 +72,7 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   return any(out) || before;
 }
 
-// Whether the box lies wholly outside of the pyramid of light and near rectangle.
+// Whether the whole box is outside the pyramid of light and near rectangle.
 fn misses_pyramid(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var out = vec4<bool>(true);
   var beyond = true;
@@ -86,7 +88,7 @@ fn misses_pyramid(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   return any(out) || beyond;
 }
 
-// How far the light is from the box, or less.
+// A lower bound of the distance from the light to the box.
 fn distance_below(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   let place = light.light.xyz / light.light.w;
   let slack = SLACK * max(max(abs(low), abs(high)), abs(place));
@@ -94,7 +96,7 @@ fn distance_below(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   return length_of(d) * (1.0 - SLACK);
 }
 
-// By the largest side first, since squares may overflow.
+// The largest side is factored out, because squares may overflow.
 fn length_of(d: vec3<f32>) -> f32 {
   let size = max(max(d.x, d.y), d.z);
   if (size <= 0.0) {
@@ -104,14 +106,15 @@ fn length_of(d: vec3<f32>) -> f32 {
   return size * sqrt(dot_3(e, e));
 }
 
-// The near end of the light's frustum in the published ZP+, such that the caster has nothing before it: the caster's
-// distance from the light over that of the near rectangle's farthest point; or the caster's height.
+// The near end of the light's frustum in ZP+ as published. Nothing of the caster lies before it. For a point light it
+// is the caster's distance from the light over that of the near rectangle's farthest point. For a light at infinity it
+// is the caster's height.
 fn frustum_near(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   if (light.light.w > 0.0) {
     let place = light.light.xyz / light.light.w;
     let farthest = length_of(max(abs(view.near_min - place), abs(view.near_max - place)));
-    // Below 1 for casters beyond the near rectangle, of which nothing is in the frustum. Above 0 for lights in the box,
-    // which the paper leaves out: from 0 on, nothing would be clipped at the near plane.
+    // It is below 1 for casters beyond the near rectangle, which have nothing in the frustum. It is above 0 for lights
+    // in the box, which the paper does not treat: with 0 or less nothing would be clipped at the near plane.
     return clamp(distance_below(light, low, high) / farthest, 0.001, 0.99);
   }
   var highest = 0.0;
@@ -137,7 +140,7 @@ fn choose_light(index: u32) {
     light.holed = box[6];
     let light_is_inside = light_meets(light, low, high);
     light.excludes = select(0u, 1u, light_is_inside && extraction_statistics[3] != 0u);
-    // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
+    // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(low, high) && !light_is_inside;
     light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && is_outside);
@@ -151,7 +154,7 @@ fn choose_light(index: u32) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
     }
   }
-  // Near caps are seen from a light whose volumes go on, so with ZP+ they do.
+  // Near caps belong to volumes that do not end, so volumes that ZP+ counts do not end.
   let may_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
   if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
     light.end = min(distance_below(light, low, high) / light.range, 1.0);

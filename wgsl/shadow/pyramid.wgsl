@@ -1,15 +1,15 @@
-// The pyramid between a light and the near rectangle, as planes: what lies in it casts onto the near rectangle.
+// The pyramid between a light and the near rectangle, as planes. Faces in it cast onto the near rectangle.
 
-// Relative slack of every test: far above the rounding of what is tested.
+// The relative slack of all tests. It is far above the rounding error of the tests.
 const SLACK: f32 = 4e-6;
 
-// What is outside of a plane by its value there; `size` bounds what the value is the sum of.
+// Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
 fn is_out(value: f32, size: f32) -> bool {
   return value < -SLACK * size;
 }
 
 struct PyramidPlanes {
-  // Left, right, bottom, top; negative outside. And what bounds the terms that each is the sum of.
+  // Left, right, bottom, top; negative outside. Then bounds on the terms whose sums they are.
   value: vec4<f32>,
   size: vec4<f32>,
   // Negative on the far side of the near plane as seen from the light.
@@ -17,7 +17,7 @@ struct PyramidPlanes {
   depth_size: f32,
 }
 
-// Bounds on the terms that a position's clip coordinates are the sums of.
+// Bounds on the terms whose sums are a position's clip coordinates.
 fn clip_size(view: ShadowView, q: vec3<f32>) -> vec4<f32> {
   return abs(view.view_projection[0]) * q.x + abs(view.view_projection[1]) * q.y + abs(view.view_projection[2]) * q.z +
     abs(view.view_projection[3]);

@@ -1,12 +1,13 @@
-// What the stages of shadow volumes share: structs, clip space, and the three forms that a vertex V of a volume takes:
-// V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
+// What the stages of shadow volumes share: structs, clip space, and the three forms of a vertex V of a volume. These
+// are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
 // volumes".
 
 // The caller's camera.
 struct ShadowView {
   // Columns of the matrix from positions less `origin` to clip space.
   view_projection: array<vec4<f32>, 4>,
-  // Height over the near plane: this times (position - origin, 1). Positive in front of the camera.
+  // The near plane. Its product with (position - origin, 1) is the height over the plane, positive in front of the
+  // camera.
   near_plane: vec4<f32>,
   origin: vec3<f32>,
   // Clip w of points on the near plane.
@@ -26,54 +27,54 @@ struct ShadowLight {
   // The same in clip space, and its height over the near plane.
   clip: vec4<f32>,
   height: f32,
-  // Casters beyond are skipped; 0: none are.
+  // The range. Casters farther away are skipped. 0: no limit.
   range: f32,
-  // Which faces cast, and how is counted.
+  // The faces that cast, and the counting method.
   casting: u32,
   counting: u32,
-  // Where the published ZP+ puts the near end of the light's frustum: its distance over the far end's for a point light,
-  // its height over the near plane for a light at infinity.
+  // The near end of the light's frustum, for ZP+ as published. For a point light it is the distance of the near end
+  // over that of the far end. For a light at infinity it is the height over the near plane.
   frustum_near: f32,
-  // Where the volume ends: the caster's distance over the range, so that every far vertex, (position - light) / end from
-  // the light, is out of range. 0: at infinity.
+  // The end of the volume: the caster's distance over the range. Every far vertex, (position - light) / end from the
+  // light, is then out of range. 0: at infinity.
   end: f32,
-  // 1: the caster has faces that are not finite, and so sides of holes.
+  // 1: the caster has faces that are not finite, and so it has sides of holes.
   holed: u32,
   // 1: the light may lie in faces of the caster, which are excluded then.
   excludes: u32,
-  // Rows x, y and w of that frustum's matrix, from (position - origin, 1).
+  // Rows x, y and w of the matrix of that frustum. It maps (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
   frustum_w: vec4<f32>,
 }
 
-// What the caster is and what the caller wants.
+// The caster, and the caller's options.
 struct ShadowShape {
   lights: u32,
   faces: u32,
   edges: u32,
-  // Entries that each list of silhouettes and each list of cap faces has room for.
+  // Entries that each list of silhouettes has room for, and each list of cap faces.
   capacity: u32,
   cap_capacity: u32,
   // 1: closed and consistently oriented, and the caller does not ask for every face.
   averted: u32,
   // One of the constants below.
   counting: u32,
-  // 1: casters whose shadow the camera cannot see are skipped.
+  // 1: skip the caster where the camera cannot see its shadow.
   skip_unseen: u32,
-  // First word of vertex 0 in the bound positions, and words from a vertex to the next.
+  // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
   // Workgroups of the caps stage.
   cap_groups: u32,
-  // 1: volumes end where their light's range does.
+  // 1: volumes end at the range of their light.
   end_at_range: u32,
 }
 
-// The light or the batch of lights at hand.
+// The light, or the batch of lights, of a draw or dispatch.
 struct ShadowDraw {
   light: u32,
-  // The first light of its word.
+  // The first light of its batch.
   first_light: u32,
   reserved_0: u32,
   reserved_1: u32,
@@ -91,14 +92,14 @@ const COUNT_AUTO: u32 = 3u;
 // ZP+ as published.
 const COUNT_ZP_PLUS_2005: u32 = 4u;
 
-// A position in clip space. A caller's depth pass that computes it so gets the same bits.
+// A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
   let q = position - view.origin;
   return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
     view.view_projection[3];
 }
 
-// From the light through a position, times the light's w.
+// The vector from the light to a position, times the light's w.
 fn extrusion(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   return light.light.w * position - light.light.xyz;
 }
@@ -109,35 +110,37 @@ fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
     view.view_projection[2] * direction.z;
 }
 
-// A position's far vertex: at infinity, or where the volume ends.
+// The far vertex of a position: at infinity, or where the volume ends.
 fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   return direction_to_clip(view, extrusion(light, position)) + light.end * light.clip;
 }
 
-// Clip w is the same everywhere.
+// Whether the camera is orthographic: clip w is the same everywhere.
 fn is_orthographic(view: ShadowView) -> bool {
   return view.view_projection[0].w == 0.0 && view.view_projection[1].w == 0.0 && view.view_projection[2].w == 0.0;
 }
 
 // A vertex of a volume.
 struct Corner {
-  // In clip space, and its height over the near plane.
+  // The vertex in clip space, and its height over the near plane.
   near: vec4<f32>,
   height: f32,
-  // Its far vertex, and how that rises over the near plane.
+  // The far vertex, and its height over the near plane.
   far: vec4<f32>,
   far_height: f32,
-  // The light is farther from it than the origin: `project_to_near_plane` takes V as it is, else V - L.
+  // Whether the light is farther from the vertex than the origin of positions is. `project_to_near_plane` then computes
+  // with V, else with V - L.
   is_far: bool,
 }
 
-// Largest of three absolute values.
+// The largest of three absolute values.
 fn size_3(a: vec3<f32>) -> f32 {
   return max(max(abs(a.x), abs(a.y)), abs(a.z));
 }
 
-// The rise is the light's w times the height, less the light's height: so what is above the near plane rises if the
-// light is below, and what is below does not if the light is not. Rounding must not say otherwise.
+// The height of a far vertex is the light's w times the height, less the light's height. So a vertex above the near
+// plane rises if the light is below it, and a vertex below does not rise if the light is not below. This keeps both
+// true despite rounding.
 fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
   let below = light.height < 0.0;
   return select(
@@ -157,23 +160,23 @@ fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
   );
 }
 
-// Decided on the bits: WGSL lets an implementation assume that floats are finite.
+// The test is on the bits, because WGSL allows an implementation to assume that floats are finite.
 fn is_finite(position: vec3<f32>) -> bool {
   let exponent = bitcast<vec3<u32>>(position) & vec3<u32>(0x7f800000u);
   return all(exponent != vec3<u32>(0x7f800000u));
 }
 
-// Spelled out, so that it is the same everywhere.
+// Written out, so that all devices compute the same.
 fn dot_3(a: vec3<f32>, b: vec3<f32>) -> f32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// Where the light stands: -1 before the near plane, on the eye's side, else 1.
+// The light's side of the near plane: -1 in front of the plane, on the eye's side, else 1.
 fn light_side(light: ShadowLight) -> f32 {
   return select(1.0, -1.0, light.height < 0.0);
 }
 
-// The vertex seen from the light on the near plane.
+// The vertex, projected from the light onto the near plane.
 fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec4<f32> {
   let s = light_side(light);
   var xy = v.far.xy * light.height - light.clip.xy * v.far_height;
@@ -185,13 +188,13 @@ fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec
   return vec4<f32>(s * xy, -s * w * view.near_z, -s * w);
 }
 
-// Where an edge meets the near plane; `a` is the vertex of the lower index.
+// The intersection of an edge with the near plane. `a` is the vertex of lower index.
 fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   let t = a.height / (a.height - b.height);
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
 }
 
-// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
+// The point of an edge whose far direction is parallel to the near plane. `a` is the vertex of lower index.
 fn parallel_to_near_plane(a: Corner, b: Corner) -> vec4<f32> {
   let t = a.far_height / (a.far_height - b.far_height);
   return vec4<f32>(a.far.xy + (b.far.xy - a.far.xy) * t, 0.0, 0.0);

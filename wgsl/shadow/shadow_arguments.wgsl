@@ -1,5 +1,6 @@
-// Shadow arguments: for each light the indirect draws of its volume. A light whose caps found no face is counted by
-// plain z-pass. Lists that overflowed are drawn over all edges or faces, and the vertex shader rejects what is none.
+// Shadow arguments: computes the indirect draws of each light's volume. If the caps stage found no face for a light,
+// plain z-pass counts it. The draws of lists that overflowed go over all edges or faces. The vertex shader then rejects
+// those that do not belong.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> silhouette_counts: array<u32>;
@@ -19,7 +20,7 @@ fn cap_instances(count: u32) -> u32 {
 fn write_arguments(index: u32) {
   let light = shadow_lights[index];
   var sides = select(silhouette_counts[index], shape.edges, silhouette_counts[index] > shape.capacity);
-  // Weight 2: drawn twice.
+  // A side of weight 2 is drawn twice.
   sides *= select(1u, 2u, light.casting == CAST_EVERY);
   // Sides of holes and of excluded faces count where every face casts, as it does then. Three edges a face.
   let excluded = cap_counts[LISTS * index + EXCLUDED];

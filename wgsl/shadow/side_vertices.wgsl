@@ -1,4 +1,5 @@
-// The vertices of a side, the quad from an edge away from the light, as it is and clipped at the near plane.
+// Computes the vertices of a side, as it is and clipped at the near plane. A side is the quad from an edge away from
+// the light.
 
 // A light so near to an edge is on it, by the size of the coordinates.
 const ON_EDGE: f32 = 0x1p-22;
@@ -28,7 +29,7 @@ fn spans_side(light: ShadowLight, first: vec3<f32>, second: vec3<f32>) -> bool {
   return largest_of(across) > ON_EDGE * (size / a_size + size / b_size) || dot_3(p, q) > 0.0;
 }
 
-// Strip of four: first and second, then their far vertices.
+// A strip of four vertices: the first and the second, then their far vertices.
 fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
   let position = select(first, second, (vertex & 1u) != 0u);
   if (vertex < 2u) {
@@ -37,12 +38,12 @@ fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: 
   return far_end(view, light, position);
 }
 
-// Depth that rounding may have put before the near plane.
+// Corrects a depth that rounding may have put in front of the near plane.
 fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
   return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }
 
-// Strip of five; `is_ordered`: the first end has the lower vertex index.
+// A strip of five vertices. `is_ordered`: the first end has the lower vertex index.
 fn clipped_side_vertex(
   light: ShadowLight,
   first: vec3<f32>,

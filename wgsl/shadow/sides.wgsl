@@ -1,6 +1,6 @@
-// Sides: the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves clipping
-// to the hardware; `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal bits;
-// `zp_plus_2005_side` is what was published in 2005.
+// Sides: draws the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves
+// clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal
+// bits. `zp_plus_2005_side` is the side as published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
@@ -11,7 +11,7 @@ struct SideVertex {
   @invariant @builtin(position) clip: vec4<f32>,
 }
 
-// The ends of a side's edge: the quad (first, second, second far, first far) is counter-clockwise from outside.
+// The ends of a side's edge. The quad (first, second, second far, first far) is counter-clockwise from outside.
 struct SideEdge {
   valid: bool,
   first: u32,
@@ -19,7 +19,7 @@ struct SideEdge {
 }
 
 fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
-  // Weight 2: every edge twice, but for boundaries.
+  // Weight 2: every edge is drawn twice, except boundaries.
   let doubled = light.casting == CAST_EVERY;
   let edge = rimline_silhouette(draw.light - draw.first_light, select(instance, instance >> 1u, doubled));
   let again = doubled && (instance & 1u) != 0u && edge.kind == 2u;
@@ -49,9 +49,9 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   return SideVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, vertex));
 }
 
-// Three quads an edge: the side with clipped vertices moved to their counterparts in the near cap, and two that fill what
-// this leaves open where the near plane cuts one finite edge of the side. In the paper's words: vertices float or are
-// nailed, and the corrective quads are those of its cases C1 and C2.
+// Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads
+// that fill the gaps where the near plane cuts one finite edge of the side. In the paper's terms vertices are floating
+// or nailed, and the corrective quads are those of its cases C1 and C2.
 @vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
   let light = shadow_lights[draw.light];
   let edge = side_edge(light, instance / 3u);
@@ -83,5 +83,5 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
   return SideVertex(clip);
 }
 
-// For passes with colour attachments, which stay as they are.
+// For passes with colour attachments, which are not changed.
 @fragment fn nothing() {}

@@ -1,10 +1,10 @@
-// Stencil bound: for each light what no count of this caster's volumes exceeds, so that a caller learns where 8 bits might
-// not do. Half planes of a pencil whose axis goes through the light and misses the caster begin and end outside of every
-// volume; what they meet in between goes up and down by the weights of the sides that they cross, so half the sum of those
-// is the most that it comes to. The pencil is cut into bins. A workgroup takes a light of the word.
+// Stencil bound: computes for each light an upper bound of this caster's stencil counts, so that a caller learns where
+// 8 bits may not suffice. Take a pencil of half planes whose axis goes through the light and misses the caster. A half
+// plane begins and ends outside every volume. In between its count changes by the weights of the sides that it crosses,
+// so it never exceeds half their sum. The pencil is cut into bins. A workgroup takes one light of the batch.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this word.
+// The first light of this batch.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
 @group(0) @binding(2) var<storage, read> box: array<u32, 7>;
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
@@ -17,7 +17,7 @@
 
 const BINS: u32 = 256u;
 
-// Weights that begin in a bin, and those that ended in the one before.
+// The weights that begin in a bin, and those that ended in the bin before.
 var<workgroup> begun: array<atomic<u32>, 256>;
 var<workgroup> ended: array<atomic<u32>, 257>;
 
@@ -29,17 +29,17 @@ fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
   return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
 }
 
-// Which half plane of the pencil a position is in.
+// The pencil, which says in which half plane a position is.
 struct Pencil {
-  // From the light to the nearest point of the box, and at right angles to that and the axis.
+  // The direction from the light to the nearest point of the box, and one at right angles to it and to the axis.
   forward: vec3<f32>,
   aside: vec3<f32>,
-  // The light's place, if it has one.
+  // The position of the light, if it is not at infinity.
   place: vec3<f32>,
   is_point: bool,
 }
 
-// All but the light's place are multiples of what they ought to be.
+// All values except the light's position are scaled.
 fn pencil(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> Pencil {
   let is_point = light.light.w > 0.0;
   var place = vec3<f32>(0.0);
@@ -55,7 +55,7 @@ fn pencil(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> Pencil {
     return Pencil(vec3<f32>(0.0), vec3<f32>(0.0), place, is_point);
   }
   forward = forward / size;
-  // With the axis of the coordinates that is farthest from it.
+  // The axis of the coordinates that is farthest from `forward`.
   let a = abs(forward);
   var aside = vec3<f32>(0.0, forward.z, -forward.y);
   if (a.y <= a.x && a.y <= a.z) {
@@ -78,7 +78,7 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let by = pencil(light, low, high);
-  // Sides of holes are in no list.
+  // No list has the sides of holes.
   let has_pencil = any(by.forward != vec3<f32>(0.0)) && light.holed == 0u;
   var first = half_plane(by, low);
   var last = first;
@@ -88,7 +88,7 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     last = max(last, at);
   }
   let count = silhouette_counts[number];
-  // A list that overflowed does not say which edges are silhouettes: every edge then counts.
+  // A list that overflowed does not say which edges are silhouettes, so every edge counts.
   let overflowed = count > shape.capacity;
   var edges = select(count, shape.edges, overflowed);
   if (light.casting == CAST_NOTHING || !has_pencil) {

@@ -1,7 +1,7 @@
-// ZP+ as published (Hornus et al. 2005), for comparison: the light's frustum, whose far rectangle is the near rectangle,
-// and what the near plane clips.
+// ZP+ as published (Hornus et al. 2005), for comparison: the light's frustum, whose far rectangle is the near
+// rectangle, and the vertices that the near plane clips.
 
-// A position by the matrix of the light's frustum: x, y and w.
+// A position transformed by the matrix of the light's frustum: x, y and w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
   let q = position - view.origin;
   return vec3<f32>(
@@ -11,8 +11,9 @@ fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3
   );
 }
 
-// The same with a depth for the hardware to clip by: 1 on the near plane, 0 before any of the caster (section 3.2). A
-// light at infinity has parallel rays and the same w everywhere, so height stands for distance from the light.
+// The same position in clip space, with a depth by which the hardware clips: 1 on the near plane, 0 in front of the
+// caster (section 3.2). A light at infinity has parallel rays and the same w everywhere, so the height replaces the
+// distance from the light.
 fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   let near_w = view.near_w * abs(light.height);
@@ -24,7 +25,7 @@ fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) ->
   return vec4<f32>(p.xy, z, p.z);
 }
 
-// A vertex's counterpart in the near cap.
+// The vertex of the near cap that corresponds to a vertex.
 fn counterpart(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
   let p = in_frustum(view, light, position);
   return vec4<f32>(p.xy, p.z * view.near_z, p.z);

@@ -1,9 +1,9 @@
-// Paper cases: the published ZP+ leaves a caster and a light to z-fail where the near plane cuts both finite edges of one
-// of their sides, its case D. A workgroup takes a light of the word.
+// Cases of ZP+ as published: finds lights for which the near plane cuts both finite edges of a side (the paper's case
+// D). The published method leaves such a caster and light to z-fail. A workgroup takes one light of the batch.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
-// The first light of this word.
+// The first light of this batch.
 @group(0) @binding(2) var<uniform> draw: ShadowDraw;
 @group(0) @binding(3) var<storage, read> positions: array<u32>;
 @group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
@@ -25,7 +25,7 @@ fn zp_plus_2005_cases(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
   let number = draw.first_light + group.x;
   let light = shadow_lights[number];
   let count = silhouette_counts[number];
-  // A list that overflowed does not say which edges are silhouettes: any edge then counts, and z-fail is right, too.
+  // A list that overflowed does not say which edges are silhouettes, so any edge counts. z-fail is right for it, too.
   let overflowed = count > shape.capacity;
   var edges = select(count, shape.edges, overflowed);
   if (light.casting == CAST_NOTHING || light.counting != COUNT_ZP_PLUS_2005) {

@@ -1,4 +1,5 @@
-//! `det[b − a, c − a, l − w·a]` in `f32`, as `wgsl/determinant.wgsl` has it: in the local form, and by the face's plane.
+//! `det[b − a, c − a, l − w·a]` in `f32`, in the local form and in the plane form. The WGSL is
+//! `wgsl/common/determinant.wgsl`.
 
 use crate::layout::LightBatch;
 
@@ -6,7 +7,7 @@ pub(crate) fn difference(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
-/// `u × v`; of `b − a` and `c − a` it is the normal, counter-clockwise outside.
+/// The cross product `u × v`. For `b − a` and `c − a` it is the normal on the counter-clockwise side.
 pub(crate) fn cross_product(u: [f32; 3], v: [f32; 3]) -> [f32; 3] {
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
@@ -27,14 +28,14 @@ fn plane_form(n: [f32; 3], e: f32, [x, y, z, w]: [f32; 4]) -> f32 {
     n[0] * x + n[1] * y + n[2] * z + e * w
 }
 
-/// One bit a light: in front of the face, by the local form.
+/// One bit for each light, set if the light is in front of the face by the local form.
 pub(crate) fn local_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
     let n = normal(a, b, c);
     let lights = word.lights.iter().take(word.count as usize).enumerate();
     lights.fold(0, |mask, (bit, &light)| mask | u32::from(local_form(n, a, light) > 0.0) << bit)
 }
 
-/// The same by the face's plane.
+/// One bit for each light, set if the light is in front of the face by the plane form.
 pub(crate) fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
     let n = normal(a, b, c);
     let e = -(n[0] * a[0] + n[1] * a[1] + n[2] * a[2]);

@@ -1,10 +1,10 @@
-//! The sign of `det[b − a, c − a, l − w·a]` for every finite `f32` whatever; as `wgsl/exact_sign.wgsl`.
+//! The sign of `det[b − a, c − a, l − w·a]` for all finite `f32`. The WGSL is `wgsl/common/exact_sign.wgsl`.
 
-/// Digits of 24 bits; 48 of them hold every sum of products of four finite `f32`.
+/// The number of digits, of 24 bits each. 48 digits hold every sum of products of four finite `f32`.
 const DIGITS: usize = 48;
 const DIGIT: u32 = 0x00ff_ffff;
 
-/// A float as an integer: the value is `mantissa · 2^(exponent − 149)`.
+/// A float as an integer. The value is `mantissa · 2^(exponent − 149)`.
 #[derive(Clone, Copy, Default)]
 struct Integer {
     mantissa: u32,
@@ -27,13 +27,13 @@ impl Integer {
     }
 }
 
-/// One product of four, by place among the operands a, b, c, l (three each), w and 1.
+/// A product of four operands, by their index among a, b, c, l (three each), w and 1.
 type Term = [usize; 4];
 
-/// The determinant is `det(b, c, l) + det(a, b, l) + det(c, a, l) + w·det(a, c, b)`: 24 products of four, where those
-/// without w have a 1. Of each pair the second is subtracted.
+/// The determinant is `det(b, c, l) + det(a, b, l) + det(c, a, l) + w·det(a, c, b)`. These are 24 products of four;
+/// those without w have a factor of 1. The second product of each pair is subtracted.
 const TERMS: [Term; 24] = {
-    // First operands of the determinants' three vectors, and the factor.
+    // The first operands of the three vectors of each determinant, and the factor.
     const DETERMINANTS: [Term; 4] = [[3, 6, 9, 13], [0, 3, 9, 13], [6, 0, 9, 13], [0, 6, 3, 12]];
     let mut terms = [[0; 4]; 24];
     let mut term = 0;
@@ -47,7 +47,7 @@ const TERMS: [Term; 24] = {
     terms
 };
 
-/// 1, 0 or −1. All numbers are finite; the light is `(l, w)`.
+/// Returns 1, 0 or −1. All numbers are finite. The light is `(l, w)`.
 pub(crate) fn exact_sign(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     let mut operands = [Integer::ONE; 14];
     for (operand, value) in operands.iter_mut().zip(a.into_iter().chain(b).chain(c).chain(light)) {
@@ -83,7 +83,7 @@ pub(crate) fn exact_sign(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4])
     }
 }
 
-/// Adds a product at its place, `above` bits over the lowest digit.
+/// Adds a product to the digits, `above` bits over the lowest digit.
 fn add_term(digits: &mut [i32; DIGITS], factors: [Integer; 4], turned: bool, above: u32) {
     let [p, q, r, s] = factors.map(|factor| factor.mantissa);
     let [low, high] = multiply(p, q);

@@ -1,13 +1,14 @@
-//! The sign of `det[b − a, c − a, l − w·a]` in fixed point, for faces and lights whose numbers lie in a window of bits;
-//! as `wgsl/fixed_sign.wgsl`, in wider integers and so for more lights.
+//! The sign of `det[b − a, c − a, l − w·a]` in fixed point, for faces and lights whose numbers lie in a window of bits.
+//! The WGSL is `wgsl/common/fixed_sign.wgsl`. This code uses wider integers and so decides more lights.
 
 use std::array::from_fn;
 
-/// Bits that a face's nine coordinates may span from the lowest bit set to the highest, and those of `l` and `w·a`.
+/// The largest number of bits from the lowest to the highest set bit of a face's nine coordinates, and of `l` and
+/// `w·a`.
 const FACE_BITS: i32 = 46;
 const LIGHT_BITS: i32 = 96;
 
-/// An odd number or zero, times a power of two: `mantissa · 2^(exponent − 149)`.
+/// An odd number or zero, times a power of two. The value is `mantissa · 2^(exponent − 149)`.
 #[derive(Clone, Copy)]
 struct Number {
     mantissa: i64,
@@ -29,13 +30,13 @@ impl Number {
         Self { mantissa: self.mantissa * other.mantissa, exponent: self.exponent + other.exponent - 149 }
     }
 
-    /// As a multiple of 2^(`lowest` − 149), which no number of its window is below.
+    /// The number as a multiple of 2^(`lowest` − 149). No number of its window is below that.
     fn at(self, lowest: i32) -> i128 {
         i128::from(self.mantissa) << (self.exponent - lowest).clamp(0, LIGHT_BITS)
     }
 }
 
-/// The exponent of the lowest bit set and one above the highest; 0 and 0 where all are zero.
+/// The exponent of the lowest set bit, and one more than that of the highest. Both are 0 if all numbers are zero.
 fn window(numbers: &[Number]) -> (i32, i32) {
     let set = numbers.iter().filter(|number| number.mantissa != 0);
     let ends = set.map(|number| {
@@ -45,22 +46,22 @@ fn window(numbers: &[Number]) -> (i32, i32) {
     ends.reduce(|(low, high), (other_low, other_high)| (low.min(other_low), high.max(other_high))).unwrap_or((0, 0))
 }
 
-/// What all lights of a face share.
+/// The values that all lights of a face share.
 pub(crate) struct FixedFace {
     a: [Number; 3],
-    /// `(b − a) × (c − a)`, as multiples of a power of two: below 2⁹⁵.
+    /// `(b − a) × (c − a)` as multiples of a power of two, below 2⁹⁵.
     normal: [i128; 3],
 }
 
 impl FixedFace {
-    /// `None` where the coordinates do not fit the window.
+    /// `None` if the coordinates do not fit the window.
     pub(crate) fn new(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Option<Self> {
         let all: [Number; 9] = from_fn(|at| Number::new([a, b, c][at / 3][at % 3]));
         let (lowest, end) = window(&all);
         if end - lowest > FACE_BITS {
             return None;
         }
-        // So few bits fit an i64, and products of two an i128 by one instruction.
+        // So few bits fit an i64, and one instruction multiplies two i64 to an i128.
         let at = |corner: usize| -> [i64; 3] {
             from_fn(|axis| {
                 let number = all[3 * corner + axis];
@@ -73,7 +74,7 @@ impl FixedFace {
         Some(Self { a: from_fn(|axis| all[axis]), normal: [component(1, 2), component(2, 0), component(0, 1)] })
     }
 
-    /// 1, 0 or −1; `None` where the light's numbers do not fit the window.
+    /// Returns 1, 0 or −1, or `None` if the light's numbers do not fit the window.
     pub(crate) fn sign(&self, [x, y, z, w]: [f32; 4]) -> Option<i32> {
         let (l, w) = ([x, y, z].map(Number::new), Number::new(w));
         let wa = self.a.map(|a| a.times(w));
@@ -102,7 +103,7 @@ fn product(p: i64, q: i64) -> i128 {
     i128::from(p) * i128::from(q)
 }
 
-/// The lower 48 bits, and those above with the sign.
+/// The lower 48 bits, and the bits above them with the sign.
 fn halves(value: i128) -> [i64; 2] {
     [value as i64 & ((1 << 48) - 1), (value >> 48) as i64]
 }

@@ -1,4 +1,4 @@
-//! What the twins share: threads, the determinant, its filter, its exact sign.
+//! The parts that the twins share: threads, the determinant, its filter, its exact sign.
 
 pub(crate) mod determinant;
 pub(crate) mod exact_sign;

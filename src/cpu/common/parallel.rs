@@ -1,44 +1,44 @@
-//! Slices shared out to threads.
+//! Distributes slices over threads.
 
 use std::num::NonZeroUsize;
 
-/// How many threads a twin may use.
+/// The number of threads that a function may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Threads(NonZeroUsize);
 
 impl Threads {
-    /// The calling thread alone.
+    /// Only the calling thread.
     pub const ONE: Self = Self(NonZeroUsize::MIN);
 
-    /// `count` threads, at least one.
+    /// `count` threads, but at least one.
     pub fn new(count: usize) -> Self {
         Self(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
     }
 
-    /// As many as the machine runs at a time.
+    /// As many threads as the machine runs at the same time.
     pub fn all() -> Self {
         std::thread::available_parallelism().map_or(Self::ONE, Self)
     }
 
-    /// How many.
+    /// The number of threads.
     pub fn count(self) -> usize {
         self.0.get()
     }
 
-    /// Cuts `items` into a run a thread and calls `work` on each, at the same time. Returns what the calls returned. For
-    /// work of a nanosecond an item, so runs are long.
+    /// Cuts `items` into one run for each thread and calls `work` on all runs at the same time. Returns the results in
+    /// order. It is meant for work of about a nanosecond for each item, so runs are long.
     pub(crate) fn map<T: Sync, R: Send>(self, items: &[T], work: impl Fn(&[T]) -> R + Sync) -> Vec<R> {
         let mut runs: Vec<&[T]> = items.chunks(items.len().div_ceil(self.count()).max(1 << 18)).collect();
         share_runs(runs.iter_mut(), |run| work(run))
     }
 
-    /// Cuts `items` into runs of at least a few thousand and calls `work(first index, run)` on each, at the same time.
-    /// Returns what the calls returned, in order.
+    /// Cuts `items` into runs of at least a few thousand and calls `work(first index, run)` on all runs at the same
+    /// time. Returns the results in order.
     pub(crate) fn share<T: Send, R: Send>(self, items: &mut [T], work: impl Fn(usize, &mut [T]) -> R + Sync) -> Vec<R> {
         self.share_runs_of(LEAST, items, work)
     }
 
-    /// The same in runs of at least `least` items, at least one.
+    /// Does the same with runs of at least `least` items.
     pub(crate) fn share_runs_of<T: Send, R: Send>(
         self,
         least: usize,
@@ -50,7 +50,7 @@ impl Threads {
     }
 }
 
-/// Calls `work` on each run, the first on the calling thread and each other on one of its own.
+/// Calls `work` on each run: the first on the calling thread, each other one on a thread of its own.
 fn share_runs<T: Send, R: Send>(mut runs: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let Some(first) = runs.next() else { return Vec::new() };
     std::thread::scope(|scope| {
@@ -64,7 +64,7 @@ fn share_runs<T: Send, R: Send>(mut runs: impl Iterator<Item = T>, work: impl Fn
     })
 }
 
-/// Items below which a thread of their own does not pay.
+/// With fewer items a thread of its own is not worth its cost.
 const LEAST: usize = 4096;
 
 impl Default for Threads {

@@ -3,14 +3,15 @@
 use crate::cpu::common::parallel::Threads;
 use crate::model::{Geometry, InstancePose, Model, Pose, PoseMismatch};
 
-/// The caller's displacement: world-space position after morph and skin, source vertex index, time in seconds.
+/// The caller's displacement. Its arguments are the world-space position after morph and skin, the source vertex index,
+/// and the time in seconds. It returns the displaced position in world space.
 pub type Displace<'a> = &'a (dyn Fn([f32; 3], u32, f32) -> [f32; 3] + Sync);
 
-/// World-space positions of all instances, in the vertex order of [`Model::mesh`]. `f32` arithmetic in the order of
-/// `wgsl/deform/deform.wgsl`; see NUMERICS.md, "Deform".
+/// Computes the world-space positions of all instances, in the vertex order of [`Model::mesh`]. `time_s` is for
+/// `displace`, in seconds. The `f32` arithmetic has the order of `wgsl/deform/deform.wgsl`; see NUMERICS.md, "Deform".
 ///
 /// # Errors
-/// [`PoseMismatch`] for a pose of another model.
+/// [`PoseMismatch`] if the pose does not fit the model.
 pub fn deform(
     model: &Model,
     pose: &Pose,
@@ -56,6 +57,6 @@ fn add_scaled(sum: [f32; 3], weight: f32, v: [f32; 3]) -> [f32; 3] {
 }
 
 fn transform(pose: &InstancePose, joint: u32, p: [f32; 3]) -> [f32; 3] {
-    // `Model::check` saw that the palette has every joint.
+    // `Model::check` made sure that the palette has every joint.
     pose.palette()[joint as usize].map(|[x, y, z, w]| x * p[0] + y * p[1] + z * p[2] + w)
 }

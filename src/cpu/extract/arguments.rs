@@ -1,8 +1,8 @@
-//! Arguments: what an indirect draw of a light's list needs.
+//! Arguments: the indirect draw of each light's list.
 
 use crate::layout::{DrawArguments, DrawShape};
 
-/// The draw of each light, from its count of silhouette edges; and how many lists overflowed.
+/// The draw of each light, from its count of silhouette edges, and the number of lists that overflowed.
 pub fn arguments(shape: DrawShape, counts: &[u32]) -> (Vec<DrawArguments>, u32) {
     let draws = counts.iter().map(|&count| DrawArguments {
         vertex_count: shape.vertices_per_edge,

@@ -1,18 +1,18 @@
-//! Faces taken several at a time, so that the compiler can use a CPU's vector registers.
+//! Decides several faces at a time, so that the compiler can use a CPU's vector registers.
 
 use crate::cpu::common::filter;
 use crate::layout::LightBatch;
 
-/// Faces at a time.
+/// The number of faces at a time.
 pub(crate) const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
-/// The `f32` determinants of some faces for a batch of lights, as `wgsl/facing.wgsl` computes them.
+/// The `f32` determinants of some faces for a batch of lights, as `wgsl/extract/facing.wgsl` computes them.
 pub(crate) struct Batch {
-    /// Bits of determinants above zero.
+    /// The bits of the determinants above zero.
     pub(crate) masks: [u32; LANES],
-    /// The smallest absolute determinant; NaN where all are.
+    /// The smallest absolute determinant, or NaN if all are NaN.
     smallest: Lanes,
     normals: [Lanes; 3],
     /// |u|₁ |v|₁.
@@ -20,7 +20,7 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    /// At most [`LANES`] faces; of fewer the rest is the first vertex, thrice.
+    /// Takes at most [`LANES`] faces. Unused places hold the first vertex three times.
     #[inline]
     pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], word: &LightBatch) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -41,7 +41,7 @@ impl Batch {
                 let to_light = [x - w * a[0][lane], y - w * a[1][lane], z - w * a[2][lane]];
                 let d = n[0][lane] * to_light[0] + n[1][lane] * to_light[1] + n[2][lane] * to_light[2];
                 masks[lane] |= u32::from(d > 0.0) << bit;
-                // A NaN stays: all of the face's determinants are then.
+                // A NaN stays. All determinants of the face are NaN then.
                 smallest[lane] = if smallest[lane] < d.abs() { smallest[lane] } else { d.abs() };
             }
         }
@@ -53,8 +53,8 @@ impl Batch {
         Self { masks, smallest, normals: n, sizes }
     }
 
-    /// Which faces' bits one bound makes certain. Where WGSL takes a face's own largest coordinate, this takes the
-    /// mesh's, `largest`: what is certain may differ, the bits cannot.
+    /// Which faces one bound makes certain. The WGSL uses the largest coordinate of the face. This uses that of the
+    /// mesh, `largest`. So other faces may be certain, but the bits are the same.
     #[inline]
     pub(crate) fn certain(&self, largest: f32, word: &LightBatch) -> [bool; LANES] {
         let is_possible = largest < filter::LARGE;
@@ -62,8 +62,8 @@ impl Batch {
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
     }
 
-    /// Which faces have finite normals. A non-finite coordinate makes two components of the normal non-finite, so this
-    /// one test stands for nine. Finite ones may overflow it, too.
+    /// Which faces have finite normals. A coordinate that is not finite makes two components of the normal not finite,
+    /// so this one test replaces nine. It also fails for finite coordinates whose normal overflows.
     #[inline]
     pub(crate) fn finite(&self) -> [bool; LANES] {
         let [x, y, z] = &self.normals;

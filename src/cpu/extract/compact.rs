@@ -1,20 +1,21 @@
-//! Compact: lists of silhouette edges a light, in the order of the edges.
+//! Compact: lists of silhouette edges for each light, in edge order.
 
 use crate::layout::Masks;
 
-/// Set in a list entry where the edge's winding bit is set.
+/// The bit of a list entry that is set if the edge's winding bit is set.
 pub const WINDING: u32 = 1 << 31;
 
-/// A light's list.
+/// The list of a light.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CompactedList {
-    /// Edge indices with the winding bit at bit 31, in the order of the edges, at most the capacity.
+    /// Edge indices in edge order, with the winding bit as bit 31. There are at most as many as the capacity.
     pub entries: Vec<u32>,
-    /// Silhouette edges there are, in the list or not.
+    /// The number of silhouette edges, including those that the list has no room for.
     pub count: u32,
 }
 
-/// The list of one light (its bit in `plane`, 0 to 31) over one plane of masks, at most `capacity` entries.
+/// The list of one light over one plane of masks. `bit` is its bit in the plane, 0 to 31. The list has at most
+/// `capacity` entries.
 pub fn compact(plane: &[Masks], bit: u32, capacity: usize) -> CompactedList {
     let mut silhouettes = (0_u32..)
         .zip(plane)

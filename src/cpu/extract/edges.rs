@@ -5,8 +5,8 @@ use crate::layout::{Masks, live_bits};
 use crate::light;
 use crate::mesh::{EdgeRecords, INCONSISTENT, NO_FACE};
 
-/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record, from planes of `face_count` facing
-/// masks for `light_count` lights. Missing facing masks count as zeros.
+/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`Masks`] for each edge record. `facing` has planes of
+/// `face_count` facing masks for `light_count` lights. Missing facing masks count as zeros.
 pub fn edges(
     records: &EdgeRecords,
     facing: &[u32],
@@ -19,7 +19,7 @@ pub fn edges(
     masks
 }
 
-/// The same into a vector that may be used again.
+/// As [`edges`], into a vector that is reused.
 pub(crate) fn edges_into(
     masks: &mut Vec<Masks>,
     records: &EdgeRecords,
@@ -32,8 +32,8 @@ pub(crate) fn edges_into(
     fill(masks, records, facing, face_count, light_count, threads, |masks| masks);
 }
 
-/// Silhouette masks alone, into a vector that may be used again, laid out as [`edges`] does. Winding masks are the
-/// facing masks of the records' face 0, so who needs few of them need not have all written.
+/// Only the silhouette masks, into a vector that is reused. Their layout is that of [`edges`]. Winding masks are the
+/// facing masks of face 0 of each record, so a caller that needs few of them can read those.
 pub fn silhouettes_into(
     silhouettes: &mut Vec<u32>,
     records: &EdgeRecords,
@@ -46,7 +46,7 @@ pub fn silhouettes_into(
     fill(silhouettes, records, facing, face_count, light_count, threads, |masks| masks.silhouette);
 }
 
-/// Fills planes with what `keep` takes of each record's masks.
+/// Fills planes with the part of each record's masks that `keep` selects.
 fn fill<T: Send>(
     planes: &mut [T],
     records: &EdgeRecords,
@@ -72,7 +72,7 @@ fn fill<T: Send>(
     }
 }
 
-/// A facing mask; zeros where it is missing.
+/// A facing mask, or zeros if it is missing.
 fn mask(facing: &[u32], face: u32) -> u32 {
     facing.get(face as usize).copied().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Exact facing: what the filter leaves is settled in integers, in fixed point where the numbers fit.
+//! Exact facing: decides in integers what the filter leaves undecided, and in fixed point where the numbers fit.
 
 use super::facing::{is_finite, position};
 use crate::cpu::common::exact_sign::exact_sign;
@@ -6,7 +6,7 @@ use crate::cpu::common::fixed_sign::FixedFace;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 
-/// The sign of `det[b − a, c − a, l − w·a]`, exactly: 1, 0 or −1. All numbers are finite; the light is `(l, w)`.
+/// The exact sign of `det[b − a, c − a, l − w·a]`: 1, 0 or −1. All numbers are finite. The light is `(l, w)`.
 pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i32 {
     ExactFace::new(a, b, c).sign(light)
 }
@@ -37,7 +37,7 @@ impl ExactFace {
         Self { corners: [a, b, c], fixed: FixedFace::new(a, b, c) }
     }
 
-    /// 1, 0 or −1.
+    /// Returns 1, 0 or −1.
     pub(crate) fn sign(&self, light: [f32; 4]) -> i32 {
         let [a, b, c] = self.corners;
         let fixed = self.fixed.as_ref().and_then(|face| face.sign(light));

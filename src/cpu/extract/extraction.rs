@@ -1,4 +1,4 @@
-//! All stages on the CPU.
+//! The whole extraction on the CPU.
 
 use super::edges::edges_into;
 use super::facing::FacingCounts;
@@ -13,22 +13,25 @@ use crate::method::Method;
 use crate::method::Predicate;
 use crate::{Light, Mesh};
 
-/// What an extraction on the CPU finds, laid out as on the GPU: ⌈N/32⌉ planes, item after item.
+/// The result of an extraction on the CPU. Masks have the layout of the GPU: ⌈N/32⌉ planes, each with all items in
+/// order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CpuExtraction {
-    /// One facing mask a face; empty for the per-edge method.
+    /// One facing mask for each face. Empty for the per-edge method.
     pub facing: Vec<u32>,
-    /// Silhouette and winding masks an edge record.
+    /// Silhouette and winding masks for each edge record.
     pub masks: Vec<Masks>,
-    /// What facing counted.
+    /// The statistics of facing.
     pub counts: FacingCounts,
 }
 
 impl CpuExtraction {
-    /// Facing, silhouette and winding bits of `mesh` at `positions`. Memory of an earlier call is used again.
+    /// Computes facing, silhouette and winding bits of `mesh` at `positions`. Lights are in the space of the positions.
+    /// The memory of an earlier call is reused. No lights are allowed.
     ///
     /// # Errors
-    /// [`LightError`] for no lights, more than [`MAX_LIGHTS`], or one that is non-finite or all zeros.
+    /// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros or has an
+    /// impossible range.
     pub fn update(
         &mut self,
         positions: &[[f32; 3]],
@@ -44,10 +47,10 @@ impl CpuExtraction {
         Ok(())
     }
 
-    /// [`Self::update`] by any method.
+    /// As [`Self::update`], by any method.
     ///
     /// # Errors
-    /// The same.
+    /// As [`Self::update`].
     #[cfg(feature = "reference")]
     pub fn update_by(
         &mut self,
@@ -69,10 +72,11 @@ impl CpuExtraction {
     }
 }
 
-/// [`CpuExtraction::update`] from nothing.
+/// Computes facing, silhouette and winding bits of `mesh` at `positions`. [`CpuExtraction::update`] does the same and
+/// reuses memory.
 ///
 /// # Errors
-/// The same.
+/// As [`CpuExtraction::update`].
 pub fn extract(
     positions: &[[f32; 3]],
     mesh: &Mesh,
@@ -85,10 +89,10 @@ pub fn extract(
     Ok(extraction)
 }
 
-/// [`extract`] by any method.
+/// As [`extract`], by any method.
 ///
 /// # Errors
-/// The same.
+/// As [`extract`].
 #[cfg(feature = "reference")]
 pub fn extract_by(
     positions: &[[f32; 3]],

@@ -1,4 +1,4 @@
-//! Facing: for each face one bit a light, set where the light lies strictly on the face's counter-clockwise side.
+//! Facing: one bit for each face and light, set if the light lies strictly on the face's counter-clockwise side.
 
 use super::batch::{Batch, LANES};
 use super::exact_facing::ExactFace;
@@ -10,14 +10,14 @@ use crate::light::Light;
 use crate::mesh::is_degenerate;
 use crate::method::Predicate;
 
-/// What facing counts besides its masks.
+/// Statistics of facing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FacingCounts {
-    /// Faces with an infinite or NaN vertex, or one that is not there: they face no light.
+    /// Faces with a vertex that is infinite, NaN or missing. They face no light.
     pub non_finite_faces: u32,
     /// Pairs of face and light that the filter left to exact arithmetic.
     pub undecided_pairs: u32,
-    /// Those of them whose determinant is exactly zero.
+    /// The undecided pairs whose determinant is exactly zero.
     pub exact_zeros: u32,
 }
 
@@ -31,9 +31,9 @@ impl FacingCounts {
     }
 }
 
-/// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes of one `u32` a face. Vertices that `positions` lacks count as
-/// non-finite. The lights are finite, as [`crate::light::check_lights`] holds. Arithmetic as in `wgsl/facing.wgsl` and
-/// `wgsl/exact_facing.wgsl`; see NUMERICS.md, "Facing" and "Filter".
+/// Facing masks of `faces` for `lights`: ⌈N/32⌉ planes with one `u32` for each face. A vertex that `positions` lacks
+/// counts as non-finite. The lights must be finite; [`crate::light::check_lights`] checks this. The arithmetic is that
+/// of `wgsl/extract/facing.wgsl` and `wgsl/extract/exact_facing.wgsl`. See NUMERICS.md, "Facing" and "Filter".
 pub fn facing(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -46,7 +46,7 @@ pub fn facing(
     masks
 }
 
-/// The same into a vector that may be used again, its length adapted. Returns what was counted on the way.
+/// As [`facing`], into a vector that is reused and whose length is adapted. Returns the statistics.
 pub fn facing_into(
     masks: &mut Vec<u32>,
     positions: &[[f32; 3]],
@@ -72,13 +72,13 @@ pub fn facing_into(
             }
         });
         let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
-        // Every word sees the same faces.
+        // Every batch sees the same faces.
         total = FacingCounts { non_finite_faces: 0, ..total }.plus(counts);
     }
     total
 }
 
-/// The faces that one thread decides.
+/// A run of faces that one thread decides.
 struct Run<'a> {
     positions: &'a [[f32; 3]],
     faces: &'a [[u32; 3]],
@@ -135,7 +135,7 @@ impl Run<'_> {
         counts
     }
 
-    /// For comparison alone, so as plain as can be.
+    /// This is for comparison only, so it is as plain as possible.
     fn fill_by_plane(&self, masks: &mut [u32]) -> FacingCounts {
         let mut counts = FacingCounts::default();
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
@@ -145,13 +145,14 @@ impl Run<'_> {
         counts
     }
 
-    /// One light is common, and gathering faces for it costs more than deciding them.
+    /// One light is common. Gathering faces for it costs more than deciding them at once.
     fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
         let mut counts = FacingCounts::default();
         let light = self.word.lights[0];
         let (relative, least) = filter::face_bound(self.largest, self.word.reach);
-        // |v|₁ is no longer than six times the largest coordinate, and |u|₁ than its longest in a batch. So loose a bound
-        // leaves a few faces in a thousand to be decided again, and saves the others most of its cost.
+        // |v|₁ is at most six times the largest coordinate, and |u|₁ at most its largest value in a batch. So loose a
+        // bound leaves a few faces in a thousand to be decided again, and saves most of the bound's cost for the
+        // others.
         let relative = relative * (6.0 * self.largest);
         let relative = if self.largest < filter::LARGE { relative } else { f32::INFINITY };
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
@@ -182,12 +183,12 @@ impl Run<'_> {
     }
 }
 
-/// All three coordinates are finite.
+/// Whether all three coordinates are finite.
 pub fn is_finite(position: [f32; 3]) -> bool {
     position.iter().all(|c| c.is_finite())
 }
 
-/// The largest absolute coordinate, infinite where one is; NaNs are passed over.
+/// The largest absolute coordinate, or infinity if a coordinate is infinite. NaNs are ignored.
 fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     let larger = |a: f32, b: f32| if b > a { b } else { a };
     let runs = threads.map(positions, |positions| {
@@ -205,12 +206,12 @@ fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     runs.into_iter().fold(0.0, larger)
 }
 
-/// A vertex's position, NaN where there is none.
+/// The position of a vertex, or NaN if there is none.
 pub(crate) fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
     positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
 }
 
-/// A face and its corners' positions.
+/// A face and the positions of its corners.
 #[derive(Clone, Copy)]
 struct Face {
     corners: [u32; 3],
@@ -225,12 +226,13 @@ impl Face {
         Self { corners, a, b, c }
     }
 
-    /// The bits as `f32` gives them.
+    /// The bits that `f32` gives.
     fn mask_by_f32(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
         if self.may_face(counts) { local_mask(self.a, self.b, self.c, word) } else { 0 }
     }
 
-    /// Whether the face can face any light: its vertices are finite, which is counted, and differ.
+    /// Whether the face can face a light: its vertices are finite and different. Counts faces with vertices that are
+    /// not finite.
     fn may_face(&self, counts: &mut FacingCounts) -> bool {
         if ![self.a, self.b, self.c].into_iter().all(is_finite) {
             counts.non_finite_faces += 1;
@@ -239,7 +241,7 @@ impl Face {
         !is_degenerate(self.corners)
     }
 
-    /// The bits of a face that one bound leaves uncertain, as `wgsl/exact_facing.wgsl` finds them.
+    /// The bits of a face that one bound leaves uncertain, as `wgsl/extract/exact_facing.wgsl` computes them.
     #[cold]
     fn decide(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
         if !self.may_face(counts) {
@@ -259,7 +261,7 @@ impl Face {
         facing
     }
 
-    /// By `f32` where the light's own bound allows it.
+    /// Decides lights by `f32` if the bound of the light allows it.
     fn filter_lights(&self, word: &LightBatch) -> Decision {
         let Self { a, b, c, .. } = *self;
         let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
@@ -288,7 +290,7 @@ impl Face {
     }
 }
 
-/// Bits of facing lights and of those undecided.
+/// The bits of facing lights and those of undecided lights.
 struct Decision {
     facing: u32,
     doubt: u32,

@@ -1,4 +1,4 @@
-//! Twins of the extraction: facing, exact facing, edges, lists, draw arguments.
+//! Twins of the extraction stages: facing, exact facing, edges, lists, draw arguments.
 
 #[cfg(feature = "reference")]
 pub(crate) mod arguments;

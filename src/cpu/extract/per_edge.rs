@@ -1,5 +1,5 @@
-//! Per edge: the method as published in 2003. Both faces are tested at each edge anew, so bits of the same face may
-//! differ from edge to edge.
+//! Per edge: the method as published in 2003. It tests both faces again at each edge, so the bits of a face may differ
+//! from edge to edge.
 
 use crate::mesh::{INCONSISTENT, Mesh, NO_FACE};
 #[cfg(feature = "reference")]
@@ -12,8 +12,8 @@ use crate::{
     method::{Method, Predicate},
 };
 
-/// Silhouette and winding masks: ⌈N/32⌉ planes of one [`Masks`] an edge record. `predicate` is taken as
-/// [`Method::predicate`] says. Vertices that `positions` lacks count as NaN.
+/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`Masks`] for each edge record. [`Method::predicate`] says
+/// which predicate replaces `predicate`. Vertices that `positions` lacks count as NaN.
 #[cfg(feature = "reference")]
 pub fn per_edge(
     positions: &[[f32; 3]],
@@ -36,8 +36,8 @@ pub fn per_edge(
     masks
 }
 
-/// The four vertices of each edge record as the 2003 method wants them, `(a, b, c, d)`: face 0 is `(a, b, c)`; face 1
-/// is `(b, a, d)`, or `(a, b, d)` where bit 31 of `a` is set; where there is no face 1, `d` is [`NO_FACE`].
+/// The four vertices `(a, b, c, d)` of each edge record, as the 2003 method needs them. Face 0 is `(a, b, c)`. Face 1
+/// is `(b, a, d)`, or `(a, b, d)` if bit 31 of `a` is set. If there is no face 1, `d` is [`NO_FACE`].
 pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
     let opposite = |face: u32, [a, b]: [u32; 2]| {
         let corners = mesh.faces().get(face as usize).into_iter().flatten();

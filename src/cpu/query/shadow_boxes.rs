@@ -5,11 +5,11 @@ use crate::cpu::extract::facing::{is_finite, position};
 use crate::layout::FaceCluster;
 use crate::mesh::is_degenerate;
 
-/// Faces of a cluster, and clusters of a group.
+/// The number of faces in a cluster, and of clusters in a group.
 pub(crate) const CLUSTER: usize = 32;
 
-/// Faces in the order given, 32 a cluster, and the boxes around those that count: finite, and naming three vertices.
-/// Vertices that `positions` lacks count as non-finite.
+/// The faces in the order given, 32 in each cluster, with the boxes around the faces that count. A face counts if it is
+/// finite and names three different vertices. A vertex that `positions` lacks counts as non-finite.
 pub fn shadow_boxes(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads) -> Vec<FaceCluster> {
     let mut clusters: Vec<_> = faces.chunks(CLUSTER).map(clustered).collect();
     threads.share_runs_of(CLUSTER, &mut clusters, |first, clusters| {
@@ -28,7 +28,7 @@ pub fn shadow_boxes(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads
     clusters
 }
 
-/// A cluster whose boxes are yet to be found.
+/// A cluster without its boxes.
 pub(crate) fn clustered(faces: &[[u32; 3]]) -> FaceCluster {
     let mut cluster: FaceCluster = bytemuck::Zeroable::zeroed();
     for (corner, &vertex) in cluster.corners.iter_mut().zip(faces.as_flattened()) {
@@ -37,12 +37,12 @@ pub(crate) fn clustered(faces: &[[u32; 3]]) -> FaceCluster {
     cluster
 }
 
-/// A box by numbers whose order as integers is that of the floats, so that no device can flush or round.
+/// A box of integers that have the same order as the floats. No device can flush or round them.
 #[derive(Clone, Copy)]
 struct Keys {
     low: [u32; 3],
     high: [u32; 3],
-    /// Bits of the largest absolute coordinate.
+    /// The bits of the largest absolute coordinate.
     largest: u32,
     any: bool,
 }

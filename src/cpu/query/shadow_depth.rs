@@ -1,4 +1,4 @@
-//! Shadow depth: how many faces lie strictly between each point and each light.
+//! Shadow depth: the number of faces strictly between each point and each light.
 
 use super::exact_shadow_depth::exactly_between;
 use super::shadow_boxes::{CLUSTER, shadow_boxes};
@@ -9,15 +9,19 @@ use crate::layout::FaceCluster;
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::is_degenerate;
 
-/// Depths of `points` for `lights`, point after point, a number a light: the faces strictly between them, each counted
-/// once, whatever its orientation; −1 for a point that is infinite or NaN. Faces with such a vertex, or one that
-/// `positions` lacks, and those that name a vertex twice count nowhere. Faces that contain the point or the light do not
-/// lie between; other ties are broken as if the light were moved by `(ε, ε², ε³)`. NUMERICS.md, "Shadow depth".
+/// The depths of `points` for `lights`: the number of faces strictly between point and light. Each face counts once,
+/// whatever its orientation. All inputs are in one space. Points follow each other in the result, with one number for
+/// each light. A point that is infinite or NaN has −1.
 ///
-/// The same integers as the GPU's, from `f64` where a bound allows it and integers where not.
+/// Three kinds of faces do not count: those with an infinite or NaN vertex, those with a vertex that `positions` lacks,
+/// and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
+/// ties are broken as if the light were moved by `(ε, ε², ε³)`; see NUMERICS.md, "Shadow depth".
+///
+/// The GPU gives the same integers. Here `f64` decides where a bound allows it, else integers do.
 ///
 /// # Errors
-/// [`LightError`] for no lights, more than [`MAX_LIGHTS`], one that is non-finite or all zeros or has a negative `w`.
+/// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros, has an impossible range
+/// or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
@@ -28,7 +32,7 @@ pub fn shadow_depth(
     check_shadow_lights(lights, MAX_LIGHTS)?;
     let clusters = shadow_boxes(positions, faces, threads);
     let mut depths = vec![0; points.len() * lights.len()];
-    // Points cost about as much as the mesh has faces, so few of them are worth a thread already.
+    // A point costs about as much as the mesh has faces, so a few points are enough for a thread.
     threads.share_runs_of(16, &mut depths, |first, depths| {
         for (query, depth) in (first..).zip(depths) {
             let (point, light) = (points[query / lights.len()], lights[query % lights.len()]);
@@ -38,7 +42,7 @@ pub fn shadow_depth(
     Ok(depths)
 }
 
-/// From a point to a light: all of the ray where the light is a direction.
+/// The segment from a point to a light, or the whole ray if the light is a direction.
 struct Segment {
     point: [f32; 3],
     light: [f32; 4],
@@ -72,13 +76,13 @@ impl Segment {
         depth
     }
 
-    /// Certainly no face in this box is crossed.
+    /// Whether the segment certainly crosses no face in this box.
     fn misses(&self, low: [u32; 4], high: [u32; 4]) -> bool {
         if high[3] == 0 {
             return true;
         }
         let [low, high] = [low, high].map(corner_of);
-        // Before both ends or beyond both; these signs are exact.
+        // The box is before both ends or beyond both. These signs are exact.
         let ends = |at: f64, axis: usize| [at - self.p[axis], self.w * at - self.l[axis]];
         let is_apart = |axis: usize| {
             ends(high[axis], axis).into_iter().all(|d| d < 0.0) || ends(low[axis], axis).into_iter().all(|d| d > 0.0)
@@ -86,7 +90,7 @@ impl Segment {
         if (0..3).any(is_apart) {
             return true;
         }
-        // Beside the line, seen along an axis.
+        // The box is beside the line, seen along an axis.
         let middle = [0, 1, 2].map(|axis| ((low[axis] - self.p[axis]) + (high[axis] - self.p[axis])) * 0.5);
         let extent = [0, 1, 2].map(|axis| {
             let half = (high[axis] - low[axis]) * 0.5;
@@ -98,14 +102,14 @@ impl Segment {
             .any(|(i, j)| (middle[i] * d[j] - middle[j] * d[i]).abs() > extent[i] * d[j].abs() + extent[j] * d[i].abs())
     }
 
-    /// What bounds the error of a determinant of any edge in the cluster: its box holds them all.
+    /// A bound on the error of a determinant for any edge of the cluster. The box of the cluster holds all its edges.
     fn edge_bound(&self, cluster: &FaceCluster) -> f64 {
         let [low, high] = [cluster.low, cluster.high].map(corner_of);
         let reach = [0, 1, 2].map(|axis| (low[axis] - self.p[axis]).abs().max((high[axis] - self.p[axis]).abs()));
         RELATIVE * sum_of_sizes(difference(high, low)) * sum_of_sizes(reach) * sum_of_sizes(self.towards)
     }
 
-    /// Whether a face lies strictly between; `bound` is its cluster's.
+    /// Whether a face lies strictly between point and light. `bound` is that of its cluster.
     fn crosses(&self, positions: &[[f32; 3]], face: [u32; 3], bound: f64) -> bool {
         let corners = face.map(|vertex| position(positions, vertex));
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
@@ -114,7 +118,7 @@ impl Segment {
         let sides = [edge(a, b, from_a), edge(b, c, from_b), edge(c, a, from_c)];
         let lowest = sides[0].min(sides[1]).min(sides[2]);
         let highest = sides[0].max(sides[1]).max(sides[2]);
-        // Most faces end here. A NaN is of a face that does not count.
+        // Most faces end here. A NaN belongs to a face that does not count.
         if lowest < -bound && highest > bound || !corners.into_iter().all(is_finite) || is_degenerate(face) {
             return false;
         }
@@ -140,13 +144,13 @@ impl Segment {
     }
 }
 
-/// Above 2⁻⁵³ times the roundings of a box test, more than a tenfold.
+/// More than ten times the rounding errors of a box test, relative to its terms.
 const MARGIN: f64 = 1e-14;
-/// Above 8 · 2⁻⁵³, the error of a determinant in `f64` relative to |u|₁ |v|₁ |t|₁, with the bound's own roundings.
+/// More than 8 · 2⁻⁵³: the error of a determinant in `f64` relative to |u|₁ |v|₁ |t|₁, with the bound's own rounding.
 const RELATIVE: f64 = 1e-15;
 
-/// The sign of a determinant that came to `d`, of three vectors that are differences; 0 where it is not certain. In `f64`
-/// products of two `f32` are exact, and nothing over- or underflows.
+/// The sign of a determinant with the computed value `d`, of three vectors that are differences. It is 0 if the sign is
+/// not certain. Products of two `f32` are exact in `f64`, and nothing over- or underflows.
 fn certain_sign(d: f64, vectors: [[f64; 3]; 3]) -> i32 {
     let bound = vectors.into_iter().fold(RELATIVE, |bound, v| bound * sum_of_sizes(v));
     i32::from(d > bound) - i32::from(d < -bound)
@@ -165,7 +169,7 @@ fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {
     [x, y, z]
 }
 
-/// `l − w·a`, each component rounded once.
+/// `l − w·a`, with each component rounded once.
 fn to_light(a: [f64; 3], l: [f64; 3], w: f64) -> [f64; 3] {
     [0, 1, 2].map(|axis| l[axis] - w * a[axis])
 }

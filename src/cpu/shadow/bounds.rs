@@ -1,9 +1,9 @@
-//! Bounds: the box of a caster's finite faces, and whether there are others.
+//! Bounds: the box of a caster's finite faces, and whether it has other faces.
 
 use crate::cpu::extract::facing::is_finite;
 use crate::mesh::is_degenerate;
 
-/// A float's bits, ordered as the floats are.
+/// The bits of a float as an integer with the same order as the floats.
 const fn ordered(bits: u32) -> u32 {
     if bits >= 0x8000_0000 { !bits } else { bits | 0x8000_0000 }
 }
@@ -13,9 +13,9 @@ pub(crate) const fn unordered(bits: u32) -> f32 {
     f32::from_bits(if bits >= 0x8000_0000 { bits & 0x7fff_ffff } else { !bits })
 }
 
-/// The box of the faces whose corners are finite, as ordered bits: lowest x, y, z, then highest. Without such a face the
-/// lowest are above the highest. At last 1 where a face has a corner that is not finite or that is missing, and names no
-/// vertex twice; else 0.
+/// The box of the faces whose corners are all finite, as ordered bits: the lowest x, y, z, then the highest. Without
+/// such a face the lowest are above the highest. The last element is 1 if some face has a missing corner or one that is
+/// not finite, and names no vertex twice; else 0.
 pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
     let mut found = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
     for face in faces {

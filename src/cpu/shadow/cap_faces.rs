@@ -1,4 +1,4 @@
-//! Cap faces: the vertices of light caps, dark caps and near caps, and of the sides of holes.
+//! Cap faces: the vertices of light caps, dark caps, near caps and sides of holes.
 
 use glam::{Vec2, Vec4, Vec4Swizzles};
 
@@ -12,13 +12,14 @@ use crate::cpu::extract::facing::{is_finite, position};
 use crate::layout::{ShadowLight, ShadowView};
 use crate::mesh::is_degenerate;
 
-/// A face at its place, in clip space.
+/// The vertices of a face at its place, in clip space.
 pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
 }
 
-/// A face at the volume's far end, in clip space; `None` where that is out of sight at infinity. An orthographic camera
-/// sees it over all of the picture there, or not at all: NUMERICS.md, "Dark caps of orthographic cameras".
+/// The vertices of a face at the far end of the volume, in clip space. `None` if the face is at infinity and out of
+/// sight there. An orthographic camera sees such a face over the whole picture or not at all; see NUMERICS.md, "Dark
+/// caps of orthographic cameras".
 pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
     if is_orthographic(view) && light.end == 0.0 {
         return all_or_nothing(view, light, face);
@@ -26,8 +27,8 @@ pub fn dark_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Optio
     Some(face.map(|(_, position)| far_end(view, light, position)))
 }
 
-/// Whether the camera's own direction is left of the edge between two far vertices, which are seen from the light. The
-/// lower index comes first, so that faces on both sides of the edge agree.
+/// Whether the camera's direction is left of the edge between two far vertices, as seen from the light. The vertex of
+/// lower index comes first, so that the faces on both sides of the edge agree.
 fn is_left((a_index, a): (u32, Vec2), (b_index, b): (u32, Vec2)) -> bool {
     if a_index < b_index { a.x * b.y - a.y * b.x >= 0.0 } else { b.x * a.y - b.y * a.x < 0.0 }
 }
@@ -49,8 +50,9 @@ fn all_or_nothing(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Opt
     Some(if left { [corner(-1.0, -1.0), second, third] } else { [corner(-1.0, -1.0), third, second] })
 }
 
-/// What of a face lies between the light and the near plane, seen from the light on the near plane, in clip space: up to
-/// five vertices, more only where rounding has a light on the near plane. The shader draws the first five.
+/// The part of a face between the light and the near plane, projected from the light onto the near plane, in clip
+/// space. It has up to five vertices, or more only if rounding has moved a light onto the near plane. The shader draws
+/// the first five.
 pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<Vec4> {
     let corners = face.map(|(index, position)| (index, corner(view, light, position)));
     let [a, b, c] = corners;
@@ -71,14 +73,14 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
     polygon
 }
 
-/// The near cap of ZP+ as published: the face by the matrix of the light's frustum, for the hardware to clip.
+/// The near cap of ZP+ as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
 pub fn zp_plus_2005_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| frustum_to_clip(view, light, position))
 }
 
-/// The edges, in the face's order, of a face that casts nothing, yet counts as averted among the silhouettes; the sides of
-/// holes take that back. A face with one corner that is not finite has the edge between the others, an excluded face has
-/// all three but those at the light.
+/// The edges, in the order of the face, whose sides take back a face that casts nothing but counts as averted among the
+/// silhouettes. A face with one corner that is not finite has the edge between the others. An excluded face has all
+/// three, except those at the light.
 pub fn hole_edges(light: &ShadowLight, positions: &[[f32; 3]], face: [u32; 3], is_excluded: bool) -> Vec<[End; 2]> {
     let [a, b, c] = face.map(|vertex| (vertex, position(positions, vertex)));
     if is_degenerate(face) {
@@ -95,13 +97,14 @@ pub fn hole_edges(light: &ShadowLight, positions: &[[f32; 3]], face: [u32; 3], i
     edges
 }
 
-/// The side of a hole from the ends of its [`hole_edges`], in clip space: a strip, that of [`side`] turned over.
+/// The side of a hole from the ends of one of its [`hole_edges`], in clip space. It is the strip of [`side`], turned over.
 pub fn hole_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Vec4; 5] {
     let [first, second, first_far, second_far] = side(view, light, ends);
     [first, first, second, first_far, second_far]
 }
 
-/// The polygon that the near plane leaves of the side of a hole: that of [`side_clipped`] the other way round.
+/// The polygon that remains of the side of a hole after clipping at the near plane. It is that of [`side_clipped`] in
+/// reverse order.
 pub fn hole_side_clipped(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> Vec<Vec4> {
     let mut polygon = side_clipped(view, light, ends);
     polygon.reverse();

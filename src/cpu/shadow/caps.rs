@@ -6,10 +6,10 @@ use crate::cpu::extract::facing::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 
-/// For each light three lists of faces in their order: those whose cap counts up on its front, those whose cap counts up
-/// on its back, and excluded ones. `facing` is ⌈N/32⌉ planes of facing masks, and `coplanar` as many planes of lights in
-/// the face's plane ([`coplanar`](crate::cpu::extract::exact_facing::coplanar)). Faces that name a vertex twice or a missing one, or have a corner that is not
-/// finite, are in no list.
+/// Three lists of faces for each light, in the order of the faces: those whose cap counts up on its front, those whose
+/// cap counts up on its back, and excluded faces. `facing` has ⌈N/32⌉ planes of facing masks. `coplanar` has as many
+/// planes of [`coplanar`](crate::cpu::extract::exact_facing::coplanar) masks. The lists leave out faces that name a
+/// vertex twice, or have a missing corner or one that is not finite.
 pub fn caps(
     view: &ShadowView,
     positions: &[[f32; 3]],

@@ -1,4 +1,4 @@
-//! Which faces cast, and what their caps count, as in `casting.wgsl`.
+//! The faces that cast, and what their caps count. The WGSL is `wgsl/shadow/casting.wgsl`.
 
 use super::shadow::light_side;
 use crate::layout::ShadowLight;
@@ -19,8 +19,8 @@ pub fn list_capacities(capacity: u32) -> [u32; LISTS] {
     [capacity, capacity, capacity.min(EXCLUDED_CAPACITY)]
 }
 
-/// 0: the cap counts up where its front is seen; 1: where its back is. With ZP+ a face that faces the light is seen from
-/// its front on the near plane where the light is on the eye's side.
+/// 0 if the cap counts up where its front is seen, 1 if it does where its back is seen. With ZP+ caps lie on the near
+/// plane. There the front of a face that faces the light is seen if the light is on the eye's side.
 pub fn cap_class(light: &ShadowLight, facing: bool) -> u32 {
     let turned = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005) && light_side(light) > 0.0;
     u32::from(facing == turned)

@@ -1,4 +1,4 @@
-//! Choose: for each light which faces of the caster cast and how is counted, from the caster's box alone.
+//! Choose: for each light, the faces of the caster that cast and the counting method, from the caster's box alone.
 
 use glam::Vec3;
 
@@ -25,8 +25,9 @@ impl Bounds {
     }
 }
 
-/// Fills in `casting` and `counting` of each light, for the caster whose box is `bounds` (of
-/// [`super::bounds::bounds`]). `zeros`: whether any light lies in the plane of a face. Returns the caps stage's workgroups, along x, y and z for each batch of lights.
+/// Sets `casting` and `counting` of each light, for the caster whose box is `bounds` (of [`super::bounds::bounds`]).
+/// `zeros` tells whether any light lies in the plane of a face. Returns the workgroups of the caps stage for each batch
+/// of lights, along x, y and z.
 pub fn choose(
     shape: &ShadowShape,
     view: &ShadowView,
@@ -64,7 +65,7 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     light.holed = has_holes;
     let light_is_inside = light_meets(light, caster);
     light.excludes = u32::from(light_is_inside && zeros);
-    // With holes no caster is closed. Averted faces suffice where light and eye are outside of the caster: NUMERICS.md,
+    // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(view, caster) && !light_is_inside;
     let averted_suffice = shape.averted != 0 && has_holes == 0 && is_outside;
@@ -75,7 +76,7 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
-        // What was published knows neither holes nor excluded faces.
+        // The published method handles neither holes nor excluded faces.
         COUNT_ZP_PLUS_2005 if has_holes != 0 || light.excludes != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
@@ -85,7 +86,7 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     }
 }
 
-/// How far the light is from the box, or less.
+/// A lower bound of the distance from the light to the box.
 fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
     let [x, y, z, w] = light.light;
     let place = Vec3::new(x, y, z) / w;
@@ -94,7 +95,7 @@ fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
     length_of(d) * (1.0 - SLACK)
 }
 
-/// By the largest side first, since squares may overflow.
+/// The largest side is factored out, because squares may overflow.
 fn length_of(d: Vec3) -> f32 {
     let size = d.x.max(d.y).max(d.z);
     if size <= 0.0 {
@@ -123,7 +124,7 @@ fn frustum_near(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> f32 {
     if highest > 0.0 { highest } else { 1.0 }
 }
 
-/// Whether the box lies wholly beyond the light's range.
+/// Whether the whole box is beyond the light's range.
 fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     let [x, y, z, w] = light.light;
     if light.range <= 0.0 || w <= 0.0 {
@@ -131,21 +132,22 @@ fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     }
     let place = Vec3::new(x, y, z) / w;
     let d = (low - place).max(place - high).max(Vec3::ZERO);
-    // By the largest side first, since squares may overflow.
+    // The largest side is factored out, because squares may overflow.
     let size = d.x.max(d.y).max(d.z.max(light.range));
     let r = light.range / size;
     let e = d / size;
     dot_3(e, e) > r * r * (1.0 + SLACK)
 }
 
-/// Whether the box meets that of the near rectangle, with slack.
+/// Whether the box meets the box of the near rectangle, with slack.
 fn boxes_meet(view: &ShadowView, Bounds { low, high }: Bounds) -> bool {
     let (near_min, near_max) = (Vec3::from(view.near_min), Vec3::from(view.near_max));
     let slack = SLACK * low.abs().max(high.abs()).max(near_min.abs().max(near_max.abs()));
     (low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()
 }
 
-/// Whether the light may stand in the box, with slack. A light at infinity does not. Times w, so that nothing overflows.
+/// Whether the light may be in the box, with slack. A light at infinity is not. Values are multiplied by w, so that
+/// nothing overflows.
 fn light_meets(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     let [x, y, z, w] = light.light;
     let (place, low, high) = (Vec3::new(x, y, z), w * low, w * high);
@@ -153,7 +155,7 @@ fn light_meets(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     w > 0.0 && (low - slack).cmple(place).all() && (high + slack).cmpge(place).all()
 }
 
-/// Whether left, right, bottom, top or near plane of the camera has the whole volume of the box outside.
+/// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
 fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
     let (mut out, mut before) = ([true; 4], true);
     let [x, y, z, weight] = light.light;

@@ -1,19 +1,20 @@
-//! The pyramid between a light and the near rectangle, as in `pyramid.wgsl`.
+//! The pyramid between a light and the near rectangle. The WGSL is `wgsl/shadow/pyramid.wgsl`.
 
 use glam::{Vec3, Vec4};
 
 use super::shadow::{corner, dot_3, light_side, near_plane};
 use crate::layout::{ShadowLight, ShadowView};
 
-/// Relative slack of every test of the stages that choose: above the rounding of what is tested, NUMERICS.md.
+/// The relative slack of all tests in the stages that choose. It is larger than the rounding error of the tests; see
+/// NUMERICS.md.
 pub(crate) const SLACK: f32 = 4e-6;
 
-/// What is outside of a plane by its value there; `size` bounds what the value is the sum of.
+/// Whether a point is outside a plane, from its `value` there. `size` bounds the terms whose sum is the value.
 pub(crate) fn is_out(value: f32, size: f32) -> bool {
     value < -SLACK * size
 }
 
-/// Values of the pyramid's planes at a position, and bounds on the terms that each is the sum of.
+/// The values of the pyramid's planes at a position, and bounds on the terms whose sums they are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PyramidPlanes {
     /// Left, right, bottom, top; negative outside.
@@ -24,7 +25,7 @@ pub(crate) struct PyramidPlanes {
     depth_size: f32,
 }
 
-/// Bounds on the terms that a position's clip coordinates are the sums of.
+/// Bounds on the terms whose sums are a position's clip coordinates.
 pub(crate) fn clip_size(view: &ShadowView, q: Vec3) -> Vec4 {
     let [x, y, z, w] = view.view_projection.map(|column| Vec4::from_array(column).abs());
     x * q.x + y * q.y + z * q.z + w
@@ -54,7 +55,7 @@ fn pyramid_planes(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) ->
     }
 }
 
-/// Whether all of the positions lie outside of one of the pyramid's planes.
+/// Whether all positions are outside one of the pyramid's planes.
 pub(crate) fn misses_pyramid(view: &ShadowView, light: &ShadowLight, positions: &[[f32; 3]]) -> bool {
     let (mut out, mut beyond) = ([true; 4], true);
     for &position in positions {

@@ -1,5 +1,5 @@
-//! Shadow: what the stages of shadow volumes share, as in `shadow.wgsl`: clip space and the forms that a vertex of a
-//! volume takes. NUMERICS.md, "Shadow volumes".
+//! Shadow: what the stages of shadow volumes share. It computes clip space and the forms of a volume's vertex. The WGSL
+//! is `wgsl/shadow/shadow.wgsl`. NUMERICS.md, "Shadow volumes".
 
 use glam::{Vec3, Vec4};
 
@@ -8,15 +8,16 @@ use crate::layout::{ShadowLight, ShadowView};
 /// A vertex of a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// In clip space.
+    /// The vertex in clip space.
     pub near: Vec4,
-    /// Its height over the near plane, positive in front of the camera.
+    /// The height over the near plane, positive in front of the camera.
     pub height: f32,
-    /// Its far vertex: the direction away from the light, times the light's w, in clip space.
+    /// The far vertex: the direction away from the light, times the light's w, in clip space.
     pub far: Vec4,
-    /// How that rises over the near plane: the light's w times the height, less the light's height.
+    /// The height of the far vertex over the near plane: the light's w times the height, less the light's height.
     pub far_height: f32,
-    /// The light is farther from it than the origin that positions are taken from; [`project_to_near_plane`] computes by V, else V − L.
+    /// Whether the light is farther from the vertex than the origin of positions is. [`project_to_near_plane`] then
+    /// computes with V, else with V − L.
     pub is_far: bool,
 }
 
@@ -24,8 +25,8 @@ fn size_3(a: Vec3) -> f32 {
     a.x.abs().max(a.y.abs()).max(a.z.abs())
 }
 
-/// Rounding must not part the signs of `height` and `far_height`: what is above the near plane rises if the light is below, and
-/// what is below does not if the light is not.
+/// Makes the signs of `height` and `far_height` consistent despite rounding. A vertex above the near plane rises if the
+/// light is below the plane. A vertex below it does not rise if the light is not below.
 fn consistent_rise(light: &ShadowLight, height: f32, far_height: f32) -> f32 {
     match (light.height < 0.0, height < 0.0) {
         (false, true) => far_height.min(-1e-37),
@@ -34,7 +35,7 @@ fn consistent_rise(light: &ShadowLight, height: f32, far_height: f32) -> f32 {
     }
 }
 
-/// Spelled out, so that it is the same everywhere.
+/// Written out, so that all devices compute the same.
 pub(crate) fn dot_3(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
@@ -43,20 +44,20 @@ fn columns(view: &ShadowView) -> [Vec4; 4] {
     view.view_projection.map(Vec4::from_array)
 }
 
-/// The normal of the near plane, and its constant.
+/// The normal and the constant of the near plane.
 pub(crate) fn near_plane(view: &ShadowView) -> (Vec3, f32) {
     let [x, y, z, w] = view.near_plane;
     (Vec3::new(x, y, z), w)
 }
 
-/// A position in clip space. A caller's depth pass that computes it so gets the same bits.
+/// A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
 pub fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
     let q = Vec3::from(position) - Vec3::from(view.origin);
     let [x, y, z, w] = columns(view);
     x * q.x + y * q.y + z * q.z + w
 }
 
-/// From the light through a position, times the light's w.
+/// The vector from the light to a position, times the light's w.
 pub fn extrusion(light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let [x, y, z, w] = light.light;
     w * Vec3::from(position) - Vec3::new(x, y, z)
@@ -68,17 +69,17 @@ pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
     x * direction.x + y * direction.y + z * direction.z
 }
 
-/// A position's far vertex: at infinity, or where the volume ends.
+/// The far vertex of a position: at infinity, or where the volume ends.
 pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
     direction_to_clip(view, extrusion(light, position)) + light.end * Vec4::from_array(light.clip)
 }
 
-/// Clip w is the same everywhere.
+/// Whether the camera is orthographic: clip w is the same everywhere.
 pub(crate) fn is_orthographic(view: &ShadowView) -> bool {
     view.view_projection[..3].iter().all(|column| column[3] == 0.0)
 }
 
-/// What a vertex of a volume is made of.
+/// Computes the values that a volume's vertices are made of.
 pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
     let d = extrusion(light, position);
     let q = Vec3::from(position) - Vec3::from(view.origin);
@@ -93,12 +94,12 @@ pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Cor
     }
 }
 
-/// Where the light stands: −1 before the near plane, on the eye's side, else 1.
+/// The light's side of the near plane: −1 in front of the plane, on the eye's side, else 1.
 pub fn light_side(light: &ShadowLight) -> f32 {
     if light.height < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// The vertex seen from the light on the near plane.
+/// The vertex, projected from the light onto the near plane.
 pub fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner) -> Vec4 {
     let s = light_side(light);
     let [x, y, ..] = light.clip;
@@ -112,14 +113,14 @@ pub fn project_to_near_plane(view: &ShadowView, light: &ShadowLight, v: &Corner)
     Vec4::new(xy.x, xy.y, -s * w * view.near_z, -s * w)
 }
 
-/// Where an edge meets the near plane; `a` is the vertex of the lower index.
+/// The intersection of an edge with the near plane. `a` is the vertex of lower index.
 pub fn on_near_plane(view: &ShadowView, a: &Corner, b: &Corner) -> Vec4 {
     let t = a.height / (a.height - b.height);
     let xy = a.near + (b.near - a.near) * t;
     Vec4::new(xy.x, xy.y, view.near_z * view.near_w, view.near_w)
 }
 
-/// Where an edge's far end is parallel to the near plane; `a` is the vertex of the lower index.
+/// The point of an edge whose far direction is parallel to the near plane. `a` is the vertex of lower index.
 pub fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
     let t = a.far_height / (a.far_height - b.far_height);
     let xy = a.far + (b.far - a.far) * t;

@@ -1,4 +1,4 @@
-//! Shadow arguments: for each light the indirect draws of its volume.
+//! Shadow arguments: the indirect draws of each light's volume.
 
 use bytemuck::Zeroable as _;
 
@@ -6,7 +6,8 @@ use super::casting::{LISTS, list_capacities};
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
-/// The draws of each light, from its count of silhouette edges and its counts of cap faces of both classes and of excluded faces; and the statistics.
+/// The draws of each light, and the statistics. `cap_counts` has the counts of a light's three lists: cap faces of both
+/// classes, and excluded faces.
 pub fn shadow_arguments(
     shape: &ShadowShape,
     silhouette_counts: &[u32],
@@ -18,7 +19,7 @@ pub fn shadow_arguments(
         let is_skipped = light.casting == CAST_NOTHING;
         let is_doubled = light.casting == CAST_EVERY;
         let sides = if silhouettes > shape.capacity { shape.edges } else { silhouettes };
-        // Weight 2: drawn twice.
+        // A side of weight 2 is drawn twice.
         let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
         let [front, back, excluded] = if is_skipped { [0; LISTS] } else { counts };
         let [.., excluded_capacity] = list_capacities(shape.cap_capacity);
@@ -33,7 +34,7 @@ pub fn shadow_arguments(
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        // Sides of holes and of excluded faces count where every face casts, as it does then. Three edges a face.
+        // Sides of holes and of excluded faces count only where every face casts, as it does then. A face has three edges.
         let hole_faces = if light.holed != 0 || excluded > excluded_capacity { shape.faces } else { excluded };
         let holes = if is_doubled { 3 * hole_faces } else { 0 };
         let [plain_holes, clipped_holes] = if is_clipped { [0, holes] } else { [holes, 0] };
@@ -68,7 +69,7 @@ pub fn shadow_arguments(
     (draws, statistics)
 }
 
-/// A draw; one without instances is all zeros.
+/// A draw. It is all zeros if it has no instances.
 fn arguments(vertices: u32, instances: u32) -> DrawArguments {
     let vertex_count = if instances == 0 { 0 } else { vertices };
     DrawArguments { vertex_count, instance_count: instances, first_vertex: 0, first_instance: 0 }

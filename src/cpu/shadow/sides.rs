@@ -1,4 +1,4 @@
-//! Sides: the vertices of the quads from silhouette edges away from the light.
+//! Sides: the vertices of the quads that extend from silhouette edges away from the light.
 
 use glam::{Vec3, Vec4};
 
@@ -9,7 +9,7 @@ use super::shadow::{
 use super::zp_plus_2005::{counterpart, is_cut};
 use crate::layout::{ShadowLight, ShadowView};
 
-/// An end of an edge: its vertex's index and position.
+/// An end of an edge: index and position of its vertex.
 pub type End = (u32, [f32; 3]);
 
 /// A light so near to an edge is on it, by the size of the coordinates.
@@ -32,20 +32,20 @@ pub fn spans_side(light: &ShadowLight, ends: [End; 2]) -> bool {
     largest(p.cross(q)) > ON_EDGE * (size / sizes[0] + size / sizes[1]) || dot_3(p, q) > 0.0
 }
 
-/// First, second, first far and second far vertex, in clip space.
+/// The first and the second vertex, and the first and the second far vertex, in clip space.
 pub fn side(view: &ShadowView, light: &ShadowLight, [first, second]: [End; 2]) -> [Vec4; 4] {
     let far = |position| far_end(view, light, position);
     [to_clip(view, first.1), to_clip(view, second.1), far(first.1), far(second.1)]
 }
 
-/// Depth that rounding may have put before the near plane.
+/// Corrects a depth that rounding may have put in front of the near plane.
 fn behind_near_plane(view: &ShadowView, clip: Vec4) -> Vec4 {
     let z = if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) };
     Vec4::new(clip.x, clip.y, z, clip.w)
 }
 
-/// The polygon that the near plane leaves of the side, in clip space: up to five vertices, more only where rounding has a
-/// light on the near plane. The shader draws the first five.
+/// The polygon that remains of the side after clipping at the near plane, in clip space. It has up to five vertices, or
+/// more only if rounding has moved a light onto the near plane. The shader draws the first five.
 pub fn side_clipped(view: &ShadowView, light: &ShadowLight, [first, second]: [End; 2]) -> Vec<Vec4> {
     let p = corner(view, light, first.1);
     let q = corner(view, light, second.1);
@@ -65,8 +65,8 @@ pub fn side_clipped(view: &ShadowView, light: &ShadowLight, [first, second]: [En
     offered.into_iter().flatten().collect()
 }
 
-/// The three quads of a side in ZP+ as published, each as [`side`]'s: the side, and the corrective quads of the paper's
-/// cases C1 and C2; `None` where a case is not at hand.
+/// The three quads of a side in ZP+ as published, each in the form of [`side`]: the side itself, and the corrective
+/// quads of the paper's cases C1 and C2. A quad is `None` if its case does not apply.
 pub fn zp_plus_2005_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Option<[Vec4; 4]>; 3] {
     let near = ends.map(|(_, position)| to_clip(view, position));
     let far = ends.map(|(_, position)| direction_to_clip(view, extrusion(light, position)));

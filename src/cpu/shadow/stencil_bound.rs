@@ -1,4 +1,4 @@
-//! Stencil bound: what no count of a caster's volumes exceeds, for one light.
+//! Stencil bound: an upper bound of the stencil counts of a caster's volumes, for one light.
 
 use glam::Vec3;
 
@@ -6,12 +6,12 @@ use crate::cpu::extract::facing::is_finite;
 use crate::layout::ShadowLight;
 use crate::shadow::{CAST_EVERY, CAST_NOTHING};
 
-/// Bins that the pencil of half planes is cut into.
+/// The number of bins of the pencil of half planes.
 const BINS: usize = 256;
 
-/// No stencil count of the caster for `light` is above this. `low` and `high` are the corners of its box, `faces` how many
-/// it has; `edges` are its silhouettes by the positions of their ends, and whether they are boundaries. 0 where nothing
-/// casts.
+/// An upper bound of the caster's stencil counts for `light`. `low` and `high` are the corners of the caster's box.
+/// `faces` is the number of its faces. `edges` are its silhouette edges: the positions of their ends, and whether they
+/// are boundaries. The bound is 0 if nothing casts.
 pub fn stencil_bound(
     light: &ShadowLight,
     [low, high]: [[f32; 3]; 2],
@@ -22,7 +22,7 @@ pub fn stencil_bound(
         return 0;
     }
     let Some(pencil) = Pencil::new(light, Vec3::from(low), Vec3::from(high)) else { return faces };
-    // Sides of holes are in no list.
+    // No list has the sides of holes.
     if light.holed != 0 {
         return faces;
     }
@@ -49,7 +49,7 @@ pub fn stencil_bound(
     faces.min(sums.max().map_or(0, |most| (most + 1) / 2) as u32)
 }
 
-/// Half planes through an axis that goes through the light and misses the caster.
+/// The half planes from an axis that goes through the light and misses the caster.
 struct Pencil {
     forward: Vec3,
     aside: Vec3,
@@ -58,7 +58,7 @@ struct Pencil {
 }
 
 impl Pencil {
-    /// `None` for a light at the box.
+    /// `None` if the light is at the box.
     fn new(light: &ShadowLight, low: Vec3, high: Vec3) -> Option<Self> {
         let [x, y, z, w] = light.light;
         let is_point = w > 0.0;

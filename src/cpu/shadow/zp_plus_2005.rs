@@ -1,18 +1,18 @@
-//! The light's frustum of ZP+ as published (Hornus et al. 2005), as in `paper.wgsl`.
+//! The light's frustum of ZP+ as published (Hornus et al. 2005). The WGSL is `wgsl/shadow/zp_plus_2005.wgsl`.
 
 use glam::{Vec3, Vec4};
 
 use super::shadow::{dot_3, light_side, near_plane};
 use crate::layout::{ShadowLight, ShadowView};
 
-/// A position by the matrix of the light's frustum: x, y and w.
+/// A position transformed by the matrix of the light's frustum: x, y and w.
 fn in_frustum(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let q = Vec3::from(position) - Vec3::from(view.origin);
     let row = |[x, y, z, w]: [f32; 4]| dot_3(Vec3::new(x, y, z), q) + w;
     Vec3::new(row(light.frustum_x), row(light.frustum_y), row(light.frustum_w))
 }
 
-/// The same with a depth for the hardware to clip by.
+/// The same position in clip space, with a depth by which the hardware clips.
 pub(crate) fn frustum_to_clip(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
     let p = in_frustum(view, light, position);
     let z = if light.light[3] == 0.0 {
@@ -26,7 +26,7 @@ pub(crate) fn frustum_to_clip(view: &ShadowView, light: &ShadowLight, position: 
     Vec4::new(p.x, p.y, z, p.z)
 }
 
-/// A vertex's counterpart in the near cap.
+/// The vertex of the near cap that corresponds to a vertex.
 pub(crate) fn counterpart(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
     let p = in_frustum(view, light, position);
     Vec4::new(p.x, p.y, p.z * view.near_z, p.z)

@@ -1,11 +1,11 @@
-//! Paper cases: where ZP+ as published leaves a caster and a light to z-fail.
+//! Cases of ZP+ as published: where the method leaves a caster and a light to z-fail.
 
 use super::shadow::{direction_to_clip, extrusion, to_clip};
 use super::zp_plus_2005::is_cut;
 use crate::layout::{ShadowLight, ShadowView};
 
-/// Whether the near plane cuts both finite edges of one of the sides of `silhouettes`, by the positions of their ends:
-/// the mesh's edge and the far one (case D of Hornus et al. 2005, section 5).
+/// Whether the near plane cuts both finite edges of a side: the mesh's edge and the far one (case D of Hornus et al.
+/// 2005, section 5). `silhouettes` are the silhouette edges by the positions of their ends.
 pub fn zp_plus_2005_cases(
     view: &ShadowView,
     light: &ShadowLight,

@@ -1,4 +1,4 @@
-//! A stage's bindings, as its WGSL declares them: the layout of its bind group, and the number of each name.
+//! The bindings of a stage, as its WGSL declares them: the layout of its bind group, and the number of each name.
 
 use naga::{AddressSpace, StorageAccess};
 
@@ -10,7 +10,8 @@ pub(crate) struct Bindings {
 }
 
 impl Bindings {
-    /// Reads them from a module's source. What does not parse has none; making a pipeline of it then tells the error.
+    /// Reads the bindings from the source of a module. Source that does not parse has none; making its pipeline then
+    /// reports the error.
     pub(crate) fn of(wgsl: &str) -> Self {
         let Ok(module) = naga::front::wgsl::parse_str(wgsl) else { return Self::default() };
         let mut found: Vec<(String, wgpu::BindGroupLayoutEntry)> = Vec::new();
@@ -32,8 +33,8 @@ impl Bindings {
         &self.entries
     }
 
-    /// The resources by their numbers. A name that the stage does not declare, or one that lacks, makes a group that the
-    /// device refuses; tests bind every stage.
+    /// Numbers the resources by their names. If a name is not declared or is missing, the device refuses the bind
+    /// group. Tests bind every stage.
     pub(crate) fn numbered<'a>(
         &self,
         resources: &[(&str, wgpu::BindingResource<'a>)],
@@ -50,7 +51,7 @@ impl Bindings {
     }
 }
 
-/// Uniforms lie in tables of which a dispatch picks an entry by dynamic offset.
+/// Uniforms lie in tables. A dispatch selects an entry by a dynamic offset.
 fn buffer_type(space: AddressSpace) -> Option<wgpu::BindingType> {
     let ty = match space {
         AddressSpace::Uniform => wgpu::BufferBindingType::Uniform,

@@ -1,4 +1,4 @@
-//! Values made once a key, from any thread.
+//! A cache that makes each value once for its key, from any thread.
 
 use std::borrow::Borrow;
 use std::collections::HashMap;
@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::memory::any_error;
 
-/// A value or the room for it. Whoever makes it holds its lock, so that others wait instead of making it again, and other
-/// values are made meanwhile.
+/// A value, or the place for it. The thread that makes the value holds its lock, so other threads wait for it instead
+/// of making it again. Other values can be made meanwhile.
 type Room<V> = Arc<Mutex<Option<V>>>;
 
-/// What was made so far.
+/// The values that were made so far.
 #[derive(Debug)]
 pub(crate) struct Cache<K, V>(Mutex<HashMap<K, Room<V>>>);
 
@@ -22,8 +22,9 @@ impl<K, V> Default for Cache<K, V> {
 }
 
 impl<K: Eq + Hash, V: Clone> Cache<K, V> {
-    /// The value of `key`, by `make` unless it is there. What the device reports an error for is not kept, and made again
-    /// so that the error goes where the caller has it go; error scopes are the calling thread's.
+    /// The value of `key`. `make` makes it unless it exists. If the device reports an error, the value is not kept. It
+    /// is then made again outside the cache's error scopes, because error scopes belong to the calling thread: the
+    /// error goes where the caller wants it.
     pub(crate) fn get<Q>(&self, device: &wgpu::Device, key: &Q, make: impl Fn() -> V) -> V
     where
         K: Borrow<Q>,
@@ -37,7 +38,7 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         if let Some(value) = without_error(device, &make) {
             return held.insert(value).clone();
         }
-        // A handler of errors may ask for what is behind the lock.
+        // A caller's error handler may use the cache, so the lock must be free.
         drop(held);
         make()
     }
@@ -54,19 +55,19 @@ impl<K: Eq + Hash, V: Clone> Cache<K, V> {
         }
     }
 
-    /// How many values there are; waits for those that are being made.
+    /// The number of values. Waits for those that are being made.
     pub(crate) fn len(&self) -> usize {
         let rooms: Vec<_> = lock(&self.0).values().cloned().collect();
         rooms.iter().filter(|room| lock(room).is_some()).count()
     }
 }
 
-/// A panic elsewhere leaves values whole: each is put in its room in one step.
+/// Locks despite a panic elsewhere. A panic leaves values whole, since each is stored in one step.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What `make` makes, unless the device reports an error of any kind.
+/// The result of `make`, or `None` if the device reports an error of any kind.
 fn without_error<V>(device: &wgpu::Device, make: impl FnOnce() -> V) -> Option<V> {
     any_error(device, make).ok()
 }

@@ -1,18 +1,19 @@
-//! Work cut to a device's limits: chunks for arrays that a dispatch walks along, windows for arrays it gathers from.
+//! Cuts work to a device's limits: chunks for arrays that a dispatch walks along, windows for arrays that it gathers
+//! from.
 
 use std::ops::Range;
 
 use super::memory::MemoryError;
 
-/// Invocations of a workgroup, in every stage that goes by items.
+/// The number of invocations of a workgroup, in every stage that works item by item.
 pub(crate) const WORKGROUP: u32 = 256;
-/// Bindings that a gathered array may span.
+/// The number of bindings that a gathered array may span.
 pub(crate) const WINDOWS: usize = 4;
 
-/// What a device's limits leave.
+/// The limits of a device that dispatches must keep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DispatchLimits {
-    /// Bytes that one storage binding may have, a multiple of the offset alignment.
+    /// The largest size of a storage binding in bytes, a multiple of the offset alignment.
     pub(crate) binding: u64,
     pub(crate) buffer: u64,
     alignment: u64,
@@ -30,8 +31,8 @@ impl DispatchLimits {
         }
     }
 
-    /// Cuts `items`, each of which takes up to `bytes_per_item` bytes of a binding, into runs that one dispatch can
-    /// walk along. Runs begin at multiples of the workgroup size, so that any array of words may be bound there.
+    /// Cuts `items` into runs that one dispatch can walk along. Each item takes up to `bytes_per_item` bytes of a
+    /// binding. Runs begin at multiples of the workgroup size, so that any array of words may be bound there.
     pub(crate) fn chunks(
         &self,
         what: &'static str,
@@ -48,8 +49,8 @@ impl DispatchLimits {
         Ok((0..items).step_by(run).map(|first| first..(first + run).min(items)).collect())
     }
 
-    /// Cuts `bytes` into [`WINDOWS`] bindings of equal length but the last; unused ones repeat the first. Also says how
-    /// many words a window has, 0 when one holds everything.
+    /// Cuts `bytes` into [`WINDOWS`] bindings. All have the same length except the last one, and unused ones repeat the
+    /// first. Also returns the number of words in a window, or 0 when one window holds everything.
     pub(crate) fn windows(&self, what: &'static str, bytes: u64) -> Result<Windows, MemoryError> {
         let limit = self.binding * WINDOWS as u64;
         if bytes > limit {
@@ -63,12 +64,12 @@ impl DispatchLimits {
         Ok(Windows { ranges, words: if single { 0 } else { (self.binding / 4) as u32 } })
     }
 
-    /// The last place at or before `offset` at which a binding may begin.
+    /// The largest offset up to `offset` where a binding may begin.
     pub(crate) fn align_down(&self, offset: u64) -> u64 {
         offset / self.alignment * self.alignment
     }
 
-    /// `bytes` rounded up so that a binding may begin there.
+    /// The smallest size from `bytes` on after which a binding may begin.
     pub(crate) fn align_up(&self, bytes: u64) -> u64 {
         bytes.next_multiple_of(self.alignment)
     }
@@ -81,7 +82,7 @@ pub(crate) struct Windows {
     pub(crate) words: u32,
 }
 
-/// Part of a buffer as a binding; at least four bytes, as bindings must not be empty.
+/// A part of a buffer as a binding. It has at least four bytes, because bindings must not be empty.
 pub(crate) fn binding(buffer: &wgpu::Buffer, range: Range<u64>) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer,

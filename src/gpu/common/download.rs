@@ -1,4 +1,4 @@
-//! Part of a buffer on its way to the CPU, as a future.
+//! Copies a part of a buffer to the CPU, as a future.
 
 use std::ops::Range;
 use std::pin::Pin;
@@ -9,21 +9,21 @@ use std::thread::{self, Thread};
 use super::memory::any_error;
 use super::read_error::ReadError;
 
-/// What the mapping's callback and the future share.
+/// State that the callback of the mapping and the future share.
 #[derive(Default)]
 struct Answer {
     result: Option<Result<(), wgpu::BufferAsyncError>>,
     waker: Option<Waker>,
 }
 
-/// A copy that was submitted; as a future, it is ready once the copy can be read.
+/// A copy that was submitted. As a future, it is ready once the copy can be read.
 pub(crate) struct Download {
-    /// Taken when the future is ready.
+    /// `None` once the future is ready.
     copied: Option<Copied>,
     answer: Arc<Mutex<Answer>>,
 }
 
-/// Bytes that lie in a mapped buffer.
+/// Bytes in a mapped buffer.
 pub(crate) struct Copied {
     staging: wgpu::Buffer,
     bytes: u64,
@@ -85,7 +85,7 @@ impl Future for Download {
 }
 
 impl Copied {
-    /// Hands the bytes over.
+    /// Gives the bytes to `take`.
     pub(crate) fn hand_to(self, take: &mut impl FnMut(&[u8])) -> Result<(), ReadError> {
         let Self { staging, bytes } = self;
         let view = staging.slice(..).get_mapped_range();
@@ -94,7 +94,7 @@ impl Copied {
     }
 }
 
-/// Wakes a thread that waits.
+/// Wakes a waiting thread.
 struct Unpark(Thread);
 
 impl Wake for Unpark {
@@ -121,7 +121,7 @@ pub(crate) fn wait(device: &wgpu::Device, mut download: Download) -> Result<Copi
         if let Poll::Ready(copied) = Pin::new(&mut download).poll(&mut context) {
             return copied;
         }
-        // Another thread polled the device, and is about to call back.
+        // Another thread polled the device and is about to call back.
         thread::park();
     }
 }

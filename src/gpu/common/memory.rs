@@ -1,10 +1,10 @@
-//! Buffers: sizes are summed and checked before the first is made.
+//! Buffers. All sizes are summed and checked before the first buffer is made.
 
 use std::future::Future;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
-/// One buffer that is to be made.
+/// A buffer that is to be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Allocation {
     /// The buffer's label.
@@ -13,11 +13,11 @@ pub struct Allocation {
     pub bytes: u64,
 }
 
-/// Why buffers cannot be had.
+/// Why buffers cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MemoryError {
-    /// One buffer alone is larger than the device allows.
+    /// One buffer is larger than the device allows.
     #[error("{label} needs {bytes} bytes in one buffer, and the device allows {limit}; split the mesh")]
     Buffer {
         /// The buffer's label.
@@ -27,20 +27,20 @@ pub enum MemoryError {
         /// `max_buffer_size` of the device.
         limit: u64,
     },
-    /// Not even one workgroup's share fits one binding.
+    /// The share of a single workgroup does not fit one binding.
     #[error("{what} needs {bytes} bytes in one binding, and the device allows {limit}; request a larger limit")]
     Binding {
-        /// What is bound.
+        /// The array that is bound.
         what: &'static str,
         /// Bytes needed.
         bytes: u64,
         /// `max_storage_buffer_binding_size` of the device.
         limit: u64,
     },
-    /// An array that is gathered from spans more bindings than the shaders have.
+    /// A gathered array needs more bindings than the shaders have.
     #[error("{what} take {bytes} bytes, and four bindings of the device hold {limit}; split the mesh")]
     Gathered {
-        /// What is gathered.
+        /// The array that is gathered from.
         what: &'static str,
         /// Bytes needed.
         bytes: u64,
@@ -54,20 +54,20 @@ pub enum MemoryError {
         bytes: u64,
         /// The limit given.
         limit: u64,
-        /// The largest of the buffers.
+        /// The largest buffer.
         largest: Allocation,
     },
-    /// The device ran out of memory; what had been made was given back.
+    /// The device ran out of memory. The buffers that had been made are freed.
     #[error("the device has no room for {bytes} bytes: {message}")]
     OutOfMemory {
         /// Bytes needed in all.
         bytes: u64,
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
 }
 
-/// Checks buffer sizes before any is made. Returns the sum.
+/// Checks the sizes of buffers before any is made. Returns their sum.
 pub(crate) fn check(
     allocations: &[Allocation],
     buffer_limit: u64,
@@ -85,32 +85,32 @@ pub(crate) fn check(
     Ok(bytes)
 }
 
-/// Runs `make`, which makes buffers of `bytes` in all, and reports running out of memory as an error.
+/// Runs `make`, which makes buffers of `bytes` in all. Running out of memory is an error.
 pub(crate) fn guarded<T>(device: &wgpu::Device, bytes: u64, make: impl FnOnce() -> T) -> Result<T, MemoryError> {
     scoped(device, wgpu::ErrorFilter::OutOfMemory, make).map_err(|message| MemoryError::OutOfMemory { bytes, message })
 }
 
-/// Runs `make` and reports the device's errors of one kind as an error, in the device's words. A browser answers later than
-/// a function that does not wait can return, so there the error goes to the device's own handler.
+/// Runs `make` and returns the device's errors of one kind, in the device's words. A browser answers later than a
+/// function that does not wait can return. There the error goes to the device's own handler.
 pub(crate) fn scoped<T>(
     device: &wgpu::Device,
     filter: wgpu::ErrorFilter,
     make: impl FnOnce() -> T,
 ) -> Result<T, String> {
-    // A scope whose answer nobody waits for would swallow it.
+    // Nobody waits for the answer of this scope, so the scope would swallow the error.
     if cfg!(target_family = "wasm") {
         return Ok(make());
     }
     let scope = device.push_error_scope(filter);
     let made = make();
-    // Ready at once on native backends.
+    // The answer is ready at once on native backends.
     match pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(Some(error)) => Err(error.to_string()),
         _ => Ok(made),
     }
 }
 
-/// Runs `make` and reports the device's errors of any kind as an error, likewise.
+/// Runs `make` and returns the device's errors of any kind. Browsers behave as for [`scoped`].
 pub(crate) fn any_error<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
     use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
     let made = scoped(device, Internal, || scoped(device, OutOfMemory, || scoped(device, Validation, make)));
@@ -140,8 +140,8 @@ pub(crate) fn filled(
     usage: wgpu::BufferUsages,
 ) -> wgpu::Buffer {
     let buffer = mapped(device, label, contents.len() as u64, usage);
-    // Fails only where the buffer could not be made: the error scope around it reports that, and the next encode that the
-    // device is lost.
+    // This fails only if the buffer could not be made. The error scope around it reports that, and the next encode
+    // reports that the device is lost.
     write_mapped(&buffer, contents);
     buffer
 }
@@ -161,7 +161,8 @@ pub(crate) fn mapped(
     })
 }
 
-/// Writes the beginning of a buffer that is mapped, and unmaps it. Whether it was mapped: none of a lost device is.
+/// Writes the beginning of a mapped buffer and unmaps it. Returns whether the buffer was mapped; no buffer of a lost
+/// device is.
 pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
     match buffer.slice(..contents.len() as u64).get_mapped_range_mut() {
         Ok(mut view) => view.copy_from_slice(contents),
@@ -171,7 +172,7 @@ pub(crate) fn write_mapped(buffer: &wgpu::Buffer, contents: &[u8]) -> bool {
     true
 }
 
-/// What a buffer of `bytes` really takes: buffers and mappings are never empty, and whole words.
+/// The size that a buffer of `bytes` takes. Buffers and mappings have whole words and are never empty.
 pub(crate) fn padded(bytes: u64) -> u64 {
     bytes.next_multiple_of(4).max(16)
 }

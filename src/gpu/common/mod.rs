@@ -1,4 +1,4 @@
-//! What every subject's stages share: pipelines, passes, buffers, limits, uniforms, timing, reading back.
+//! The parts that all subjects share: pipelines, passes, buffers, limits, uniforms, timing, reading back.
 
 pub(crate) mod bindings;
 pub(crate) mod cache;

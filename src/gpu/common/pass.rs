@@ -6,7 +6,7 @@ use super::dispatch_limits::WORKGROUP;
 use super::pipelines::Pipeline;
 use super::timer::StageTimer;
 
-/// A stage's pipeline and what it is dispatched with.
+/// The pipeline of a stage and its dispatches.
 #[derive(Debug)]
 pub(crate) struct Pass {
     pub(crate) pipeline: Pipeline,
@@ -18,19 +18,19 @@ pub(crate) struct Pass {
 pub(crate) struct Dispatch {
     /// The batch of 32 lights.
     pub(crate) word: usize,
-    /// The faces or edges.
+    /// The range of faces or edges.
     pub(crate) items: Range<usize>,
-    /// Where its `Chunk` lies in the table of chunks.
+    /// The offset of its `Chunk` in the table of chunks.
     pub(crate) chunk_offset: u32,
-    /// Made once all its buffers are known.
+    /// The bind group. It is made once all its buffers are known.
     pub(crate) group: Option<wgpu::BindGroup>,
-    /// Dynamic offsets of the group's uniforms.
+    /// The dynamic offsets of the group's uniforms.
     pub(crate) offsets: Vec<u32>,
     pub(crate) workgroups: u32,
 }
 
 impl Dispatch {
-    /// A dispatch of one invocation an item, not bound yet.
+    /// A dispatch with one invocation for each item, not bound yet.
     pub(crate) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
         Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
@@ -41,14 +41,14 @@ impl Dispatch {
         pass.dispatch_workgroups(self.workgroups, 1, 1);
     }
 
-    /// Bytes of this chunk in an array of `bytes_per_item`.
+    /// The bytes of this chunk in an array of `bytes_per_item`.
     pub(crate) fn bytes(&self, bytes_per_item: u64) -> Range<u64> {
         self.items.start as u64 * bytes_per_item..self.items.end as u64 * bytes_per_item
     }
 }
 
 impl Pass {
-    /// Records the dispatches of `words`.
+    /// Records the dispatches of the batches `words`.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -66,7 +66,7 @@ impl Pass {
         }
     }
 
-    /// Records all dispatches that `choose` takes, with a second bind group at the index given.
+    /// Records all dispatches that `choose` selects, with a second bind group at the given index.
     pub(crate) fn record_with(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -83,7 +83,7 @@ impl Pass {
         }
     }
 
-    /// Begins the stage's pass.
+    /// Begins the compute pass of the stage.
     fn begin<'encoder>(
         &self,
         encoder: &'encoder mut wgpu::CommandEncoder,

@@ -1,4 +1,4 @@
-//! Pipelines made from the list of stages, and what shares them.
+//! Pipelines made from the list of stages, and sharing of pipelines.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -14,11 +14,11 @@ use crate::displace::{Displacement, plain_deform_wgsl};
 use crate::gpu::shadow::format::VolumeKey;
 use crate::stages::{DEFORM, Stage};
 
-/// The pipelines of one device, each compiled when it is first needed and then shared: by all that is made with the same
-/// `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one and hands it to
-/// [`Extractor::new`](crate::gpu::Extractor::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
-/// [`ShadowQuery::new`](crate::gpu::ShadowQuery::new) and [`Deformer::new`](crate::gpu::Deformer::new); each of these takes a
-/// `&wgpu::Device`, too, and then has pipelines of its own.
+/// The pipelines of one device. Each is compiled when it is first needed and then shared by everything that is made
+/// with the same `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one `Pipelines` and gives it
+/// to [`Extractor::new`](crate::gpu::Extractor::new), [`ShadowPipelines::new`](crate::gpu::ShadowPipelines::new),
+/// [`ShadowQuery::new`](crate::gpu::ShadowQuery::new) and [`Deformer::new`](crate::gpu::Deformer::new). Each of them
+/// also takes a `&wgpu::Device`, and then has pipelines of its own.
 ///
 /// ```no_run
 /// # use rimline::gpu::{Extractor, ExtractorError, ExtractorOptions, Pipelines};
@@ -28,50 +28,51 @@ use crate::stages::{DEFORM, Stage};
 /// # }
 /// ```
 ///
-/// Options, limits and formats that ask for different pipelines get different ones. Displacements share a pipeline where
-/// their sources are equal and their bind group layout is one and the same object. Everything stays until the last clone
-/// and the last thing made with it are gone, so a displacement that changes again and again is better off with the device.
+/// Different options, limits and formats have different pipelines. Displacements share a pipeline if their sources are
+/// equal and their bind group layout is the same object. Pipelines are kept until the last clone, and the last thing
+/// made with it, are dropped. If a displacement changes again and again, give the device instead.
 ///
-/// Each constructor first compares the device with what its stages need; a device that does not serve is one
-/// [`DeviceError`], which names the limit, the value needed and the value there. That is done once for each `Pipelines`.
+/// Each constructor first compares the device with the needs of its stages. The first limit, feature or flag that is
+/// missing gives a [`DeviceError`], which names the limit, the value needed and the value of the device. This happens
+/// once for each `Pipelines`.
 ///
-/// In browsers the limits are compared as elsewhere. What the device itself reports comes later there than a function that
-/// does not wait can return: running out of memory, a buffer of another device, attachments that it refuses. These errors
-/// go to the device's own handler, [`wgpu::Device::on_uncaptured_error`], and a lost device is noticed only by
-/// [`wgpu::Device::set_device_lost_callback`].
+/// Limits are compared in browsers, too. Other errors of the device come later there than a function that does not wait
+/// can return: running out of memory, a buffer of another device, attachments that the device refuses. They go to the
+/// device's own handler, [`wgpu::Device::on_uncaptured_error`]. Only [`wgpu::Device::set_device_lost_callback`] tells
+/// of a lost device there.
 #[derive(Clone)]
 pub struct Pipelines(Arc<Shared>);
 
 struct Shared {
     device: wgpu::Device,
-    /// By their source.
+    /// Shader modules by their source.
     modules: Cache<String, wgpu::ShaderModule>,
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
-    /// By the stage's name.
+    /// Bindings by the name of the stage.
     bindings: Mutex<HashMap<&'static str, Arc<Bindings>>>,
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
-    /// Whether the device serves, by [`Subject`]; asked once.
+    /// Whether the device has what each [`Subject`] needs. It is checked once.
     serves: [OnceLock<Result<(), DeviceError>>; 4],
 }
 
-/// A bind group layout: its label, its entries.
+/// A bind group layout: its label and its entries.
 type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
 
-/// All that a compute pipeline depends on.
+/// Everything that a compute pipeline depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct ComputeKey {
     stage: &'static str,
     entry_point: &'static str,
-    /// Names and bits.
+    /// Names and bits of the constants.
     constants: Vec<(&'static str, u64)>,
-    /// The caller's part of the module, and its bind group.
+    /// The caller's part of the module, and its bind group layout.
     displacement: Option<Displacement>,
     further: Option<wgpu::BindGroupLayout>,
 }
 
 impl Pipelines {
-    /// None yet; nothing is compiled here.
+    /// No pipelines yet. Nothing is compiled here.
     pub fn new(device: &wgpu::Device) -> Self {
         Self(Arc::new(Shared {
             device: device.clone(),
@@ -84,8 +85,8 @@ impl Pipelines {
         }))
     }
 
-    /// Runs a constructor on a device that serves `subject` and is alive. What the device refuses all the same is an error,
-    /// too; but not in a browser, see [`super::memory::scoped`].
+    /// Runs a constructor, if the device is alive and has what `subject` needs. Other errors of the device are returned
+    /// too, except in a browser; see [`super::memory::scoped`].
     pub(crate) fn construct<T, E: From<DeviceError>>(
         &self,
         subject: Subject,
@@ -96,22 +97,22 @@ impl Pipelines {
         any_error(self.device(), make).unwrap_or_else(|message| Err(DeviceError::Refused { message }.into()))
     }
 
-    /// The device they are of.
+    /// The device of these pipelines.
     pub fn device(&self) -> &wgpu::Device {
         &self.0.device
     }
 
-    /// Pipelines made so far, compute and render. Waits for those that other threads are making.
+    /// The number of pipelines made so far, compute and render. Waits for those that other threads are making.
     pub fn len(&self) -> usize {
         self.0.compute.len() + self.0.volumes.len()
     }
 
-    /// No pipeline was made yet.
+    /// Whether no pipeline was made yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The pipeline of a stage's entry point.
+    /// The pipeline of an entry point of a stage.
     pub(crate) fn compute(
         &self,
         stage: &Stage,
@@ -123,7 +124,7 @@ impl Pipelines {
         self.made(&key, || stage.wgsl())
     }
 
-    /// The deform stage's pipeline; `further` is the layout of the displacement's bind group.
+    /// The pipeline of the deform stage. `further` is the layout of the displacement's bind group.
     pub(crate) fn deform(
         &self,
         displacement: Option<&Displacement>,
@@ -143,12 +144,12 @@ impl Pipelines {
         self.0.compute.get(self.device(), key, || Pipeline::new(self, key, &wgsl()))
     }
 
-    /// A pipeline that draws volumes, by `make` where it is not there yet.
+    /// A pipeline that draws volumes. `make` makes it if it does not exist.
     pub(crate) fn volume(&self, key: &VolumeKey, make: impl Fn() -> wgpu::RenderPipeline) -> wgpu::RenderPipeline {
         self.0.volumes.get(self.device(), key, make)
     }
 
-    /// The bindings of a stage, read from its WGSL once.
+    /// The bindings of a stage. They are read from its WGSL once.
     fn bindings(&self, stage: &'static str, wgsl: &str) -> Arc<Bindings> {
         let mut read = self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(read.entry(stage).or_insert_with(|| Arc::new(Bindings::of(wgsl))))
@@ -195,7 +196,7 @@ impl fmt::Debug for Pipelines {
     }
 }
 
-/// Pipelines that nothing else shares.
+/// Pipelines that are not shared with anything else.
 impl From<&wgpu::Device> for Pipelines {
     fn from(device: &wgpu::Device) -> Self {
         Self::new(device)
@@ -209,14 +210,14 @@ impl From<&Self> for Pipelines {
     }
 }
 
-/// One pipeline of a stage, with its bind group layout.
+/// A pipeline of a stage, with its bind group layout.
 #[derive(Clone, Debug)]
 pub(crate) struct Pipeline {
     pub(crate) label: &'static str,
     pub(crate) compute: wgpu::ComputePipeline,
     pub(crate) layout: wgpu::BindGroupLayout,
     bindings: Arc<Bindings>,
-    /// Words a window of its gathered array, 0 for a single one; see `DispatchLimits::windows`.
+    /// The number of words in a window of its gathered array, 0 for a single window; see `DispatchLimits::windows`.
     pub(crate) window_words: u32,
 }
 
@@ -253,7 +254,7 @@ impl Pipeline {
         }
     }
 
-    /// A bind group with resources by the names that the WGSL gives them.
+    /// A bind group. Resources have the names that the WGSL gives them.
     pub(crate) fn bind(
         &self,
         device: &wgpu::Device,

@@ -1,16 +1,17 @@
-//! Where positions lie.
+//! The layout of positions in buffers.
 
 use super::dispatch_limits::{DispatchLimits, Windows, binding};
 use super::memory::{MemoryError, scoped};
 
-/// Vertex positions in a storage buffer: three consecutive `f32` a vertex, at any offset and stride.
+/// Vertex positions in a storage buffer: three consecutive `f32` for each vertex, in the space of the lights. Any
+/// offset and stride that are multiples of 4 bytes will do.
 #[derive(Clone, Copy, Debug)]
 pub struct PositionBuffer<'a> {
-    /// A buffer with usage `STORAGE`.
+    /// The buffer, with usage `STORAGE`.
     pub buffer: &'a wgpu::Buffer,
-    /// Bytes before vertex 0's x; a multiple of 4.
+    /// Bytes from the start of the buffer to the x of vertex 0. A multiple of 4.
     pub offset: u64,
-    /// Bytes from a vertex to the next; a multiple of 4, at least 12.
+    /// Bytes from one vertex to the next. A multiple of 4, at least 12.
     pub stride: u64,
 }
 
@@ -18,7 +19,7 @@ pub struct PositionBuffer<'a> {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PositionError {
-    /// Offset or stride is not as it must be.
+    /// The offset or the stride is not a multiple of 4, or the stride is smaller than 12.
     #[error("positions at offset {offset}, stride {stride}: both must be multiples of 4, and the stride at least 12")]
     Alignment {
         /// The offset given.
@@ -37,37 +38,37 @@ pub enum PositionError {
         stride: u64,
         /// Bytes needed.
         needed: u64,
-        /// Bytes there are.
+        /// Bytes of the buffer.
         bytes: u64,
     },
-    /// The buffer cannot be bound in a shader.
+    /// The buffer does not have usage `STORAGE`, so no shader can bind it.
     #[error("the position buffer lacks usage STORAGE")]
     NotStorage,
-    /// The device cannot bind the buffer: it is another device's, or was destroyed.
+    /// The device cannot bind the buffer: it belongs to another device or was destroyed.
     #[error(
         "the device does not bind the buffer; give one of the device that the stages are on, not destroyed: {message}"
     )]
     Refused {
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
-    /// The positions do not fit the shaders' bindings.
+    /// The positions do not fit the bindings of the shaders.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }
 
-/// A checked position buffer, as it is bound.
+/// A position buffer that was checked, as stages bind it.
 pub(crate) struct BoundPositions {
-    /// Where the windows begin in the buffer.
+    /// The offset in the buffer where the windows begin.
     pub(crate) base: u64,
     pub(crate) windows: Windows,
-    /// First word of vertex 0 from `base`, and words from a vertex to the next.
+    /// The word of vertex 0, counted from `base`, and the words from one vertex to the next.
     pub(crate) offset_words: u32,
     pub(crate) stride_words: u32,
 }
 
 impl PositionBuffer<'_> {
-    /// The end of the last of `vertices` in the buffer, in bytes.
+    /// The end in the buffer of the last of `vertices`, in bytes.
     pub(crate) fn end(&self, vertices: u32) -> Result<u64, PositionError> {
         let Self { buffer, offset, stride } = *self;
         if offset % 4 != 0 || stride % 4 != 0 || stride < 12 {
@@ -102,13 +103,14 @@ impl PositionBuffer<'_> {
     }
 }
 
-/// Runs what makes bind groups over a caller's buffers, and reports a buffer that the device does not take.
+/// Runs `make`, which makes bind groups over a caller's buffers, and returns an error for a buffer that the device
+/// refuses.
 pub(crate) fn bound<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, PositionError> {
     scoped(device, wgpu::ErrorFilter::Validation, make).map_err(|message| PositionError::Refused { message })
 }
 
 impl BoundPositions {
-    /// The first window: everything, where there is one.
+    /// The first window. It holds everything if there is only one.
     pub(crate) fn first_binding<'a>(&self, buffer: &'a wgpu::Buffer) -> wgpu::BindingResource<'a> {
         let [first, ..] = &self.windows.ranges;
         binding(buffer, self.base + first.start..self.base + first.end)

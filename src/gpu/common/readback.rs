@@ -1,39 +1,39 @@
-//! Reading buffers back, for headless tools and tests; no stage does.
+//! Reads buffers back, for tools and tests without a window. No stage does.
 
 use std::ops::Range;
 
 use super::download::{Download, wait};
 pub use super::read_error::ReadError;
 
-/// Bytes that one copy takes at most.
+/// The largest size of one copy, in bytes.
 const PIECE: u64 = 16 << 20;
 
-/// Copies `buffer` to the CPU in pieces and hands each to `take`, in order. Waits for the device; [`read_back_async`] does
-/// not, and is the one for browsers, where nothing may wait.
+/// Copies `buffer` to the CPU in pieces and gives each piece to `take`, in order. It waits for the device. In browsers
+/// nothing may wait; use [`read_back_async`] there.
 ///
 /// # Errors
-/// [`ReadError`] when the buffer may not be copied, the device is lost, or the platform cannot wait.
+/// [`ReadError`] when the buffer lacks `COPY_SRC`, the device is lost, or the platform cannot wait.
 pub fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), ReadError> {
-    // Piece by piece, so that no more than a piece is there twice.
+    // The next piece is copied after `take` has this one, so only one piece is in memory twice.
     for range in pieces(buffer)? {
         wait(device, Download::new(device, queue, buffer, range)?)?.hand_to(&mut take)?;
     }
     Ok(())
 }
 
-/// As [`read_back`], without waiting: the future is ready once `take` had every piece. The copy is submitted before this
-/// function returns, so later submissions may write the buffer. The copy takes as many bytes as the buffer until the future
-/// is ready.
+/// Copies `buffer` to the CPU as [`read_back`] does, without waiting. The future is ready when `take` has every piece.
+/// The copy is submitted before this function returns, so later submissions may write the buffer. Until the future is
+/// ready, the copy takes as much memory as the buffer.
 ///
-/// On native platforms the device must be polled meanwhile: by [`wgpu::Device::poll`] with [`wgpu::PollType::Poll`] from any
-/// thread, or by a later [`wgpu::Queue::submit`]. Browsers poll by themselves.
+/// On native platforms somebody must poll the device meanwhile: call [`wgpu::Device::poll`] with
+/// [`wgpu::PollType::Poll`] from any thread, or [`wgpu::Queue::submit`]. Browsers poll by themselves.
 ///
-/// `queue` must be the device's own: wgpu does not tell of which device a queue is.
+/// `queue` must be the queue of `device`. wgpu does not tell which device a queue belongs to.
 ///
 /// ```no_run
 /// # use rimline::gpu::{ReadError, read_back_vec_async};
@@ -44,14 +44,14 @@ pub fn read_back(
 /// ```
 ///
 /// # Errors
-/// [`ReadError`] when the buffer may not be copied or the device is lost.
+/// [`ReadError`] when the buffer lacks `COPY_SRC` or the device is lost.
 pub fn read_back_async<F: FnMut(&[u8])>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     buffer: &wgpu::Buffer,
     mut take: F,
 ) -> impl Future<Output = Result<(), ReadError>> + use<F> {
-    // Here, not when the future is first polled: what is read is what the buffer holds now.
+    // The copy is submitted here and not at the first poll, so it reads the current content of the buffer.
     let downloads = downloads(device, queue, buffer);
     async move {
         for download in downloads? {
@@ -61,8 +61,8 @@ pub fn read_back_async<F: FnMut(&[u8])>(
     }
 }
 
-/// A whole buffer as items; a remainder shorter than an item is left out. Waits for the device; [`read_back_vec_async`]
-/// does not.
+/// Reads a whole buffer as items. A remainder that is shorter than an item is dropped. It waits for the device;
+/// [`read_back_vec_async`] does not.
 ///
 /// # Errors
 /// As [`read_back`].
@@ -76,7 +76,7 @@ pub fn read_back_vec<T: bytemuck::Pod>(
     Ok(items.items)
 }
 
-/// As [`read_back_vec`], without waiting; see [`read_back_async`] for who polls.
+/// Reads a whole buffer as [`read_back_vec`] does, without waiting. [`read_back_async`] says who polls.
 ///
 /// # Errors
 /// As [`read_back_async`].
@@ -100,7 +100,7 @@ fn downloads(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) 
     pieces(buffer)?.map(|range| Download::new(device, queue, buffer, range)).collect()
 }
 
-/// The ranges of bytes that are copied by themselves.
+/// The ranges of bytes that are copied one by one.
 fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + use<>, ReadError> {
     if !buffer.usage().contains(wgpu::BufferUsages::COPY_SRC) {
         return Err(ReadError::NotCopySource);
@@ -109,7 +109,7 @@ fn pieces(buffer: &wgpu::Buffer) -> Result<impl Iterator<Item = Range<u64>> + us
     Ok((0..end).step_by(PIECE as usize).map(move |begin| begin..end.min(begin + PIECE)))
 }
 
-/// Bytes as items.
+/// Collects bytes as items.
 struct Items<T> {
     items: Vec<T>,
     /// The beginning of an item that lies in two pieces.

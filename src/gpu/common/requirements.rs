@@ -1,75 +1,75 @@
-//! What the stages need of a device, compared with what it has.
+//! Compares what the stages need of a device with what the device has.
 
 use super::memory::{any_error, mapped, scoped, write_mapped};
 use super::timer::StageTimer;
 
-/// Why a device does not serve.
+/// Why a device cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
-    /// The device was made with too small a limit.
+    /// A limit of the device is too small.
     #[error(
         "{subject} needs `{limit}` of at least {needed}, and the device has {there}; request the device with \
          `required_limits: wgpu::Limits::default()`, or with this limit raised"
     )]
     Limit {
-        /// Whose stages need it.
+        /// The subject whose stages need it.
         subject: &'static str,
         /// The field of [`wgpu::Limits`].
         limit: &'static str,
-        /// The least that serves.
+        /// The smallest value that works.
         needed: u64,
-        /// What the device has.
+        /// The value of the device.
         there: u64,
     },
-    /// The device was made with too coarse an alignment of offsets.
+    /// An alignment of offsets of the device is too coarse.
     #[error(
         "{subject} needs `{limit}` of at most {needed}, and the device has {there}; request the device with \
          `required_limits: wgpu::Limits::default()`, or with this limit lowered"
     )]
     Alignment {
-        /// Whose stages need it.
+        /// The subject whose stages need it.
         subject: &'static str,
         /// The field of [`wgpu::Limits`].
         limit: &'static str,
-        /// The most that serves.
+        /// The largest value that works.
         needed: u64,
-        /// What the device has.
+        /// The value of the device.
         there: u64,
     },
-    /// The adapter lacks something that is no feature and no limit. A device does not list these; each is tried once.
+    /// The adapter lacks a downlevel flag. A device does not list these flags, so each is tried once.
     #[error(
         "{subject} needs `DownlevelFlags::{flag}`, which the adapter lacks; take another adapter or backend: {message}"
     )]
     Downlevel {
-        /// Whose stages need it.
+        /// The subject whose stages need it.
         subject: &'static str,
         /// The flag of [`wgpu::DownlevelFlags`].
         flag: &'static str,
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
     /// The device was lost or destroyed.
     #[error("the device is lost; make a new one, and everything on it anew")]
     Lost,
-    /// Things of two devices were given together. Both devices are of one [`wgpu::Instance`]: wgpu does not tell things of
-    /// two instances apart, and panics or mistakes one for another.
+    /// Objects of two devices were used together. This is found only for devices of one [`wgpu::Instance`]. For two
+    /// instances wgpu cannot tell the objects apart; it panics or takes one for another.
     #[error("{what} is of another device than {with}; make both on one device")]
     OtherDevice {
-        /// What was given.
+        /// The object that was given.
         what: &'static str,
-        /// What it was given to.
+        /// The object that it was given to.
         with: &'static str,
     },
-    /// The device refuses something for a reason that no limit, feature or flag tells.
+    /// The device refuses something, and no limit, feature or flag says why.
     #[error("the device refuses what Rimline makes: {message}")]
     Refused {
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
 }
 
-/// What has stages of its own, and so needs of its own.
+/// A group of stages with its own needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     Extract,
@@ -86,7 +86,7 @@ impl Subject {
         ["extraction", "shadow volumes", "the shadow depth query", "deformation"][self as usize]
     }
 
-    /// Whether a stage's workgroups are counted on the GPU, or its results are drawn so.
+    /// Whether the GPU computes the workgroup count of a stage, or the results are drawn by an indirect draw.
     fn is_indirect(self) -> bool {
         self != Self::Deform
     }
@@ -110,10 +110,11 @@ macro_rules! need {
     };
 }
 
-/// What is fixed whatever the mesh, the lights and the options; a test takes the numbers from the WGSL. Sizes that grow
-/// with the mesh are [`super::memory::MemoryError`]'s. In the order of [`Subject`]: extract, shadow, query, deform.
+/// The needs that do not depend on mesh, lights and options. A test takes the numbers from the WGSL.
+/// [`super::memory::MemoryError`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
+/// shadow, query, deform.
 pub(crate) const AT_LEAST: [Need; 16] = [
-    // First, since a device without compute shaders has 0 of it.
+    // This comes first, because a device without compute shaders has 0 here.
     need!(max_compute_workgroups_per_dimension, [1, 32, 32, 1]),
     need!(max_compute_invocations_per_workgroup, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
@@ -132,11 +133,11 @@ pub(crate) const AT_LEAST: [Need; 16] = [
     need!(max_buffer_size, [1184, 256, 1184, 256]),
 ];
 
-/// What must not be larger: uniforms, and what dispatches begin at, lie at multiples of 256 bytes.
+/// The limits that must not be larger: uniforms and the beginnings of dispatches lie at multiples of 256 bytes.
 pub(crate) const AT_MOST: [Need; 2] =
     [need!(min_uniform_buffer_offset_alignment, [256; 4]), need!(min_storage_buffer_offset_alignment, [256; 4])];
 
-/// Compares a device's limits with what a subject's stages need.
+/// Compares the limits of a device with the needs of a subject's stages.
 pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<(), DeviceError> {
     let name = subject.name();
     for Need { limit, of, needed } in AT_LEAST {
@@ -154,7 +155,7 @@ pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<()
     Ok(())
 }
 
-/// Compares a device with what a subject's stages need.
+/// Compares a device with the needs of a subject's stages.
 pub(crate) fn check_device(device: &wgpu::Device, subject: Subject) -> Result<(), DeviceError> {
     check_limits(&device.limits(), subject)?;
     let lacks = |flag: &'static str, try_it: &dyn Fn()| {
@@ -198,8 +199,8 @@ fn vertex_storage_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-/// Refuses a device that was lost or destroyed. wgpu only tells a callback, which is the caller's; but no buffer of a lost
-/// device can be mapped. In a browser it can, so a lost device goes unnoticed there.
+/// Refuses a device that was lost or destroyed. wgpu tells only the caller's callback, but no buffer of a lost device
+/// can be mapped. In a browser it can be mapped, so a lost device is not noticed there.
 pub(crate) fn check_alive(device: &wgpu::Device) -> Result<(), DeviceError> {
     let make = || mapped(device, "alive", 4, wgpu::BufferUsages::COPY_SRC);
     let buffer = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
@@ -211,7 +212,7 @@ pub(crate) fn check_timer(timer: Option<&StageTimer>, device: &wgpu::Device) -> 
     timer.map_or(Ok(()), |timer| check_same(["the timer", "the stages"], [timer.device(), device]))
 }
 
-/// Refuses things of two devices.
+/// Refuses objects of two devices.
 pub(crate) fn check_same([what, with]: [&'static str; 2], [given, own]: [&wgpu::Device; 2]) -> Result<(), DeviceError> {
     if given == own { Ok(()) } else { Err(DeviceError::OtherDevice { what, with }) }
 }

@@ -1,11 +1,11 @@
-//! GPU time a stage, where the device has timestamp queries.
+//! Measures the GPU time of each stage, on devices with timestamp queries.
 
 use super::readback::{ReadError, read_back_vec, read_back_vec_async};
 
-/// Passes that one timer can hold: a query set has at most 4,096 queries, two a pass.
+/// The number of passes that a timer can hold. A query set has at most 4,096 queries, and a pass takes two.
 const MOST: u32 = 2048;
 
-/// Why a timer has no figures.
+/// Why a timer has no times.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TimerError {
@@ -15,10 +15,10 @@ pub enum TimerError {
     /// The queue does not say how long a tick is.
     #[error("the queue's timestamp period is {period} ns, so its timestamps are no times; measure by a clock")]
     Period {
-        /// Nanoseconds a tick as [`wgpu::Queue::get_timestamp_period`] has it.
+        /// Nanoseconds for each tick, as [`wgpu::Queue::get_timestamp_period`] returns it.
         period: f32,
     },
-    /// Every pass ended at the very tick at which the first began.
+    /// All timestamps are equal, so no time was measured.
     #[error(
         "{passes} passes were timed, and all timestamps are equal: the device's clock stands still, or is too coarse; \
          measure by a clock"
@@ -27,12 +27,12 @@ pub enum TimerError {
         /// Passes that were timed.
         passes: usize,
     },
-    /// Some pass ended before it began, or before the first one.
+    /// A pass ended before it began, or before the first pass began.
     #[error("pass {pass} ({name}) ended before it began: the device's clock runs backwards; measure by a clock")]
     Backwards {
-        /// Its number, in the order of recording.
+        /// The number of the pass, in the order of recording.
         pass: usize,
-        /// Its stage.
+        /// The name of its stage.
         name: &'static str,
     },
 }
@@ -40,16 +40,17 @@ pub enum TimerError {
 /// What a [`StageTimer`] measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageTimes {
-    /// Name and milliseconds of each stage, summed over its passes, in the order first recorded.
+    /// Name and time of each stage in milliseconds, summed over its passes, in the order first recorded.
     pub stages: Vec<(&'static str, f64)>,
-    /// Milliseconds from the beginning of the first stage to the end of the last, what lies between stages included.
+    /// The time from the beginning of the first stage to the end of the last, in milliseconds. It includes gaps between
+    /// stages.
     pub span_ms: f64,
 }
 
-/// Takes timestamps around each stage's pass. Needs `Features::TIMESTAMP_QUERY`.
+/// Takes timestamps around the pass of each stage. The device needs `Features::TIMESTAMP_QUERY`.
 ///
-/// Timestamps of a software device are the machine's clock, read by whichever thread comes by: [`Self::is_software`]. Where
-/// figures would mean nothing, reading them is a [`TimerError`].
+/// On a software device ([`Self::is_software`]) the timestamps are the machine's clock, read by any of its threads.
+/// Reading returns a [`TimerError`] where the times have no meaning.
 #[derive(Debug)]
 pub struct StageTimer {
     set: wgpu::QuerySet,
@@ -60,7 +61,7 @@ pub struct StageTimer {
 }
 
 impl StageTimer {
-    /// A timer, or `None` where the device has no timestamp queries.
+    /// Makes a timer. `None` if the device has no timestamp queries.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
         device.features().contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Self {
             set: device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -80,12 +81,13 @@ impl StageTimer {
         })
     }
 
-    /// Forgets what was timed, for the next encoder.
+    /// Removes all recorded passes, so that the timer can be used for the next encoder.
     pub fn clear(&mut self) {
         self.names.clear();
     }
 
-    /// The timestamps of a compute pass to come, a stage's or one of the caller's own; `None` once the timer is full.
+    /// The timestamps for the next compute pass. It may be a stage's pass or one of the caller's own. `None` if the
+    /// timer is full.
     pub fn compute_pass(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let [begin, end] = self.next(name)?;
         Some(wgpu::ComputePassTimestampWrites {
@@ -95,7 +97,7 @@ impl StageTimer {
         })
     }
 
-    /// The timestamps of a render pass to come, such as the one that draws the volumes; `None` once the timer is full.
+    /// The timestamps for the next render pass, for example one that draws volumes. `None` if the timer is full.
     pub fn render_pass(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let [begin, end] = self.next(name)?;
         Some(wgpu::RenderPassTimestampWrites {
@@ -105,7 +107,7 @@ impl StageTimer {
         })
     }
 
-    /// Indices of the next pass's queries.
+    /// The indices of the next pass's queries.
     fn next(&mut self, name: &'static str) -> Option<[Option<u32>; 2]> {
         let index = 2 * self.names.len() as u32;
         if index >= 2 * MOST {
@@ -115,13 +117,13 @@ impl StageTimer {
         Some([Some(index), Some(index + 1)])
     }
 
-    /// Records that the timestamps be made readable; call it after the stages, on the same encoder.
+    /// Records the copy that makes the timestamps readable. Call it after the stages, on the same encoder.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.set, 0..2 * self.names.len() as u32, &self.resolved, 0);
     }
 
-    /// Whether the device is software: its timestamps are then times of the CPU, which other programs share, and stages may
-    /// overlap. Good for ratios at most.
+    /// Whether the device is software. The times are then CPU times: other programs share the CPU, and stages may
+    /// overlap. Use them for ratios at most.
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
@@ -131,18 +133,19 @@ impl StageTimer {
         &self.device
     }
 
-    /// Name and milliseconds of each stage, summed over its passes, in the order first recorded; after the encoder was
-    /// submitted. Waits for the device. More than 2,048 passes are not timed: an extraction has at most two a chunk of
-    /// the mesh and batch of 32 lights, four a word and one more.
+    /// Name and time of each stage in milliseconds, summed over its passes, in the order first recorded. Call it after
+    /// the encoder was submitted. It waits for the device. The timer has times of the first 2,048 passes only. An
+    /// extraction has at most two passes for each chunk of the mesh and batch of 32 lights, four for each batch, and
+    /// one more.
     ///
     /// # Errors
-    /// [`TimerError`] when the device is lost or its timestamps mean nothing.
+    /// [`TimerError`] when the device is lost or the timestamps have no meaning.
     pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<(&'static str, f64)>, TimerError> {
         self.read_times(device, queue).map(|times| times.stages)
     }
 
-    /// Milliseconds from the beginning of the first stage to the end of the last, what lies between stages included; as
-    /// [`Self::read`] otherwise.
+    /// The time from the beginning of the first stage to the end of the last, in milliseconds. It includes gaps between
+    /// stages. Otherwise it is like [`Self::read`].
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -155,8 +158,9 @@ impl StageTimer {
         times(&self.names, &ticks, self.period_ns)
     }
 
-    /// Stages and span as by [`Self::read`] and [`Self::read_span`], without waiting; who polls the device, says
-    /// [`read_back_async`](crate::gpu::read_back_async). The timer may be cleared and used again at once.
+    /// The results of [`Self::read`] and [`Self::read_span`], without waiting.
+    /// [`read_back_async`](crate::gpu::read_back_async) says who polls the device. The timer may be cleared and used
+    /// again at once.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -171,7 +175,7 @@ impl StageTimer {
     }
 }
 
-/// Stages and span of passes, a beginning and an end each, where they mean something.
+/// Stages and span of passes, from the beginning and end of each. An error if they have no meaning.
 fn times(names: &[&'static str], ticks: &[u64], period_ns: f32) -> Result<StageTimes, TimerError> {
     let mut times = StageTimes { stages: Vec::new(), span_ms: 0.0 };
     let passes: Vec<[u64; 2]> = ticks.chunks_exact(2).map(|pair| [pair[0], pair[1]]).take(names.len()).collect();
@@ -227,7 +231,7 @@ mod tests {
         assert_eq!(times(&["a", "b"], &[7, 7, 7, 7], 1.0), Err(TimerError::Still { passes: 2 }));
         assert_eq!(times(&["a", "b"], &[0; 4], 1.0), Err(TimerError::Still { passes: 2 }));
         assert_eq!(times(&["a", "b"], &[7, 8, 9, 8], 1.0), Err(TimerError::Backwards { pass: 1, name: "b" }));
-        // One stage below the clock's step is fine, as long as some time passed.
+        // A stage may be shorter than the clock's step, as long as some time passed.
         assert!(times(&["a", "b"], &[7, 7, 8, 8], 1.0).is_ok());
     }
 }

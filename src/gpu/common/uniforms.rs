@@ -1,26 +1,26 @@
-//! Uniforms: tables of structs that dispatches pick from by dynamic offset.
+//! Uniforms: tables of structs. Dispatches select an entry by a dynamic offset.
 
 use bytemuck::Pod;
 
 use super::memory::{any_error, filled, mapped, write_mapped};
 use super::requirements::DeviceError;
 
-/// What dynamic offsets of uniforms must be a multiple of, on every device.
+/// The alignment of dynamic offsets of uniforms. It works on every device.
 const ALIGNMENT: usize = 256;
 
-/// A table of equal structs under construction.
+/// A table of equal structs during construction.
 #[derive(Debug, Default)]
 pub(crate) struct UniformTable {
     bytes: Vec<u8>,
 }
 
 impl UniformTable {
-    /// Bytes from an entry to the next.
+    /// Bytes from one entry to the next.
     pub(crate) const fn stride<T>() -> usize {
         size_of::<T>().next_multiple_of(ALIGNMENT)
     }
 
-    /// Adds an entry; returns its dynamic offset.
+    /// Adds an entry and returns its dynamic offset.
     pub(crate) fn push<T: Pod>(&mut self, entry: &T) -> u32 {
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(bytemuck::bytes_of(entry));
@@ -32,19 +32,19 @@ impl UniformTable {
         &self.bytes
     }
 
-    /// A uniform buffer that holds the table.
+    /// A uniform buffer with the table.
     pub(crate) fn into_buffer(self, device: &wgpu::Device, label: &'static str) -> wgpu::Buffer {
         filled(device, label, &self.bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
     }
 }
 
-/// One entry of a table as a binding that a dynamic offset moves.
+/// One entry of a table as a binding with a dynamic offset.
 pub(crate) fn entry<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     super::dispatch_limits::binding(buffer, 0..size_of::<T>() as u64)
 }
 
-/// Records that `target` be set to `contents` from here on, without touching what was recorded before: the encoder may
-/// hold several uses of it. Records nothing where the device is lost.
+/// Records that `target` is set to `contents` from here on. Commands recorded before still see the old content, so an
+/// encoder may hold several uses of the buffer. Records nothing if the device is lost.
 pub(crate) fn upload(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,

@@ -1,4 +1,4 @@
-//! Deform on the GPU: a model's poses to world-space positions in a storage buffer.
+//! Deforms a model on the GPU: computes world-space positions of a pose in a storage buffer.
 
 use wgpu::BufferUsages;
 
@@ -15,16 +15,17 @@ use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::layout::DeformChunk;
 use crate::model::{Model, Pose, PoseMismatch};
 
-/// What a [`Deformer`] does besides morph and skin.
+/// What a [`Deformer`] computes besides morph targets and skins, and its memory limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeformerOptions<'a> {
-    /// The caller's displacement. Its own loops may take 5,000 turns a vertex; software devices end longer ones without a
-    /// word.
+    /// The caller's displacement. Its loops may take 5,000 turns for a vertex; software devices silently end longer
+    /// loops.
     pub displacement: Option<&'a Displacement>,
-    /// The layout of the bind group that the displacement's resources are in, if it has any. Models that share
-    /// [`Pipelines`] share those of one layout, not those of equal ones.
+    /// The layout of the bind group with the displacement's resources, if it has any. Models with the same
+    /// [`Pipelines`] share pipelines if they give the same layout object, not if they give equal ones.
     pub displacement_layout: Option<&'a wgpu::BindGroupLayout>,
-    /// Refuse, before anything is allocated, to take more bytes of device memory than this.
+    /// The largest device memory for the deformer, in bytes. `None`: no limit. It is checked before anything is
+    /// allocated.
     pub memory_limit: Option<u64>,
 }
 
@@ -32,13 +33,13 @@ pub struct DeformerOptions<'a> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeformError {
-    /// The device lacks what deformation needs, is lost, or is another than the timer's.
+    /// The device lacks what deformation needs, is lost, or is not the timer's device.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The model does not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// The pose is not one of this model.
+    /// The pose does not fit this model.
     #[error(transparent)]
     Pose(#[from] PoseMismatch),
     /// A vertex is the sum of more terms than one invocation may add.
@@ -50,32 +51,33 @@ pub enum DeformError {
     TooManyTerms {
         /// The instance's index.
         instance: usize,
-        /// Morph targets whose weight is not 0; 0 where the influences alone are too many.
+        /// Morph targets whose weight is not 0. It is 0 if the influences alone are too many.
         targets: u32,
-        /// The most influences that any of its vertices has.
+        /// The largest number of influences of one of its vertices.
         influences: u32,
-        /// The most of both together.
+        /// The largest sum of both.
         limit: u32,
     },
-    /// The displacement declares resources, and no layout or bind group for them was given; or the other way round.
+    /// The displacement declares resources but the layout or the bind group is missing, or the displacement declares
+    /// none and one was given.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
     Resources,
-    /// The device makes no pipeline of the displacement and the layout given: resources that are not as the layout
-    /// says, or more of something than the device has.
+    /// The device cannot make a pipeline of the displacement and the layout. For example the resources do not match the
+    /// layout, or there are more of them than the device allows.
     #[error("the device refuses the displacement with the layout given: {message}")]
     Pipeline {
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
 }
 
-/// The most turns that the stage's loops take in one invocation, morph targets and influences together. llvmpipe (Mesa
-/// 22.3) ends an invocation's loops after 65,535 turns, all of them together and without a word; what is left is for a
-/// displacement's own.
+/// The largest number of turns of the stage's loops in one invocation: morph targets and influences together. llvmpipe
+/// (Mesa 22.3) silently ends an invocation's loops after 65,535 turns in total. The rest is left for the displacement's
+/// own loops.
 const MOST_TERMS: u32 = 60_000;
 
-/// Deforms a model, frame after frame, into a position buffer of its own: all instances, in the vertex order of
-/// [`Model::mesh`], three tightly packed `f32` a vertex, in world space.
+/// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
+/// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,
@@ -91,12 +93,12 @@ pub struct Deformer {
 }
 
 impl Deformer {
-    /// Uploads the model's rest positions, morph targets and influences to the caller's device. `pipelines` is that device,
-    /// or the [`Pipelines`] that many models share.
+    /// Uploads rest positions, morph targets and influences of the model to the caller's device. `pipelines` is that
+    /// device, or the [`Pipelines`] that many models share.
     ///
     /// # Errors
-    /// [`DeformError`] when the model does not fit the device, a vertex has more than 60,000 influences, or the
-    /// displacement's layout is missing.
+    /// [`DeformError`] if the device lacks what deformation needs, the model does not fit it, a vertex has more than
+    /// 60,000 influences, or the displacement's layout is missing.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         model: &Model,
@@ -182,17 +184,18 @@ impl Deformer {
         }
     }
 
-    /// Where the positions lie once the encoder is submitted.
+    /// The positions, once the encoder was submitted.
     pub fn positions(&self) -> PositionBuffer<'_> {
         PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
     }
 
-    /// Records the deformation into `pose`; `time_s` is for the displacement, and so is `resources`, the bind group of
-    /// the layout that the deformer was made with.
+    /// Records the deformation into `pose`. `time_s` is the time in seconds for the displacement. `resources` is the
+    /// displacement's bind group, of the layout that the deformer was made with. `timer` takes a timestamp around the
+    /// stage.
     ///
     /// # Errors
-    /// [`DeformError`] when the pose is of another model, has more active morph targets than a vertex may be the sum of
-    /// ([`DeformError::TooManyTerms`]), or `resources` is missing; nothing is recorded then.
+    /// [`DeformError`] if the pose does not fit the model, has too many active morph targets
+    /// ([`DeformError::TooManyTerms`]), or `resources` is missing. Nothing is recorded then.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -221,7 +224,7 @@ impl Deformer {
         Ok(())
     }
 
-    /// The pose as the shader reads it, and each instance's active morph targets.
+    /// The pose in the words that the shader reads, and the number of active morph targets of each instance.
     fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), DeformError> {
         let mut words = Vec::new();
         let mut target_counts = Vec::with_capacity(self.layouts.len());
@@ -247,8 +250,8 @@ impl Deformer {
     }
 }
 
-/// Whether one invocation may take all terms of a vertex of instance `instance`, of whose morph targets `targets` are
-/// active.
+/// Checks that one invocation may add all terms of a vertex of instance number `instance`, with `targets` active morph
+/// targets.
 fn check_terms(instance: usize, targets: u32, layout: &PoseLayout) -> Result<(), DeformError> {
     let influences = layout.influences;
     if targets.saturating_add(influences) > MOST_TERMS {

@@ -1,4 +1,4 @@
-//! Deforming on the GPU: morph targets, skins, displacement.
+//! Deformation on the GPU: morph targets, skins, displacement.
 
 pub(crate) mod deformer;
 mod model_data;

@@ -1,4 +1,5 @@
-//! A model's geometry as the deform stage reads it: chunk by chunk, each array bound from the chunk's first item on.
+//! The geometry of a model as the deform stage reads it, in chunks. Each array is bound from the first item of the
+//! chunk on.
 
 use std::ops::Range;
 
@@ -10,7 +11,7 @@ use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::DeformChunk;
 use crate::model::{Geometry, Influences, InstancePose, Model, PoseMismatch};
 
-/// Words of a 3×4 matrix.
+/// The words of a 3×4 matrix.
 const MATRIX_WORDS: u64 = 12;
 
 /// A chunk of a geometry's vertices, with its bytes in each array.
@@ -23,18 +24,18 @@ struct GeometryChunk {
     sources: Range<u64>,
 }
 
-/// Where an instance's pose lies, in words, and what it must have.
+/// Where the pose of an instance lies, in words, and how many matrices and weights it needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PoseLayout {
     pub(super) palette: u32,
     pub(super) joints: u32,
     pub(super) targets: u32,
     pub(super) target_count: u32,
-    /// The most influences that any vertex has.
+    /// The largest number of influences of a vertex.
     pub(super) influences: u32,
 }
 
-/// One dispatch of the deform stage.
+/// A dispatch of the deform stage.
 #[derive(Clone, Debug)]
 pub(super) struct PlannedDispatch {
     pub(super) instance: usize,
@@ -46,7 +47,7 @@ pub(super) struct PlannedDispatch {
     pub(super) positions: Range<u64>,
 }
 
-/// Sizes and places of everything the deform stage reads.
+/// Sizes and offsets of everything that the deform stage reads.
 #[derive(Debug)]
 pub(super) struct ModelData {
     geometries: Vec<Vec<GeometryChunk>>,
@@ -95,7 +96,7 @@ impl ModelData {
         })
     }
 
-    /// Checks all sizes before anything is made.
+    /// Checks all sizes before any buffer is made.
     pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
         let arrays = LABELS.into_iter().zip(self.bytes);
         let uniforms = self.dispatches * UniformTable::stride::<DeformChunk>() as u64;
@@ -135,7 +136,7 @@ impl ModelData {
         ]
     }
 
-    /// The dispatches, instance by instance, with the constant part of their uniforms.
+    /// The dispatches of all instances in order, with the constant part of their uniforms.
     pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Vec<PlannedDispatch> {
         let mut dispatches = Vec::new();
         let mut first_vertex = 0_u64;
@@ -169,20 +170,20 @@ impl ModelData {
     }
 }
 
-/// Cuts a geometry so that each chunk's arrays fit a binding, and places them behind `ends`.
+/// Cuts a geometry so that the arrays of each chunk fit a binding, and places them behind `ends`.
 fn chunk_geometry(
     geometry: &Geometry,
     split: &DispatchLimits,
     ends: &mut [u64; 4],
 ) -> Result<Vec<GeometryChunk>, MemoryError> {
-    // A dispatch also binds up to one alignment's worth of positions before its own.
+    // A dispatch also binds positions before its own, up to one alignment.
     let morph_bytes = 12 * geometry.morph_targets().len() as u64;
     let most_influences = geometry.influences().map_or(0, |influences| influences.most_per_vertex() as u64);
     let bytes_per_vertex = 13.max(morph_bytes).max(8 + 8 * most_influences);
     let runs = split.chunks("vertices of a deforming mesh", geometry.positions().len(), bytes_per_vertex)?;
     let mut place = |array: usize, bytes: u64| {
         let begin = split.align_up(ends[array]);
-        // Never empty: a geometry without morph targets, say, is still bound, and past those that have some.
+        // The range is never empty, because an array without elements is still bound.
         ends[array] = begin + bytes.max(4);
         begin..ends[array]
     };
@@ -203,7 +204,7 @@ fn skin_word_count(geometry: &Geometry, vertices: &Range<usize>) -> u64 {
     })
 }
 
-/// Where each vertex's influences begin, then joint and weight of each.
+/// The offset of each vertex's influences, then joint and weight of each influence.
 fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
     let Some(influences) = geometry.influences() else {
         return Vec::new();
@@ -216,7 +217,7 @@ fn skin_words(geometry: &Geometry, vertices: &Range<usize>) -> Vec<u32> {
 }
 
 impl PoseLayout {
-    /// The pose of instance `instance` has the matrices and weights that its geometry needs.
+    /// Checks that the pose has the matrices and weights that the geometry of instance number `instance` needs.
     pub(super) fn check(&self, instance: usize, pose: &InstancePose) -> Result<(), PoseMismatch> {
         pose.check_counts(instance, self.joints as usize, self.target_count as usize)
     }

@@ -1,4 +1,4 @@
-//! Which buffers each stage's dispatches bind.
+//! The buffers that the dispatches of each stage bind.
 
 use wgpu::BindingResource;
 
@@ -13,7 +13,7 @@ use crate::layout::{Chunk, DrawShape, LightBatch, Masks, Statistics};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
-/// Makes pipelines and bind groups over an extraction's buffers.
+/// Makes pipelines and bind groups over the buffers of an extraction.
 pub(crate) struct BindGroupBuilder<'a> {
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) device: &'a wgpu::Device,
@@ -37,7 +37,7 @@ impl BindGroupBuilder<'_> {
         self.pipelines.compute(&FACING, "facing", &[windows, plane, exact])
     }
 
-    /// Exact facing, which reads positions too.
+    /// The pipeline of exact facing, which also reads positions.
     pub(crate) fn exact_pipeline(&self, window_words: u32) -> Pipeline {
         let windows = [("WINDOW_WORDS", f64::from(window_words))];
         self.pipelines.compute(&EXACT_FACING, "exact_facing", &windows)
@@ -48,7 +48,7 @@ impl BindGroupBuilder<'_> {
         binding(&self.buffers.record, 0..RECORD_HEAD + 4 * self.shape.undecided.max(1) as u64)
     }
 
-    /// Binds the dispatches of a pipeline to positions.
+    /// Binds positions to the dispatches of a pipeline.
     pub(crate) fn bind_positions(&self, pass: &mut Pass, positions: &wgpu::Buffer, bound: &BoundPositions) {
         for dispatch in &mut pass.dispatches {
             let mut resources =
@@ -76,7 +76,7 @@ impl BindGroupBuilder<'_> {
         }
     }
 
-    /// The edges stage over facing masks.
+    /// The edges stage, which reads facing masks.
     pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
         let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
@@ -96,12 +96,12 @@ impl BindGroupBuilder<'_> {
         Pass { pipeline, dispatches }
     }
 
-    /// Compaction in the order of the edges: count, scan, scatter.
+    /// Compaction in edge order: count, scan, scatter.
     pub(crate) fn compact(&self, edge_dispatches: &[Dispatch]) -> [Pass; 3] {
         COMPACT_ENTRY_POINTS.map(|entry_point| {
             let pipeline = self.pipelines.compute(&COMPACT, entry_point, &[]);
             let scans = entry_point == "compact_scan";
-            // The scan goes over all blocks of a word at once, a workgroup a light.
+            // The scan goes over all blocks of a batch at once, with one workgroup for each light.
             let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
             let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_word).cloned().collect();
             for dispatch in &mut dispatches {
@@ -122,7 +122,7 @@ impl BindGroupBuilder<'_> {
         })
     }
 
-    /// Draw arguments of all lights, in one dispatch.
+    /// The draw arguments of all lights, in one dispatch.
     pub(crate) fn arguments(&self, vertices_per_edge: u32) -> Pass {
         let Shape { edges, max_lights, capacity, .. } = *self.shape;
         let mut table = UniformTable::default();
@@ -141,7 +141,8 @@ impl BindGroupBuilder<'_> {
         Pass { pipeline, dispatches: vec![dispatch] }
     }
 
-    /// `wanted` workgroups, or as many as the device lets one dispatch have: for stages whose workgroups take turns.
+    /// `wanted` workgroups, but at most as many as the device allows in one dispatch. It is for stages whose workgroups
+    /// take turns.
     fn at_most_workgroups(&self, wanted: usize) -> u32 {
         let limit = self.device.limits().max_compute_workgroups_per_dimension;
         (wanted as u32).min(limit)
@@ -154,7 +155,7 @@ impl BindGroupBuilder<'_> {
         [("masks", self.masks_of(dispatch)), ("counts", self.buffers.counts.as_entire_binding()), ("list", list)]
     }
 
-    /// The chunk's masks: its word's, those that all words share, or nothing.
+    /// The masks of the chunk: those of its batch, those that all batches share, or none.
     fn masks_of(&self, dispatch: &Dispatch) -> BindingResource<'_> {
         match self.buffers.masks.get(dispatch.word).or(self.buffers.masks.first()) {
             Some(masks) => binding(masks, dispatch.bytes(size_of::<Masks>() as u64)),
@@ -162,7 +163,7 @@ impl BindGroupBuilder<'_> {
         }
     }
 
-    /// Dynamic offsets of a light word and a chunk.
+    /// The dynamic offsets of a light batch and a chunk.
     fn word_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
         vec![dispatch.word as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset]
     }
@@ -170,7 +171,7 @@ impl BindGroupBuilder<'_> {
 
 const COMPACT_ENTRY_POINTS: [&str; 3] = ["compact_count", "compact_scan", "compact_scatter"];
 
-/// Masks are written when asked for or when ordered lists are made from them; appending makes unordered lists.
+/// Masks are written if they are asked for or if ordered lists are made from them. Appending makes unordered lists.
 fn emit_constants(options: &ExtractorOptions) -> [(&'static str, f64); 2] {
     let ordered = options.lists.is_some_and(|lists| lists.ordered);
     let append = options.lists.is_some() && !ordered;

@@ -1,4 +1,4 @@
-//! The buffers of an extraction: sizes, then the buffers.
+//! The buffers of an extraction and their sizes.
 
 use wgpu::BufferUsages;
 
@@ -11,18 +11,18 @@ use crate::layout::{Chunk, DrawArguments, LightBatch, Masks, Statistics};
 use crate::method::Predicate;
 use crate::{Mesh, light};
 
-/// The numbers that sizes follow from.
+/// The numbers that all sizes follow from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     pub(crate) vertices: u32,
     pub(crate) faces: usize,
     pub(crate) edges: usize,
     pub(crate) max_lights: usize,
-    /// Entries that each light's list has room for; 0 without lists.
+    /// Entries that the list of each light has room for. It is 0 without lists.
     pub(crate) capacity: u32,
-    /// Blocks of edges that compaction counts by.
+    /// Blocks of edges that compaction counts.
     pub(crate) blocks: u32,
-    /// Faces that the list of undecided ones has room for; 0 without exact facing.
+    /// Faces that the list of undecided faces has room for. It is 0 without exact facing.
     pub(crate) undecided: usize,
 }
 
@@ -54,20 +54,20 @@ impl Shape {
         })
     }
 
-    /// Words of 32 lights.
+    /// The number of batches of 32 lights.
     pub(crate) fn batches(&self) -> usize {
         light::batches(self.max_lights)
     }
 
-    /// The most lights of a word.
+    /// The largest number of lights in a batch.
     pub(crate) fn batch_lights(&self, word: usize) -> usize {
         (self.max_lights - 32 * word).min(32)
     }
 }
 
-/// Boundary and inconsistent edges always have room. Of the consistent ones, as many as lists of 16 bytes an edge in
-/// all give each light, which is every edge for up to four lights; and never fewer than sixteen times the square root,
-/// a few times what a smooth surface shows.
+/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, so
+/// every edge has room for up to four lights. Each light has room for at least sixteen times the square root of their
+/// number, which is a few times the silhouette of a smooth surface.
 fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
     let counts = mesh.edges().counts();
     let smooth = 16 * counts.consistent.isqrt();
@@ -78,7 +78,7 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
 /// Bytes before the undecided faces of a `FacingRecord`: the statistics, and how many faces are undecided.
 pub(crate) const RECORD_HEAD: u64 = size_of::<Statistics>() as u64 + 4;
 
-/// Room for every face that one dispatch takes, unless the options ask for less.
+/// Room for all faces of one dispatch, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
     if options.method().predicate(options.predicate) != Predicate::Exact {
         return 0;
@@ -88,18 +88,18 @@ fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchL
     asked.min(mesh.faces().len()).min(fitting)
 }
 
-/// The buffers of an extraction, one a batch of lights where there is a list of them.
+/// The buffers of an extraction. A `Vec` has one buffer for each batch of lights.
 #[derive(Debug)]
 pub(crate) struct Buffers {
     pub(crate) faces: wgpu::Buffer,
     pub(crate) edge_vertices: wgpu::Buffer,
     pub(crate) edge_faces: wgpu::Buffer,
-    /// Of the per-edge method.
+    /// For the per-edge method.
     pub(crate) edge_corners: Option<wgpu::Buffer>,
     pub(crate) facing: Vec<wgpu::Buffer>,
     /// Which lights lie in a face's plane; of exact facing with lists, for shadow volumes.
     pub(crate) coplanar: Vec<wgpu::Buffer>,
-    /// None, one that all words share for compaction, or one a word where the masks are asked for.
+    /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
     pub(crate) masks: Vec<wgpu::Buffer>,
     pub(crate) lists: Vec<wgpu::Buffer>,
     pub(crate) places: wgpu::Buffer,
@@ -108,12 +108,12 @@ pub(crate) struct Buffers {
     pub(crate) statistics: wgpu::Buffer,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
     pub(crate) record: wgpu::Buffer,
-    /// Bound where a stage's binding is not used.
+    /// A buffer for bindings that a stage does not use.
     pub(crate) unused: wgpu::Buffer,
 }
 
 impl Buffers {
-    /// `chunks` are those that a batch of lights is dispatched with.
+    /// `chunks` are the chunks of the dispatches of a batch of lights.
     pub(crate) fn new(
         device: &wgpu::Device,
         mesh: &Mesh,
@@ -133,7 +133,7 @@ impl Buffers {
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
         let coplanar = if lists > 0 && shape.undecided > 0 { words } else { 0 };
-        // These are bound whole; everything else is bound by chunks or windows.
+        // These buffers are bound whole. All others are bound in chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
             ("counts", lights * 4),

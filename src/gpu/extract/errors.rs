@@ -9,7 +9,7 @@ use crate::light::LightError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EncodeError {
-    /// The device is lost, or the timer is of another one.
+    /// The device is lost, or the timer belongs to another device.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The lights are refused.
@@ -35,7 +35,7 @@ pub enum ExtractorError {
     Memory(#[from] MemoryError),
 }
 
-/// An extraction whose results were overwritten.
+/// The results of an extraction were overwritten, because its extractor was encoded again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "this extraction is out of date: its extractor was encoded again, which overwrites the results; use the value that \
@@ -43,42 +43,42 @@ pub enum ExtractorError {
 )]
 pub struct StaleExtraction;
 
-/// Why a light's silhouette cannot be drawn.
+/// Why the silhouette of a light cannot be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DrawError {
     /// A later encode overwrote the results.
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
-    /// The extraction has fewer lights.
+    /// The extraction has no light with this index.
     #[error("light {light} asked for, and {lights} lights were extracted; lights count from 0")]
     NoSuchLight {
-        /// The light asked for.
+        /// The light that was asked for.
         light: usize,
-        /// Lights there are.
+        /// Lights of the extraction.
         lights: usize,
     },
-    /// The extractor makes no lists.
+    /// The extractor makes no lists, so there is nothing to draw.
     #[error("the extractor makes no lists to draw from; set `ExtractorOptions::lists`")]
     NoLists,
 }
 
-/// Why the include's bind group cannot be made.
+/// Why the bind group of the include cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IncludeError {
     /// The device is lost.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The extractor makes no lists, or it follows the per-edge method and has no facing masks.
+    /// The extractor makes no lists, or it uses the per-edge method, which has no facing masks.
     #[error("the include needs lists and facing masks; make the extractor with `lists` and `Method::FaceMask`")]
     NoLists,
-    /// The extraction has fewer batches of lights.
+    /// The extraction has no batch of lights with this index.
     #[error("batch {batch} of lights asked for, and there are {batches}; a batch is 32 lights, and they count from 0")]
     NoSuchBatch {
-        /// The batch asked for.
+        /// The batch that was asked for.
         batch: usize,
-        /// Batches there are.
+        /// Batches of the extraction.
         batches: usize,
     },
     /// A later encode overwrote the results.
@@ -87,7 +87,7 @@ pub enum IncludeError {
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),
-    /// An array takes more than one binding, and the include reads each from one.
+    /// An array needs more than one binding, and the include reads each array from one.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }

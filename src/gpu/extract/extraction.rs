@@ -1,4 +1,4 @@
-//! What one encode extracted.
+//! The result of one encode.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,7 +12,7 @@ use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionErro
 use crate::mesh::MeshId;
 use crate::{Light, light};
 
-/// What an extractor and its extractions share.
+/// State that an extractor and its extractions share.
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub(crate) pipelines: Pipelines,
@@ -21,13 +21,13 @@ pub(crate) struct Shared {
     pub(crate) buffers: Buffers,
     pub(crate) mesh: MeshId,
     pub(crate) is_closed: bool,
-    /// The masks were asked for.
+    /// Whether the masks were asked for.
     pub(crate) has_masks: bool,
     encodes: AtomicU64,
     include_groups: Mutex<Vec<IncludeGroup>>,
 }
 
-/// A bind group of the include that was made before.
+/// A bind group of the include that is kept.
 #[derive(Debug)]
 struct IncludeGroup {
     layout: wgpu::BindGroupLayout,
@@ -36,10 +36,10 @@ struct IncludeGroup {
     group: wgpu::BindGroup,
 }
 
-/// Bind groups of the include that are kept; a program has one layout, or a few.
+/// The largest number of the include's bind groups that are kept. A program has one layout, or a few.
 const KEPT_GROUPS: usize = 64;
 
-/// A place in a position buffer, kept.
+/// A place in a position buffer, kept from an encode.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Place {
     pub(crate) buffer: wgpu::Buffer,
@@ -84,7 +84,7 @@ impl Shared {
         self.pipelines.device()
     }
 
-    /// The buffers are written again from here on: earlier extractions are out of date.
+    /// The buffers are overwritten from here on, so earlier extractions are out of date.
     pub(crate) fn begin_encode(&self) -> u64 {
         self.encodes.fetch_add(1, Ordering::Relaxed) + 1
     }
@@ -112,11 +112,12 @@ impl Shared {
     }
 }
 
-/// What one [`Extractor::encode`](crate::gpu::Extractor::encode) extracted: a mesh, at these positions, for these lights. Whatever reads the
-/// results takes this value, so it cannot be given other positions or lights by mistake. It is refused
-/// ([`StaleExtraction`]) once a later encode of the same extractor was recorded, which overwrites the results.
+/// The result of one [`Extractor::encode`](crate::gpu::Extractor::encode): a mesh, at these positions, for these
+/// lights. Everything that reads the results takes this value, so it cannot be given other positions or lights by
+/// mistake. A later encode of the same extractor overwrites the results. This value is then refused with
+/// [`StaleExtraction`].
 ///
-/// Cheap to clone; it keeps the extractor's buffers alive.
+/// A clone is cheap. It keeps the extractor's buffers alive.
 #[derive(Clone, Debug)]
 pub struct Extraction {
     pub(crate) shared: Arc<Shared>,
@@ -130,17 +131,17 @@ impl Extraction {
         Self { shared, place, lights: lights.into(), encode }
     }
 
-    /// The lights, in the order of their bits.
+    /// The lights, in the order of their bits in the masks.
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// Where the positions lie that were extracted from.
+    /// The positions that the extraction was made from.
     pub fn positions(&self) -> PositionBuffer<'_> {
         self.place.as_buffer()
     }
 
-    /// Batches of 32 lights: ⌈lights / 32⌉.
+    /// The number of batches of 32 lights: ⌈lights / 32⌉.
     pub fn batches(&self) -> usize {
         light::batches(self.lights.len())
     }
@@ -148,27 +149,27 @@ impl Extraction {
     /// The buffers that hold the results once the encoder is submitted.
     ///
     /// # Errors
-    /// [`StaleExtraction`] when a later encode overwrites them.
+    /// [`StaleExtraction`] if a later encode overwrites them.
     pub fn results(&self) -> Result<Results<'_>, StaleExtraction> {
         self.check_current()?;
         Ok(self.shared.results())
     }
 
-    /// Draws the silhouette of light `light` by an indirect draw: an instance an edge, of as many vertices as
-    /// [`ListOptions::vertices_per_edge`](crate::gpu::ListOptions::vertices_per_edge) says. Pipeline and bind groups are
-    /// the caller's; [`Self::bind_group`] makes the one that the include reads.
+    /// Draws the silhouette of light number `light` by an indirect draw. Each edge is an instance.
+    /// [`ListOptions::vertices_per_edge`](crate::gpu::ListOptions::vertices_per_edge) says how many vertices it has.
+    /// The caller sets pipeline and bind groups; [`Self::bind_group`] makes the one that the include reads.
     ///
     /// # Errors
-    /// [`DrawError`] for a light that was not extracted, and when a later encode overwrites the results; nothing is
-    /// drawn then.
+    /// [`DrawError`] if the light was not extracted, there are no lists, or a later encode overwrites the results.
+    /// Nothing is drawn then.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), DrawError> {
         let (arguments, offset) = self.draw_arguments(light)?;
         pass.draw_indirect(arguments, offset);
         Ok(())
     }
 
-    /// The buffer and the place in it, in bytes, of light `light`'s [`DrawArguments`](crate::gpu::DrawArguments), for
-    /// callers with draws of their own.
+    /// The buffer with the [`DrawArguments`](crate::gpu::DrawArguments) of light number `light`, and their offset in
+    /// bytes. It is for callers that record their own draws.
     ///
     /// # Errors
     /// As [`Self::draw`].
@@ -184,13 +185,14 @@ impl Extraction {
         Ok((&self.shared.buffers.draw_arguments, (light * size_of::<crate::layout::DrawArguments>()) as u64))
     }
 
-    /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, by
-    /// [`include_wgsl`](crate::gpu::include_wgsl), over the positions that were extracted from. `layout` is
-    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). A group made before is given again.
+    /// The bind group with which a shader reads the results of lights `32 · batch` to `32 · batch + 31`, through
+    /// [`include_wgsl`](crate::gpu::include_wgsl). It includes the positions of the extraction. `layout` is that of
+    /// [`results_bind_group_layout`](crate::gpu::results_bind_group_layout). Bind groups are kept, so the same call
+    /// gives the same group.
     ///
     /// # Errors
-    /// [`IncludeError`] when the results lack what the include reads, an array does not fit one binding, there is no such
-    /// batch, or a later encode overwrites the results.
+    /// [`IncludeError`] if the extractor lacks what the include reads, an array does not fit one binding, there is no
+    /// such batch, or a later encode overwrites the results.
     pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, IncludeError> {
         self.check_current()?;
         let batches = self.batches();
@@ -203,7 +205,7 @@ impl Extraction {
             return Ok(made.group.clone());
         }
         let group = self.shared.include_group(layout, batch, self.place.as_buffer())?;
-        // Places that the positions left are not likely to come again.
+        // Places that the positions left are unlikely to come again.
         kept.retain(|kept| kept.place == self.place);
         if kept.len() >= KEPT_GROUPS {
             kept.remove(0);

@@ -1,4 +1,4 @@
-//! The extraction: facing, edges, compaction, draw arguments.
+//! The extraction stages: facing, edges, compaction, draw arguments.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,39 +22,40 @@ use crate::method::Predicate;
 use crate::stages::ARGUMENTS;
 use crate::{Light, Mesh};
 
-/// Extracts the silhouettes of one mesh, frame after frame, for up to `max_lights` lights. Records compute passes into
-/// the caller's encoder; the results stay in GPU buffers, see [`Extractor::results`].
+/// Extracts the silhouettes of one mesh every frame, for up to `max_lights` lights. It records compute passes into the
+/// caller's encoder. The results stay in GPU buffers, see [`Extractor::results`].
 #[derive(Debug)]
 pub struct Extractor {
     shared: Arc<Shared>,
     light_batches: wgpu::Buffer,
     chunks: wgpu::Buffer,
-    /// Facing, or the per-edge method; bound to positions when they are known.
+    /// Facing, or the per-edge method. It is bound when the positions are known.
     from_positions: Pass,
-    /// Exact facing, where it is wanted; dispatches as those of facing, but of fewer workgroups.
+    /// Exact facing, if the options ask for it. It has the dispatches of facing, with fewer workgroups.
     exact: Option<Pass>,
-    /// Edges, compaction, arguments: what the options ask for, in order.
+    /// Edges, compaction and arguments, as the options ask for them, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
     bound_to: Option<Place>,
 }
 
-/// Invocations of a workgroup of exact facing.
+/// The number of invocations in a workgroup of exact facing.
 const EXACT_WORKGROUP: u32 = 64;
 
-/// How many faces an invocation of exact facing takes by turns where every face is undecided; ARCHITECTURE.md, "Where it
-/// differs from the design". From 4 on a dispatch has no more workgroups than one of facing.
+/// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
+/// ARCHITECTURE.md, "Exact facing is a direct dispatch". From 4 on, a dispatch has no more workgroups than one of
+/// facing.
 fn exact_turns(device: &wgpu::Device) -> u32 {
     if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 48 } else { 4 }
 }
 
 impl Extractor {
-    /// Uploads the mesh's topology and makes result buffers on the caller's device. `pipelines` is that device, or the
-    /// [`Pipelines`] that many meshes share.
+    /// Uploads the topology of the mesh and makes the result buffers on the caller's device. `pipelines` is that
+    /// device, or the [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ExtractorError`] for an impossible number of lights, or a mesh that does not fit the device's limits, the
-    /// `memory_limit` or its memory.
+    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh
+    /// does not fit the device's limits, the `memory_limit` or the device's memory.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,
@@ -119,15 +120,16 @@ impl Extractor {
         Ok(Self { shared, light_batches, chunks, from_positions, exact, from_facing, options, bound_to: None })
     }
 
-    /// Records the extraction for `lights`, which are in the space of the positions, and returns what was extracted. No
-    /// lights are fine: then nothing is a silhouette. Lights past those given keep the masks of an earlier encode, and
-    /// their draws are empty. Several encodes in one encoder are fine, too: each sees its own lights, and overwrites the
+    /// Records the extraction for `lights` and returns what was extracted. Lights are in the space of the positions. No
+    /// lights are allowed; then no edge is a silhouette. Lights past those given keep the masks of an earlier encode,
+    /// and their draws are empty. One encoder may hold several encodes. Each sees its own lights and overwrites the
     /// results of the one before.
     ///
     /// `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`EncodeError`] when lights or positions are refused; nothing is recorded then.
+    /// [`EncodeError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing is
+    /// recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -153,8 +155,8 @@ impl Extractor {
         for masks in buffers.coplanar.iter().take(used) {
             encoder.clear_buffer(masks, 0, None);
         }
-        // Compaction counts in one buffer (and masks that nobody asked for are shared, too), so each batch of lights goes
-        // through all stages by itself there.
+        // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
+        // batch of lights then goes through all stages alone.
         let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
         let runs: Vec<Range<usize>> = if by_word {
             (0..used).map(|word| word..word + 1).collect()
@@ -173,7 +175,7 @@ impl Extractor {
             }
         }
         for pass in at_last {
-            // Of all lights there is room for, so that those not used draw nothing.
+            // For all lights that there is room for, so that unused lights draw nothing.
             pass.record(encoder, 0..used.max(1), timer.as_deref_mut());
         }
         encoder.copy_buffer_to_buffer(&buffers.record, 0, &buffers.statistics, 0, buffers.statistics.size());
@@ -181,7 +183,7 @@ impl Extractor {
         Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
     }
 
-    /// Facing and exact facing by turns: all chunks and words share the list of undecided faces.
+    /// Facing and exact facing in turn, because all chunks and batches share the list of undecided faces.
     fn record_exactly(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -200,7 +202,7 @@ impl Extractor {
         }
     }
 
-    /// Makes the bind groups that read positions, unless they are made for this very place already.
+    /// Makes the bind groups that read positions, unless they exist for this place.
     fn bind_positions(&mut self, place: &Place, bound: &BoundPositions) -> Result<(), PositionError> {
         if self.bound_to.as_ref() == Some(place) {
             return Ok(());
@@ -228,8 +230,8 @@ impl Extractor {
         }
     }
 
-    /// The buffers that hold the results of the last encode once its encoder is submitted. They stay the same for as long as
-    /// the extractor lives.
+    /// The buffers that hold the results of the last encode, once its encoder was submitted. They stay the same for the
+    /// life of the extractor.
     pub fn results(&self) -> Results<'_> {
         self.shared.results()
     }
@@ -241,7 +243,7 @@ impl Extractor {
         &self.shared.buffers.coplanar
     }
 
-    /// What extractions share.
+    /// The state that extractions share.
     pub(crate) fn shared(&self) -> &Arc<Shared> {
         &self.shared
     }

@@ -1,4 +1,4 @@
-//! The WGSL include: results read in the caller's own shaders.
+//! The WGSL include, with which a caller's shaders read the results.
 
 use super::errors::IncludeError;
 use super::extraction::Shared;
@@ -10,14 +10,15 @@ use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
 use crate::stages::INCLUDES;
 
-/// WGSL that reads the results: structs and functions that begin with `rimline_`, on bind group `group`. Put it before
-/// or after your own source. See the file `wgsl/results.wgsl` for what it offers.
+/// WGSL that reads the results: structs and functions whose names begin with `rimline_`, on bind group `group`. Put it
+/// before or after your own source. The file `wgsl/extract/results.wgsl` documents its functions.
 pub fn include_wgsl(group: u32) -> String {
     let source = INCLUDES.iter().find(|(name, _)| *name == "extract/results").map_or("", |(_, source)| source);
     source.replace("GROUP", &group.to_string())
 }
 
-/// The layout of the include's bind group, visible to the vertex, fragment and compute stages named.
+/// The layout of the include's bind group. `visibility` names the shader stages that read it: vertex, fragment or
+/// compute.
 pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("rimline results"),
@@ -25,7 +26,7 @@ pub fn results_bind_group_layout(device: &wgpu::Device, visibility: wgpu::Shader
     })
 }
 
-/// The entries of that layout.
+/// The entries of the include's layout.
 pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindGroupLayoutEntry> {
     (0..7)
         .map(|binding| wgpu::BindGroupLayoutEntry {
@@ -45,7 +46,7 @@ pub(crate) fn results_entries(visibility: wgpu::ShaderStages) -> Vec<wgpu::BindG
 }
 
 impl Shared {
-    /// The include's bind group for a batch of lights.
+    /// The bind group of the include for a batch of lights.
     pub(crate) fn include_group(
         &self,
         layout: &wgpu::BindGroupLayout,
@@ -92,7 +93,7 @@ impl Shared {
         Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
     }
 
-    /// Whether there is what the include reads.
+    /// Checks that the extractor has what the include reads.
     pub(crate) fn check_include(&self) -> Result<(), IncludeError> {
         let is_there = !self.buffers.lists.is_empty() && !self.buffers.facing.is_empty();
         if is_there { Ok(()) } else { Err(IncludeError::NoLists) }

@@ -1,31 +1,33 @@
-//! What an extractor finds and keeps.
+//! Options of an extractor.
 
 use crate::method::{Method, Predicate};
 
-/// What an [`Extractor`](crate::gpu::Extractor) finds and keeps.
+/// The size of an [`Extractor`](crate::gpu::Extractor), and the results that it finds and keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct ExtractorOptions {
-    /// The most lights of one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
+    /// The largest number of lights in one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// How silhouettes are found; with the feature `reference` alone.
+    /// The method that finds silhouettes. Only the feature `reference` has this option.
     #[cfg(feature = "reference")]
     pub method: Method,
     /// How a face's side is decided. The per-edge method of the feature `reference` is never exact.
     pub predicate: Predicate,
-    /// Faces that the list of those the filter leaves undecided has room for. `None`: all of them, 4 bytes a face. A
-    /// list that overflows loses nothing: every face then goes through the exact stage, which is slow.
+    /// Faces that the list of undecided faces has room for. `None`: all faces, at 4 bytes each. An overflow loses
+    /// nothing: every face then goes through the exact stage, which is slow.
     pub undecided_capacity: Option<u32>,
-    /// Keep silhouette and winding masks of every edge record: 8 bytes an edge and batch of 32 lights.
+    /// Keep the silhouette and winding masks of every edge record. They take 8 bytes for each edge and batch of 32
+    /// lights.
     pub masks: bool,
-    /// Make lists of silhouette edges; `None` for none.
+    /// The lists of silhouette edges. `None`: no lists.
     pub lists: Option<ListOptions>,
-    /// Refuse, before anything is allocated, to take more bytes of device memory than this. wgpu tells no device's
-    /// memory, so without it a mesh too large is found out by the device, and what was allocated is given back.
+    /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no
+    /// limit. wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. What
+    /// was allocated is freed.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for ExtractorOptions {
-    /// One light, face masks, exact, lists, no edge masks, no memory limit.
+    /// One light, face masks, the exact predicate, lists, no edge masks, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 1,
@@ -41,7 +43,7 @@ impl Default for ExtractorOptions {
 }
 
 impl ExtractorOptions {
-    /// Face masks, unless the feature `reference` asks for something else.
+    /// The method: face masks, unless the feature `reference` asks for another one.
     pub(crate) const fn method(&self) -> Method {
         #[cfg(feature = "reference")]
         return self.method;
@@ -50,23 +52,26 @@ impl ExtractorOptions {
     }
 }
 
-/// How lists of silhouette edges are made.
+/// Options of the lists of silhouette edges.
 #[derive(Clone, Copy, Debug)]
 pub struct ListOptions {
-    /// Entries that each light's list has room for, clamped to 1 … edge records. `None`: boundary and inconsistent
-    /// edges, and of the others a share of four lists of all edges, at least sixteen times their square root. A list
-    /// that overflows loses nothing: its draw goes over all edges, of which the include rejects what is no silhouette
-    /// (by the facing masks; of the per-edge method, which has none, only the edge masks know), and
-    /// [`crate::layout::Statistics`] counts it.
+    /// Entries that the list of each light has room for, from 1 to the number of edge records. `None`: room for all
+    /// boundary and inconsistent edges, and for a share of the others. All lights together have room for four times the
+    /// others, and each light for at least sixteen times their square root.
+    ///
+    /// An overflow loses nothing: the draw then goes over all edges, and the include rejects those that are no
+    /// silhouette. It uses the facing masks for this. The per-edge method has none, so there only the edge masks tell.
+    /// [`crate::layout::Statistics`] counts overflows.
     pub capacity: Option<u32>,
-    /// Lists in the order of the edges, the same in every run; costs the masks' memory traffic.
+    /// Whether lists have the order of the edges, which is the same in every run. It costs the memory traffic of the
+    /// masks.
     pub ordered: bool,
-    /// `vertex_count` of the draw arguments: 4 for a quad as a strip, 6 as two triangles, 2 for a line.
+    /// The `vertex_count` of the draw arguments: 4 for a quad as a strip, 6 for a quad as two triangles, 2 for a line.
     pub vertices_per_edge: u32,
 }
 
 impl Default for ListOptions {
-    /// Capacity by the mesh, unordered, 4 vertices an edge.
+    /// Capacity from the mesh, unordered, 4 vertices for each edge.
     fn default() -> Self {
         Self { capacity: None, ordered: false, vertices_per_edge: 4 }
     }

@@ -1,26 +1,28 @@
-//! Where the results lie.
+//! The buffers of the results.
 
-/// The buffers that hold an extraction's results, all with usages `STORAGE`, `COPY_SRC` and `COPY_DST`. Light `l` is
-/// bit `l mod 32` of word `l div 32`, least significant bit first; a batch of lights has buffers of its own.
+/// The buffers that hold the results of an extraction. All have usages `STORAGE`, `COPY_SRC` and `COPY_DST`. Light `l`
+/// is bit `l mod 32`, least significant bit first, of batch `l div 32`. Each batch of lights has its own buffers.
 #[derive(Clone, Copy, Debug)]
 pub struct Results<'a> {
-    /// `(a, b)` of each edge record: two `u32`.
+    /// The vertices `(a, b)` of each edge record: two `u32`.
     pub edge_vertices: &'a wgpu::Buffer,
-    /// The faces of each edge record: two `u32`, see [`crate::mesh::EdgeRecords::packed_faces`].
+    /// The faces of each edge record: two `u32`. See [`crate::mesh::EdgeRecords::packed_faces`].
     pub edge_faces: &'a wgpu::Buffer,
-    /// A buffer a word: one `u32` facing mask a face. Empty for the per-edge method.
+    /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method.
     pub facing: &'a [wgpu::Buffer],
-    /// A buffer a word: a [`crate::layout::Masks`] an edge record. Empty unless asked for.
+    /// One buffer for each batch, with a [`crate::layout::Masks`] for each edge record. Empty unless asked for.
     pub masks: &'a [wgpu::Buffer],
-    /// A buffer a word: for each of its lights [`Self::capacity`] entries of one `u32`, an edge record's index with the
-    /// winding bit at bit 31. Entries from the light's count on hold nothing. Empty without lists.
+    /// One buffer for each batch, with [`Self::capacity`] entries for each of its lights. An entry is one `u32`: the
+    /// index of an edge record, with the winding bit as bit 31. Entries past the light's count have no meaning. Empty
+    /// without lists.
     pub lists: &'a [wgpu::Buffer],
-    /// Entries that each light's list has room for.
+    /// Entries that the list of each light has room for.
     pub capacity: u32,
-    /// One `u32` a light, over all words: its silhouette edges. More than the capacity: the list overflowed.
+    /// One `u32` for each light of all batches: the number of its silhouette edges. The list overflowed if it is more
+    /// than the capacity.
     pub counts: &'a wgpu::Buffer,
-    /// A [`crate::layout::DrawArguments`] a light, over all words; usage `INDIRECT` too. A list that overflowed is
-    /// drawn over all edge records, see [`crate::gpu::include_wgsl`].
+    /// A [`crate::layout::DrawArguments`] for each light of all batches. Usage `INDIRECT`, too. The draw of a list that
+    /// overflowed goes over all edge records, see [`crate::gpu::include_wgsl`].
     pub draw_arguments: &'a wgpu::Buffer,
     /// One [`crate::layout::Statistics`].
     pub statistics: &'a wgpu::Buffer,

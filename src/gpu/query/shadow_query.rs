@@ -1,4 +1,4 @@
-//! The shadow depth query: how many faces lie strictly between each of many points and each light.
+//! The shadow depth query: the number of faces strictly between each point and each light.
 
 use std::ops::Range;
 
@@ -23,25 +23,26 @@ use crate::mesh::MeshId;
 use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
 
-/// What a [`ShadowQuery`] has room for.
+/// The size and behaviour of a [`ShadowQuery`].
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowQueryOptions {
-    /// The most points of one encode.
+    /// The largest number of points in one encode.
     pub max_points: u32,
-    /// The most lights of one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
+    /// The largest number of lights in one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,
-    /// Leave out runs of 32 and of 1,024 faces whose boxes the segment from point to light misses. Never changes a
-    /// depth. It pays where neighbours in the list of faces are neighbours in space.
+    /// Skip runs of 32 and of 1,024 faces if the segment from point to light misses their box. It never changes a
+    /// depth. It makes the query faster if neighbours in the list of faces are neighbours in space.
     pub skip: bool,
-    /// Faces × points × lights of one dispatch, about: bounds how long a dispatch takes, since some systems reset a GPU
-    /// that one keeps busy for seconds. How many dispatches go into one submission is the caller's choice.
+    /// The approximate product of faces, points and lights in one dispatch. It bounds the time of a dispatch, because
+    /// some systems reset a GPU that one dispatch keeps busy for seconds. The caller chooses how many dispatches one
+    /// submission has.
     pub work_per_dispatch: u64,
-    /// Refuse, before anything is allocated, to take more bytes of device memory than this.
+    /// The largest device memory for the query, in bytes. `None`: no limit. It is checked before anything is allocated.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for ShadowQueryOptions {
-    /// 65,536 points, one light, skipping, 2²⁸ triples a dispatch, no memory limit.
+    /// 65,536 points, one light, skipping, 2²⁸ triples in a dispatch, no memory limit.
     fn default() -> Self {
         Self { max_points: 1 << 16, max_lights: 1, skip: true, work_per_dispatch: 1 << 28, memory_limit: None }
     }
@@ -66,25 +67,25 @@ pub enum ShadowQueryError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The device is lost, or the timer is of another one.
+    /// The device is lost, or the timer belongs to another device.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The lights are refused, one with a negative `w` among them.
+    /// The lights are refused, for example one with a negative `w`.
     #[error(transparent)]
     Light(#[from] LightError),
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),
-    /// The extraction is of another mesh.
+    /// The extraction belongs to another mesh.
     #[error("the extraction is of another mesh than this query was made for; make both with the same `Mesh`")]
     OtherMesh,
-    /// A later encode of the extractor may have moved what it reads.
+    /// A later encode of the extractor may have moved the positions that the extraction names.
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
     /// The buffer of points is refused.
     #[error("points: {0}")]
     Points(PositionError),
-    /// More points than there is room for.
+    /// There are more points than the query has room for.
     #[error("{count} points given, at most {limit} fit (`max_points`); query them in several encodes")]
     TooManyPoints {
         /// Points given.
@@ -94,12 +95,13 @@ pub enum QueryError {
     },
 }
 
-/// Counts the faces of one mesh that lie strictly between points and lights: each face once, whatever its orientation
-/// and whatever the mesh, so that on a closed one the parity tells inside from outside. A point in shadow has a depth
-/// above 0. Equal on every device to [`crate::cpu::shadow_depth`], which says what becomes of ties.
+/// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
+/// orientation and whatever the mesh. On a closed mesh the parity tells inside from outside. A point in shadow has a
+/// depth above 0. The depths equal those of [`crate::cpu::shadow_depth`] on every device; that function describes how
+/// ties are broken.
 ///
-/// Records compute passes into the caller's encoder. Every face is tried against every pair of point and light, but for
-/// those that boxes leave out.
+/// The query records compute passes into the caller's encoder. Every face is tested against every pair of point and
+/// light, except for faces that the boxes leave out.
 #[derive(Debug)]
 pub struct ShadowQuery {
     split: DispatchLimits,
@@ -109,16 +111,16 @@ pub struct ShadowQuery {
     cluster_buffer: wgpu::Buffer,
     depths: wgpu::Buffer,
     undecided_pairs: wgpu::Buffer,
-    /// The dispatch of what is counted anew.
+    /// The indirect dispatch of the recount.
     recount_dispatch: wgpu::Buffer,
-    /// Pairs of point and light that `undecided_pairs` has room for.
+    /// The number of pairs of point and light that `undecided_pairs` has room for.
     most_queries: u64,
     pipelines: Pipelines,
     passes: Passes,
     options: ShadowQueryOptions,
 }
 
-/// The pipelines for positions in windows of one size.
+/// The pipelines for windows of one size.
 #[derive(Debug)]
 struct Passes {
     boxes: Pipeline,
@@ -148,12 +150,12 @@ impl Passes {
 }
 
 impl ShadowQuery {
-    /// Uploads the mesh's faces and makes buffers on the caller's device. `pipelines` is that device, or the [`Pipelines`]
-    /// that many meshes share.
+    /// Uploads the faces of the mesh and makes buffers on the caller's device. `pipelines` is that device, or the
+    /// [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ShadowQueryError`] for an impossible number of lights, or a mesh or results that do not fit the device's
-    /// limits, the `memory_limit` or its memory.
+    /// [`ShadowQueryError`] if the device lacks what the query needs, the number of lights is impossible, or the mesh
+    /// or the results do not fit the device's limits, the `memory_limit` or the device's memory.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,
@@ -208,12 +210,12 @@ impl ShadowQuery {
         })
     }
 
-    /// Records the query for the first `point_count` of `points`, in the space of the positions, and for positions and lights
-    /// of an extraction. [`Self::encode_at`] needs none.
+    /// Records the query for the first `point_count` of `points`, with the positions and lights of an extraction.
+    /// Points are in the space of the positions. [`Self::encode_at`] needs no extraction.
     ///
     /// # Errors
-    /// [`QueryError`] when the extraction is of another mesh or out of date, or lights or points are refused; nothing is
-    /// recorded then.
+    /// [`QueryError`] if the extraction belongs to another mesh or is out of date, or if lights or points are refused.
+    /// Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -230,11 +232,12 @@ impl ShadowQuery {
     }
 
     /// Records the query for the first `point_count` of `points` and for `lights`, all in the space of the positions.
-    /// Several encodes in one encoder are fine; each overwrites the depths of the one before. No lights or no points are
-    /// fine: there is nothing to find then.
+    /// Several encodes in one encoder are allowed; each overwrites the depths of the one before. No lights or no points
+    /// are allowed; there are no depths then. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`QueryError`] when lights, positions or points are refused; nothing is recorded then.
+    /// [`QueryError`] if lights, positions or points are refused, or the device is lost or not the timer's. Nothing is
+    /// recorded then.
     pub fn encode_at(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -322,7 +325,7 @@ impl ShadowQuery {
         Ok(())
     }
 
-    /// What the stages over pairs of point and light bind, for a run of points and of clusters.
+    /// The resources of the stages that work on pairs of point and light, for a run of points and a run of clusters.
     fn pair_resources<'a>(
         &'a self,
         tables: &'a Tables,
@@ -348,13 +351,15 @@ impl ShadowQuery {
         resources
     }
 
-    /// Where the depths lie once the encoder is submitted: one `i32` a pair, point after point, of each point a number a
-    /// light of that encode. −1: the point is infinite or NaN. Usages `STORAGE`, `COPY_SRC` and `COPY_DST`.
+    /// The depths, once the encoder was submitted: one `i32` for each pair. Points follow each other, and each point
+    /// has one number for each light of that encode. A point that is infinite or NaN has −1. Usages `STORAGE`,
+    /// `COPY_SRC` and `COPY_DST`.
     pub fn depths(&self) -> &wgpu::Buffer {
         &self.depths
     }
 
-    /// The mesh's faces in clusters with the boxes of the last encode, a `FaceCluster` each. Usages as above.
+    /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
+    /// usages are those of [`Self::depths`].
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.cluster_buffer
     }
@@ -375,13 +380,13 @@ fn cluster_bytes(clusters: &Range<usize>) -> Range<u64> {
     clusters.start as u64 * bytes..clusters.end as u64 * bytes
 }
 
-/// The uniforms of one encode, in buffers of its own, so that an encoder may hold several.
+/// The uniforms of one encode. They have their own buffers, so an encoder may hold several encodes.
 struct Tables {
     words: wgpu::Buffer,
     chunks: wgpu::Buffer,
     ranges: wgpu::Buffer,
     point_chunks: u64,
-    /// Dynamic offsets in `ranges`: for each chunk of clusters the whole of it, and its parts.
+    /// Dynamic offsets in `ranges`: for each chunk of clusters that of the whole chunk, and those of its parts.
     whole_ranges: Vec<u32>,
     sub_ranges: Vec<Vec<u32>>,
 }
@@ -433,7 +438,7 @@ impl Tables {
         }
     }
 
-    /// The dynamic offset of a run of points for a batch of lights.
+    /// The dynamic offset for a run of points and a batch of lights.
     fn chunk_offset(&self, word: u64, chunk: u64) -> u32 {
         ((word * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
     }

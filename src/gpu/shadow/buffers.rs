@@ -1,4 +1,4 @@
-//! The buffers of shadow volumes: sizes, then the buffers.
+//! The buffers of shadow volumes and their sizes.
 
 use wgpu::BufferUsages;
 
@@ -9,7 +9,7 @@ use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::extraction;
 use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 
-/// What the stages and draws share.
+/// The buffers that the stages and draws share.
 #[derive(Debug)]
 pub(super) struct Buffers {
     pub(super) shape: wgpu::Buffer,
@@ -20,7 +20,7 @@ pub(super) struct Buffers {
     pub(super) lights: wgpu::Buffer,
     pub(super) cap_dispatches: wgpu::Buffer,
     pub(super) cap_counts: wgpu::Buffer,
-    /// One a batch of lights.
+    /// One for each batch of lights.
     pub(super) cap_lists: Vec<wgpu::Buffer>,
     pub(super) draws: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
@@ -41,7 +41,7 @@ fn largest_capacity(entries: u64) -> u64 {
     if entries < LISTS * EXCLUDED_CAPACITY { entries / LISTS } else { (entries - EXCLUDED_CAPACITY) / 2 }
 }
 
-/// What takes room besides the lists of cap faces.
+/// The buffers besides the lists of cap faces.
 fn per_light(lights: usize) -> [(&'static str, u64); 3] {
     let lights = lights as u64;
     [
@@ -51,7 +51,7 @@ fn per_light(lights: usize) -> [(&'static str, u64); 3] {
     ]
 }
 
-/// The most entries of a list of cap faces that one binding, and the memory limit, have room for.
+/// The largest number of entries of a list of cap faces for which one binding and the memory limit have room.
 pub(super) fn fitting_capacity(extraction: &Shape, split: &DispatchLimits, memory_limit: Option<u64>) -> usize {
     let bound = largest_capacity(split.binding / (4 * extraction.batch_lights(0) as u64));
     let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();

@@ -1,4 +1,4 @@
-//! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`.
+//! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`, and two optional ones.
 
 use super::buffers::Buffers;
 use super::options::ShadowOptions;
@@ -12,35 +12,35 @@ use crate::gpu::extract::results::Results;
 use crate::layout::ShadowDraw;
 use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
 
-/// Pipelines and bind groups of the stages that choose.
+/// Pipelines and bind groups of these stages.
 #[derive(Debug)]
 pub(super) struct Choice {
     bounds: Pipeline,
     choose: Pipeline,
     /// Only for ZP+ as published.
     zp_plus_2005_cases: Option<Pipeline>,
-    /// Only where the caller asks for it.
+    /// Only if the caller asks for it.
     stencil_bound: Option<Pipeline>,
     caps: Pipeline,
     arguments: Pipeline,
     choose_group: wgpu::BindGroup,
     arguments_group: wgpu::BindGroup,
-    /// Made for the positions at hand.
+    /// Made for the current positions.
     position_groups: Option<PositionGroups>,
 }
 
-/// Bind groups of the stages that read positions.
+/// The bind groups of the stages that read positions.
 #[derive(Debug)]
 struct PositionGroups {
     bounds: wgpu::BindGroup,
-    /// One a batch of lights, as those of the caps are; none but for ZP+ as published.
+    /// One for each batch of lights. Empty except for ZP+ as published.
     zp_plus_2005_cases: Vec<wgpu::BindGroup>,
-    /// Likewise; none unless asked for.
+    /// One for each batch of lights. Empty unless the caller asks for the bound.
     stencil_bound: Vec<wgpu::BindGroup>,
     caps: Vec<wgpu::BindGroup>,
 }
 
-/// How many workgroups the stages take.
+/// The number of workgroups of the stages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Groups {
     pub(super) bounds: u32,
@@ -95,7 +95,7 @@ impl Choice {
         }
     }
 
-    /// Binds the stages that read positions.
+    /// Binds positions to the stages that read them.
     pub(super) fn bind_positions(
         &mut self,
         device: &wgpu::Device,

@@ -1,22 +1,22 @@
-//! The draws of a light's volume.
+//! The draws of a light's shadow volume.
 
 use super::buffers::Buffers;
 use super::pipelines::ShadowPipelines;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DrawArguments, ShadowDraw, ShadowDraws};
 
-/// Bind groups of the draws.
+/// The bind groups of the draws.
 #[derive(Debug)]
 pub(super) struct DrawGroups {
     /// Camera and lights.
     pub(super) frame: wgpu::BindGroup,
-    /// The extraction's results, a batch of lights each.
+    /// The results of the extraction, one for each batch of lights.
     pub(super) results: Vec<wgpu::BindGroup>,
-    /// Faces and their lists, likewise.
+    /// Faces and their lists, one for each batch of lights.
     pub(super) caps: Vec<wgpu::BindGroup>,
 }
 
-/// Where a light's draws of one kind begin.
+/// The offset of a light's draws of one kind, in bytes.
 fn offset(light: usize, kind: u64) -> u64 {
     (light * size_of::<ShadowDraws>()) as u64 + kind * size_of::<DrawArguments>() as u64
 }
@@ -33,7 +33,7 @@ const HOLES: u64 = 7;
 const CLIPPED_HOLES: u64 = 8;
 
 impl DrawGroups {
-    /// Draws the volume of `light`.
+    /// Draws the shadow volume of `light`.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

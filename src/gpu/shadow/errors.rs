@@ -12,13 +12,13 @@ use crate::shadow::{CameraError, Counting, DepthDirection};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowVolumesError {
-    /// The device lacks what shadow volumes need, is lost, or is another than the pipelines' or the timer's.
+    /// The device lacks what shadow volumes need, is lost, or is not that of the pipelines or the timer.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The extractor makes no lists or no facing masks.
     #[error(transparent)]
     Include(#[from] IncludeError),
-    /// The volumes' own buffers do not fit the device.
+    /// The buffers of the volumes do not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }
@@ -27,7 +27,7 @@ pub enum ShadowVolumesError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowEncodeError {
-    /// The device is lost, or another than the timer's.
+    /// The device is lost, or is not the timer's device.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// An array of the extraction does not fit one binding.
@@ -39,10 +39,11 @@ pub enum ShadowEncodeError {
     /// The camera is refused.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// A light is refused: one with a negative `w`.
+    /// A light is refused, because its `w` is negative.
     #[error(transparent)]
     Light(#[from] LightError),
-    /// The volumes read the lists of the extractor that they were made for.
+    /// The extraction belongs to another extractor. The volumes read the lists of the extractor that they were made
+    /// for.
     #[error(
         "these volumes were made for another extractor; encode them with an extraction of the one given to `ShadowVolumes::new`"
     )]
@@ -50,18 +51,18 @@ pub enum ShadowEncodeError {
     /// A later encode of the extractor overwrote what the volumes read.
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
-    /// Near and far would be taken for each other.
+    /// The depth directions of camera and pipelines differ. Near and far would be exchanged.
     #[error(
         "the camera's depth is {camera:?}, and the pipelines that the volumes were made with have {pipelines:?}; set \
          `ShadowFormat::depth` to the camera's"
     )]
     Depth {
-        /// Of the camera.
+        /// Depth direction of the camera.
         camera: DepthDirection,
-        /// Of the pipelines.
+        /// Depth direction of the pipelines.
         pipelines: DepthDirection,
     },
-    /// Dark caps would be cut off at the camera's far plane.
+    /// The camera has a far plane, which would cut off dark caps.
     #[error(
         "{counting:?} with a camera that has a far plane needs `ShadowFormat::has_far_plane` (and \
          `Features::DEPTH_CLIP_CONTROL`); set it, use an infinite far plane, or `Counting::Auto`"
@@ -76,7 +77,7 @@ pub enum ShadowEncodeError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadowDrawError {
-    /// The pipelines are of another device.
+    /// The pipelines belong to another device.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// A later encode of the extractor overwrote what is drawn.
@@ -88,36 +89,36 @@ pub enum ShadowDrawError {
          encode returned"
     )]
     StaleFrame,
-    /// The frame has fewer lights.
+    /// The frame has no light with this index.
     #[error("light {light} asked for, and {lights} lights were encoded; lights count from 0")]
     NoSuchLight {
-        /// The light asked for.
+        /// The light that was asked for.
         light: usize,
-        /// Lights there are.
+        /// Lights of the frame.
         lights: usize,
     },
-    /// What was listed is not what the pipelines draw.
+    /// The pipelines have another counting method than the volumes.
     #[error(
         "volumes made for {volumes:?} drawn with pipelines of {pipelines:?}; draw them with pipelines of the counting \
          method given to `ShadowVolumes::new`"
     )]
     Counting {
-        /// Of the volumes.
+        /// Counting method of the volumes.
         volumes: Counting,
-        /// Of the pipelines given.
+        /// Counting method of the pipelines.
         pipelines: Counting,
     },
-    /// The pipelines take far for near.
+    /// The pipelines have another depth direction than the volumes.
     #[error(
         "volumes made for {volumes:?} depth drawn with pipelines of {pipelines:?} depth; take a `ShadowFormat` of that"
     )]
     Depth {
-        /// Of the volumes.
+        /// Depth direction of the volumes.
         volumes: DepthDirection,
-        /// Of the pipelines given.
+        /// Depth direction of the pipelines.
         pipelines: DepthDirection,
     },
-    /// The pipelines clip at the far plane, unlike those that the volumes were made with.
+    /// The pipelines clip at the far plane, and those that the volumes were made with do not.
     #[error(
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
     )]

@@ -1,4 +1,4 @@
-//! What volumes are drawn into, and what tells one of their pipelines from another.
+//! The attachments that volumes are drawn into, and the key of a pipeline of volumes.
 
 use crate::gpu::common::requirements::DeviceError;
 use crate::shadow::DepthDirection;
@@ -6,34 +6,40 @@ use crate::shadow::DepthDirection;
 /// The attachments that volumes are drawn into.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowFormat {
-    /// The format of the depth-stencil attachment; it must have both.
+    /// The format of the depth-stencil attachment. It must have both depth and stencil.
     ///
-    /// With reversed depth, `Depth32FloatStencil8` (an optional feature of devices) tells apart distances that differ by a
-    /// 2⁻²³th part, wherever the near plane is. With 24 bits, and with standard depth in either format, numbers next to
-    /// each other are `distance² / (2²⁴ · near)` apart. Then keep the near plane farther away than `farthest / (2²⁴ · pixel)`,
-    /// where `farthest` is the distance of the farthest shadows that are seen and `pixel` the size of a pixel at distance
-    /// 1: farther than an 18,000th of `farthest` for 1,080 rows and a field of view of 60°. With a nearer one shadows'
-    /// borders there are off by more than a pixel, and with one at a millionth shadows may be missing or spread over what is lit.
-    /// NUMERICS.md, "What depth must tell apart".
+    /// The format must tell depths apart precisely enough:
+    ///
+    /// * With reversed depth, `Depth32FloatStencil8` (an optional feature of devices) resolves distances to one part in
+    ///   2²³, wherever the near plane is.
+    /// * With 24 bits, and with standard depth in either format, neighbouring values are `distance² / (2²⁴ · near)`
+    ///   apart.
+    ///
+    /// In the second case keep the near plane farther away than `farthest / (2²⁴ · pixel)`. Here `farthest` is the
+    /// distance of the farthest visible shadows, and `pixel` is the size of a pixel at distance 1. For 1,080 rows and a
+    /// field of view of 60° this is an 18,000th of `farthest`. With a nearer plane, the borders of far shadows are off
+    /// by more than a pixel. With a near plane at a millionth of `farthest`, shadows may be missing or cover lit
+    /// surfaces. See NUMERICS.md, "What depth must tell apart".
     pub depth_stencil: wgpu::TextureFormat,
-    /// Which depth is near: the cameras'.
+    /// The depth direction. It must be that of the cameras.
     pub depth: DepthDirection,
-    /// Samples a pixel: 1 or 4, and others where the adapter has them and the device was made with
+    /// Samples for each pixel: 1 or 4. The device may allow others if it was made with
     /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
     pub samples: u32,
-    /// Formats of the pass's colour attachments, which are left as they are. Empty: a pass without any.
+    /// The formats of the pass's colour attachments, which volumes do not change. Empty: the pass has none.
     pub colors: Vec<Option<wgpu::TextureFormat>>,
-    /// Front faces on the screen: `Ccw`, but `Cw` for cameras that mirror, and for mirrored instances whose positions stay in
-    /// the mesh's space (the camera's matrix then has the instance's transform in it).
+    /// The winding of front faces on the screen. It is `Ccw`, except for two cases with `Cw`: cameras that mirror, and
+    /// mirrored instances whose positions stay in mesh space, so that the camera's matrix contains the instance's
+    /// transform.
     pub front_face: wgpu::FrontFace,
-    /// The far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+ as published
-    /// mind: they then need `Features::DEPTH_CLIP_CONTROL`.
+    /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
+    /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
 }
 
 impl Default for ShadowFormat {
-    /// `Depth32FloatStencil8` is an optional feature, so 24 bits, which ask for a near plane that is not too near (see
-    /// [`Self::depth_stencil`]); reversed, one sample, no colour, infinite far plane.
+    /// 24-bit depth, because `Depth32FloatStencil8` is an optional feature; see [`Self::depth_stencil`] for the near
+    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane.
     fn default() -> Self {
         Self {
             depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,
@@ -72,7 +78,7 @@ pub enum ShadowFormatError {
     /// The device lacks what shadow volumes need, or is lost.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// Counting needs a stencil, and telling near from far a depth.
+    /// The format lacks stencil or depth. The stencil counts, and the depth tells near from far.
     #[error("{0:?} does not hold both depth and stencil; take Depth24PlusStencil8 or Depth32FloatStencil8")]
     NoStencil(wgpu::TextureFormat),
     /// The device was not asked for the format's feature.
@@ -80,47 +86,48 @@ pub enum ShadowFormatError {
     Feature {
         /// The format.
         format: wgpu::TextureFormat,
-        /// What the device lacks.
+        /// The feature that the device lacks.
         needed: wgpu::Features,
     },
-    /// No pipeline has so many samples.
+    /// The format does not allow this number of samples.
     #[error("{samples} samples a pixel of {format:?} are not to be had; take one of {supported:?}")]
     Samples {
         /// Samples given.
         samples: u32,
         /// The depth-stencil format.
         format: wgpu::TextureFormat,
-        /// What every device has, or with `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES` what some have.
+        /// The numbers that every device allows, or some devices with
+        /// `Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES`.
         supported: Vec<u32>,
     },
-    /// The device makes no pipelines for the attachments: such as formats that cannot be drawn into, more of them than the
-    /// device has, or samples that this adapter lacks.
+    /// The device makes no pipelines for the attachments. For example a format cannot be drawn into, there are too many
+    /// attachments, or the adapter lacks the sample count.
     #[error("the device refuses pipelines for these attachments: {message}")]
     Refused {
-        /// What the device said.
+        /// The message of the device.
         message: String,
     },
-    /// Dark caps would be cut off at the far plane.
+    /// The far plane would cut off dark caps. The device needs `Features::DEPTH_CLIP_CONTROL`.
     #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
     DepthClip,
 }
 
-/// Which fragments count.
+/// The fragments that count.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Count {
-    /// Those strictly nearer than the scene: fronts up, backs down.
+    /// Fragments strictly nearer than the scene: fronts up, backs down.
     Visible,
-    /// The others: fronts down, backs up.
+    /// The other fragments: fronts down, backs up.
     Hidden,
-    /// All: fronts up, backs down.
+    /// All fragments: fronts up, backs down.
     Always,
 }
 
-/// All that a pipeline of volumes depends on.
+/// Everything that a pipeline of volumes depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
     pub(super) entry_point: &'static str,
-    /// Of cap faces: which list.
+    /// The list of cap faces.
     pub(super) class: u32,
     pub(super) count: Count,
     pub(super) turned: bool,

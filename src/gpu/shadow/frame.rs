@@ -1,4 +1,4 @@
-//! What one encode of shadow volumes left to draw.
+//! The result of one encode of shadow volumes: what can be drawn.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,15 +11,15 @@ use crate::Light;
 use crate::gpu::common::requirements::check_same;
 use crate::gpu::extract::extraction::{self, Extraction};
 
-/// What volumes and their frames share.
+/// State that volumes and their frames share.
 #[derive(Debug)]
 pub(super) struct Shared {
-    /// The extractor's.
+    /// The state of the extractor.
     pub(super) source: Arc<extraction::Shared>,
     pub(super) buffers: Buffers,
     pub(super) layouts: Layouts,
     pub(super) convention: Convention,
-    /// Volumes may end at their lights' ranges.
+    /// Whether volumes may end at the range of their light.
     may_end: bool,
     encodes: AtomicU64,
 }
@@ -36,9 +36,9 @@ impl Shared {
     }
 }
 
-/// The shadow volumes of one caster as one [`ShadowVolumes::encode`](crate::gpu::ShadowVolumes::encode) prepared them, for each light of its
-/// extraction and one camera. It is refused once a later encode of the volumes or of the extractor was recorded, which
-/// overwrites what it draws from.
+/// The shadow volumes of one caster, as one [`ShadowVolumes::encode`](crate::gpu::ShadowVolumes::encode) prepared them:
+/// for all lights of an extraction and one camera. A later encode of the volumes or of the extractor overwrites what it
+/// draws. It is then refused.
 #[derive(Clone, Debug)]
 pub struct ShadowFrame {
     shared: Arc<Shared>,
@@ -48,26 +48,27 @@ pub struct ShadowFrame {
 }
 
 impl ShadowFrame {
-    /// The volumes' buffers are written again from here on.
+    /// Begins a frame. The buffers of the volumes are overwritten from here on.
     pub(super) fn new(shared: Arc<Shared>, groups: Arc<DrawGroups>, extraction: Extraction) -> Self {
         let encode = shared.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         Self { shared, groups, extraction, encode }
     }
 
-    /// The lights, in the order of [`Self::draw`]'s numbers.
+    /// The lights, in the order of the numbers that [`Self::draw`] takes.
     pub fn lights(&self) -> &[Light] {
         self.extraction.lights()
     }
 
-    /// Draws the volume of light `light` into a pass whose attachments are those of `pipelines`. Counts up from whatever the
-    /// stencil holds; no other state of the pass matters, and bind groups 0 and 1 and the pipeline are left changed.
+    /// Draws the shadow volume of light number `light` into a pass with the attachments of `pipelines`. It counts up
+    /// from the current content of the stencil. Other state of the pass does not matter. It changes the pipeline and
+    /// bind groups 0 and 1.
     ///
-    /// `pipelines` may be others than those that the volumes were made with, for other attachments, as long as they count
-    /// alike.
+    /// `pipelines` may differ from those that the volumes were made with, for other attachments, if counting method and
+    /// depth are the same.
     ///
     /// # Errors
-    /// [`ShadowDrawError`] when they do not, for a light that was not encoded, and when a later encode overwrites what is
-    /// drawn; nothing is drawn then.
+    /// [`ShadowDrawError`] if the pipelines do not match the volumes, the light was not encoded, or a later encode
+    /// overwrites what is drawn. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

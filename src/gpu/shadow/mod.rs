@@ -1,4 +1,4 @@
-//! Shadow volumes: which faces cast and how is counted, chosen on the GPU; sides and caps by indirect draws.
+//! Shadow volumes. The GPU chooses the faces that cast and the counting method. Indirect draws draw sides and caps.
 
 mod buffers;
 mod choice;

@@ -1,38 +1,39 @@
-//! How a caster casts.
+//! Options of a caster's shadow volumes.
 
-/// How a caster casts.
+/// Options of a caster's shadow volumes.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
-    /// Every face casts, also of a closed mesh with light and near rectangle outside of its box, whose faces averted from
-    /// the light suffice. Right, too, and slower. Needed for a closed caster that is not itself in the depth buffer, if
-    /// surfaces within it are seen. NUMERICS.md, "Which faces cast".
+    /// Every face casts, always. Without this option a closed mesh casts only by its averted faces if light and near
+    /// rectangle are outside its box, which is faster and right, too. Set it for a closed caster that is not in the
+    /// depth buffer, if surfaces inside it are seen. See NUMERICS.md, "Which faces cast".
     pub every_face: bool,
-    /// Entries that each of a light's two lists of cap faces has room for. `None`: with z-fail, ZP+ as published and
-    /// [`Self::end_at_range`] every face, else 1,024 and sixteen times the square root of the faces; but never more than
-    /// fit one binding (8 bytes an entry for each of up to 32 lights, and 4 KiB a light for excluded faces) and [`Self::memory_limit`]. A list that overflows
-    /// loses nothing: its draw goes over all faces.
+    /// Entries that each of the two lists of cap faces of a light has room for. `None`: every face with z-fail, ZP+ as
+    /// published or [`Self::end_at_range`]; else 1,024 and sixteen times the square root of the faces. The lists always
+    /// fit one binding (8 bytes an entry for each of up to 32 lights, and up to 4 KiB a light for excluded faces) and
+    /// [`Self::memory_limit`]. An overflow loses nothing: the draw then goes over all faces.
     pub cap_capacity: Option<u32>,
-    /// Skip the caster for lights whose shadow of it the camera cannot see.
+    /// Skip the caster for a light if the camera cannot see its shadow.
     pub skip_unseen: bool,
-    /// Volumes end beyond their light's range, at a sphere around the light (Bergeron 1986), instead of at infinity, but
-    /// where ZP+ counts them or the light may be within the caster's box. Receivers out of range hold any count then: they
-    /// must not be lit by that light. Less to fill; z-pass then draws dark caps, too.
+    /// Volumes end beyond their light's range, at a sphere around the light (Bergeron 1986), instead of at infinity.
+    /// This does not apply to volumes that ZP+ counts, nor where the light may be in the caster's box. Receivers out of
+    /// range may have any count; do not light them by this light. There are fewer pixels to fill, but z-pass also draws
+    /// dark caps.
     pub end_at_range: bool,
-    /// Find what no stencil count of the caster exceeds, for [`ShadowStatistics::count_bound`] and
-    /// [`ShadowStatistics::may_wrap`]: a pass over the silhouettes. Counts wrap exactly at 256, so a point in a multiple of
-    /// 256 volumes at once appears lit. The casters' bounds add up.
+    /// Compute an upper bound of the caster's stencil counts, for [`ShadowStatistics::count_bound`] and
+    /// [`ShadowStatistics::may_wrap`]. It takes a pass over the silhouettes. Counts wrap at 256, so a point in a
+    /// multiple of 256 volumes looks lit. Add the bounds of all casters.
     ///
     /// [`ShadowStatistics::count_bound`]: crate::layout::ShadowStatistics::count_bound
     /// [`ShadowStatistics::may_wrap`]: crate::layout::ShadowStatistics::may_wrap
     pub bound_counts: bool,
-    /// As of [`crate::gpu::ExtractorOptions`].
+    /// The largest device memory for the volumes, in bytes. `None`: no limit. See [`crate::gpu::ExtractorOptions`].
     pub memory_limit: Option<u64>,
 }
 
 impl Default for ShadowOptions {
-    /// Averted faces where they suffice, lists by the mesh, unseen shadows skipped, infinite volumes, no bound on counts, no memory
-    /// limit.
+    /// Averted faces where they suffice, list sizes from the mesh, unseen shadows skipped, infinite volumes, no bound
+    /// on counts, no memory limit.
     fn default() -> Self {
         Self {
             every_face: false,

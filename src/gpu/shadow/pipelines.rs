@@ -10,18 +10,18 @@ use crate::gpu::extract::include::{include_wgsl, results_entries};
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
 
-/// Layouts of the bind groups that draws take.
+/// The layouts of the bind groups that draws use.
 #[derive(Clone, Debug)]
 pub(super) struct Layouts {
     /// Camera and lights.
     pub(super) frame: wgpu::BindGroupLayout,
-    /// The extraction's results.
+    /// The results of the extraction.
     pub(super) results: wgpu::BindGroupLayout,
     /// Faces and their lists.
     pub(super) cap_data: wgpu::BindGroupLayout,
 }
 
-/// What volumes and the pipelines that draw them must agree on.
+/// The properties in which volumes and the pipelines that draw them must agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Convention {
     pub(super) counting: Counting,
@@ -31,40 +31,41 @@ pub(super) struct Convention {
 }
 
 impl Convention {
-    /// Dark caps are drawn at infinity, where a far plane would clip them.
+    /// Whether dark caps are drawn at infinity, where a far plane would clip them.
     pub(super) fn needs_far_end(self) -> bool {
         self.counting.may_fail() && !self.is_unclipped
     }
 }
 
-/// The pipelines that one counting method draws with; casters share them, and those that choose for them.
+/// The render pipelines of one counting method for one [`ShadowFormat`](crate::gpu::ShadowFormat). Casters share them,
+/// and with them the compute pipelines that choose.
 #[derive(Debug)]
 pub struct ShadowPipelines {
     shared: Pipelines,
     pub(super) convention: Convention,
     pub(super) layouts: Layouts,
-    /// Of z-pass and ZP+; or of z-fail, which ZP+ as published goes over to.
+    /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
     pub(super) side: wgpu::RenderPipeline,
-    /// Sides of holes, likewise.
+    /// Sides of holes, for the same methods.
     pub(super) hole: wgpu::RenderPipeline,
-    /// With ZP+: clipped sides of holes.
+    /// Clipped sides of holes, with ZP+.
     pub(super) clipped_hole: Option<wgpu::RenderPipeline>,
-    /// With ZP+: clipped sides, then near caps that count up on their front and on their back.
+    /// Clipped sides with ZP+, and the near caps that count up on their front and on their back.
     pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
-    /// With z-pass: dark caps of volumes that end, of the two lists.
+    /// Dark caps of volumes that end, with z-pass: one for each list.
     pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
-    /// With ZP+ as published: sides, then near caps likewise.
+    /// Sides with ZP+ as published, and the near caps that count up on their front and on their back.
     pub(super) zp_plus_2005: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
-    /// With z-fail: light and dark caps of the faces that count up on their front, then of the others.
+    /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
     pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
 
 impl ShadowPipelines {
-    /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that other formats, counting methods
-    /// and extractors share.
+    /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that other formats, counting
+    /// methods and extractors share.
     ///
     /// # Errors
-    /// [`ShadowFormatError`] when attachments or device do not serve.
+    /// [`ShadowFormatError`] if the device lacks what shadow volumes need, or cannot draw into the attachments.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         format: &ShadowFormat,
@@ -119,12 +120,12 @@ impl ShadowPipelines {
         }
     }
 
-    /// What these pipelines are of.
+    /// The shared pipelines that these belong to.
     pub(super) fn shared(&self) -> &Pipelines {
         &self.shared
     }
 
-    /// The counting method these pipelines are for.
+    /// The counting method of these pipelines.
     pub fn counting(&self) -> Counting {
         self.convention.counting
     }
@@ -149,8 +150,8 @@ fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<
     Ok(())
 }
 
-/// The sample counts that a format may have on a device. Which of them the adapter adds to those that every device has, wgpu
-/// tells only of adapters.
+/// The sample counts that a format may have on a device. An adapter may add some to those of every device, but wgpu
+/// tells which only for adapters.
 fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32> {
     if device.features().contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES) {
         return vec![1, 2, 4, 8, 16];
@@ -177,7 +178,7 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// `turned` swaps what fronts and backs count; the vertex order stays, and with it the bits of depth.
+    /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
     fn pipeline(&self, entry_point: &'static str, class: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
         let key = VolumeKey { entry_point, class, count, turned, format: self.format.clone() };
         self.shared.volume(&key, || self.make(&key))

@@ -1,4 +1,4 @@
-//! Shadow volumes of one caster.
+//! The shadow volumes of one caster.
 
 use std::sync::Arc;
 
@@ -22,20 +22,21 @@ use crate::gpu::extract::extractor::Extractor;
 use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
 use crate::light::{self, check_shadow_lights};
 
-/// The shadow volumes of one caster, for the lights of its [`Extractor`]. Records compute passes into the caller's encoder
-/// after the extraction's, and draws into the caller's render pass; nothing is read back.
+/// The shadow volumes of one caster, for the lights of its [`Extractor`]. It records compute passes into the caller's
+/// encoder after those of the extraction, and draws into the caller's render pass. It reads nothing back.
 ///
-/// A light's stencil pass clears the stencil to 0, draws the volumes of all casters, and then the light is added where
-/// the stencil is still 0. What casts must be in the depth buffer before. How precise depth must be is said at
-/// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil).
+/// For each light, a pass clears the stencil to 0 and draws the volumes of all casters. Then the light is added where
+/// the stencil is still 0. The depth buffer must contain the casters before.
+/// [`ShadowFormat::depth_stencil`](crate::gpu::ShadowFormat::depth_stencil) says how precise depth must be.
 ///
-/// Of a closed, consistently oriented caster the faces averted from the light cast, whichever way it is wound; where the
-/// light or the near rectangle may be within its box, and of any other caster, every face does. A face that has the light
-/// exactly in its plane casts nothing. So a light may be exactly on a face, an edge or a vertex. A light next to an edge
-/// or a face, but not on it, casts an imprecise shadow: keep it away by a ten-thousandth of the caster's size or more.
+/// In a closed and consistently oriented caster, the faces averted from the light cast, whichever way it is wound. Every
+/// face casts where the light or the near rectangle may be within the caster's box, and in every other caster. A face
+/// casts nothing if the light lies exactly in its plane. So a light may be on a face, an edge or a vertex. A light that
+/// is next to an edge or a face, but not on it, casts an imprecise shadow. Keep it away by a ten-thousandth of the
+/// caster's size or more.
 ///
-/// Shadows can be wrong by one pixel at the contours that the eye sees: rasterization rounds positions there, and a hairline
-/// of light or shadow can appear. NUMERICS.md, "Hairlines", has the details.
+/// Shadows can be wrong by one pixel at contours as the camera sees them. Rasterization rounds positions there, and a
+/// hairline of light or shadow can appear. See NUMERICS.md, "Hairlines".
 ///
 /// ```no_run
 /// use rimline::gpu::{
@@ -52,12 +53,12 @@ use crate::light::{self, check_shadow_lights};
 /// #     depth_stencil: &wgpu::TextureView,
 /// #     draw_lit: impl Fn(&mut wgpu::RenderPass<'_>, &wgpu::DepthStencilState, usize),
 /// # ) -> Result<(), Box<dyn std::error::Error>> {
-/// // Once, with the format of your depth-stencil attachment and your camera's depth:
+/// // Once, with the format of your depth-stencil attachment and the depth of your camera:
 /// let format = ShadowFormat { depth: camera.depth, ..ShadowFormat::default() };
 /// // Your pipelines that add a light have this state, and blend by addition:
 /// let lit: wgpu::DepthStencilState = format.light_pass_depth_stencil();
 /// let pipelines = ShadowPipelines::new(device, &format, Counting::Auto)?;
-/// // Once a caster:
+/// // Once for each caster:
 /// let mut extractor = Extractor::new(device, mesh, ExtractorOptions { max_lights: 2, ..Default::default() })?;
 /// let mut volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default())?;
 ///
@@ -65,7 +66,7 @@ use crate::light::{self, check_shadow_lights};
 /// let lights = [Light::point([0.0, 5.0, 2.0]), Light::directional([1.0, 1.0, 0.0])];
 /// let extraction = extractor.encode(encoder, vertices, &lights, None)?;
 /// let shadows = volumes.encode(encoder, &extraction, camera, None)?;
-/// // After your depth pass, for each light; your colour attachments go here, too, and into the format:
+/// // After your depth pass, for each light. Put your colour attachments here and into the format:
 /// for light in 0..lights.len() {
 ///     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
 ///         label: Some("light"),
@@ -91,12 +92,12 @@ pub struct ShadowVolumes {
 }
 
 impl ShadowVolumes {
-    /// Buffers for the mesh that `extractor` was made for, on the same device as `pipelines`; what the volumes compute with
-    /// is kept there, too.
+    /// Makes buffers on the device of `pipelines`, for the mesh that `extractor` was made for. `extractor` must be on
+    /// the same device. `pipelines` also provides the compute pipelines.
     ///
     /// # Errors
-    /// [`ShadowVolumesError`] when the extractor lacks lists or facing masks, is on another device than the pipelines, or
-    /// the mesh does not fit the device.
+    /// [`ShadowVolumesError`] if the extractor lacks lists or facing masks or is on another device, or the mesh does
+    /// not fit the device.
     pub fn new(
         pipelines: &ShadowPipelines,
         extractor: &Extractor,
@@ -151,12 +152,13 @@ impl ShadowVolumes {
         Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
 
-    /// Records, after the encode that returned `extraction`, what chooses and lists for `camera`, and returns what can be
-    /// drawn. The lights are the extraction's, with their ranges; none are fine.
+    /// Records the stages that choose and list for `camera`, and returns what can be drawn. Call it after the encode that
+    /// returned `extraction`. Lights and their ranges are those of the extraction; it may have none. The camera takes
+    /// positions in their own space. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`ShadowEncodeError`] when camera or lights are refused, or the extraction is another extractor's or out of date;
-    /// nothing is recorded then.
+    /// [`ShadowEncodeError`] if camera or lights are refused, or the extraction belongs to another extractor or is out
+    /// of date. Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -189,7 +191,7 @@ impl ShadowVolumes {
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         if !lights.is_empty() {
-            // A thread takes some 64 faces: few atomics, and still all cores.
+            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
             let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
             let groups = Groups {
                 bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
@@ -200,25 +202,28 @@ impl ShadowVolumes {
         Ok(ShadowFrame::new(Arc::clone(&self.shared), groups, extraction.clone()))
     }
 
-    /// A [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once submitted; usage `COPY_SRC`.
+    /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once its encoder was submitted. Usage
+    /// `COPY_SRC`.
     pub fn statistics(&self) -> &wgpu::Buffer {
         &self.shared.buffers.statistics
     }
 
-    /// What was chosen for each light: [`ShadowLight`]s, once submitted; usage `COPY_SRC`.
+    /// The choices for each light of the last encode, as [`ShadowLight`]s, once its encoder was submitted. Usage
+    /// `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn lights(&self) -> &wgpu::Buffer {
         &self.shared.buffers.lights
     }
 
-    /// The draws of each light: [`ShadowDraws`](crate::layout::ShadowDraws), once submitted; usages `INDIRECT` and `COPY_SRC`.
+    /// The draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
+    /// `INDIRECT` and `COPY_SRC`.
     #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.shared.buffers.draws
     }
 
-    /// Refuses what would draw wrong shadows: an extraction of another extractor or out of date, another camera than the
-    /// pipelines are for.
+    /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
+    /// the pipelines are not for.
     fn check(&self, extraction: &Extraction, camera: &ShadowCamera) -> Result<(), ShadowEncodeError> {
         let Shared { source, convention, .. } = &*self.shared;
         if !Arc::ptr_eq(source, &extraction.shared) {
@@ -236,7 +241,7 @@ impl ShadowVolumes {
         Ok(())
     }
 
-    /// Makes the bind groups that read positions, unless they are made for this very place already.
+    /// Makes the bind groups that read positions, unless they exist for this place.
     fn bind(&mut self, extraction: &Extraction) -> Result<Arc<DrawGroups>, ShadowEncodeError> {
         if let Some((place, groups)) = &self.bound
             && *place == extraction.place

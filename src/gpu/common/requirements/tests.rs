@@ -1,4 +1,4 @@
-//! The table against the WGSL, by naga's reflection, and against `wgpu::Limits`.
+//! Compares the table with the WGSL, by naga's reflection, and with `wgpu::Limits`.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::displace::plain_deform_wgsl;
 use crate::gpu::include_wgsl;
 use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage};
 
-/// Limits by name, as the WGSL has it.
+/// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
 
-/// The subject is the folder of a stage's own file, which comes last.
+/// The subject is the folder of the stage's own file, which is the last one.
 fn subject(stage: &Stage) -> Subject {
     let own = stage.files.last().expect("a stage has files").0;
     match own.split_once('/').expect("files lie in folders").0 {
@@ -30,7 +30,7 @@ fn raise(found: &mut Found, limit: &'static str, value: u64) {
     *most = (*most).max(value);
 }
 
-/// Raises what a module needs: every binding is in its pipelines' layout, for one shader stage.
+/// Raises the limits to what a module needs. Every binding is in its pipelines' layout, for one shader stage.
 fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
     let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).expect("valid WGSL");
@@ -60,7 +60,7 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
         raise(found, "max_bind_groups_plus_vertex_buffers", groups);
         return;
     }
-    // Every uniform of a compute stage is picked by a dynamic offset.
+    // Every uniform of a compute stage has a dynamic offset.
     raise(found, "max_dynamic_uniform_buffers_per_pipeline_layout", uniforms);
     for (index, entry_point) in module.entry_points.iter().enumerate() {
         let [x, y, z] = entry_point.workgroup_size.map(u64::from);
@@ -83,13 +83,14 @@ fn workgroup_bytes(module: &Module, info: &naga::valid::ModuleInfo, entry_point:
         .sum()
 }
 
-/// Two stages of shadow volumes take a workgroup a light of a word, and a query takes 64 points of a batch of lights, as many
-/// invocations a workgroup. What else is too much for one dispatch is cut, or takes turns.
+/// The workgroups of one dispatch. Two stages of shadow volumes take a workgroup for each light of a batch. A query
+/// takes 64 points of a batch of lights, with as many invocations in each workgroup. Other dispatches are cut, or their
+/// workgroups take turns.
 fn workgroups(subject: Subject) -> u64 {
     if matches!(subject, Subject::Shadow | Subject::Query) { 32 } else { 1 }
 }
 
-/// What every stage of a subject needs together.
+/// The needs of all stages of a subject together.
 fn needed(wanted: Subject) -> Found {
     let mut found = Found::new();
     for stage in STAGES.iter().filter(|stage| subject(stage) == wanted) {
@@ -101,7 +102,7 @@ fn needed(wanted: Subject) -> Found {
         reflect(&mut found, &format!("{}\n{include}", stage.wgsl()), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();
-    // Bindings are cut to multiples of the alignment of offsets, so the least that is not nothing.
+    // Bindings are cut to multiples of the alignment of offsets, so this is the smallest useful size.
     raise(&mut found, "max_storage_buffer_binding_size", 256);
     let largest = found["max_uniform_buffer_binding_size"].max(found["max_storage_buffer_binding_size"]);
     found.insert("max_buffer_size", largest);
