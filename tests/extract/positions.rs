@@ -14,6 +14,7 @@ use rimline_measure::{lights, same};
 
 pub(crate) const TESTS: &[Test] = &[
     ("positions_lie_at_any_offset_and_stride", places),
+    ("one_buffer_has_positions_at_several_places", several_places),
     ("wrong_position_buffers_are_typed_errors", refused),
     ("faces_name_the_lowest_source_index", lowest_source_index),
 ];
@@ -50,6 +51,32 @@ fn places() -> Result<(), String> {
                 same(&what, &found.lists, &expected.lists)?;
                 same(&what, &[found.statistics], &[expected.statistics])?;
             }
+        }
+    }
+    Ok(())
+}
+
+/// Two poses in one buffer, far apart and with another stride: what was bound for one is not read for the other.
+fn several_places() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let lights = lights(&mut Random::new(52), 33);
+    for (name, positions, mesh) in topologies() {
+        let turned: Vec<[f32; 3]> = positions.iter().map(|&[x, y, z]| [y - 1.0, 2.0 * z, x]).collect();
+        let mut words = interleaved(&positions, 0, 12);
+        let second = (4 * words.len() as u64).next_multiple_of(256) + 1024 + 4;
+        let tail = interleaved(&turned, second, 20);
+        words.extend_from_slice(&tail[words.len()..]);
+        let buffer = gpu.storage(&words);
+        let poses = [(&positions, 0, 12), (&turned, second, 20)];
+        let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options()).map_err(text)?;
+        for pose in [0, 1, 0] {
+            let (positions, offset, stride) = poses[pose];
+            let expected = extract(gpu, positions, &mesh, &lights, options())?;
+            let bound = PositionBuffer { buffer: &buffer, offset, stride };
+            gpu.submit(|encoder| extractor.encode(encoder, bound, &lights, None).map_err(text))?;
+            let found = read(gpu, &extractor, &mesh, lights.len())?;
+            same(&format!("{name}, pose {pose}"), &found.facing, &expected.facing)?;
+            same(&format!("{name}, pose {pose}"), &found.lists, &expected.lists)?;
         }
     }
     Ok(())

@@ -5,11 +5,13 @@ use rimline::gpu::{
     ShadowQueryOptions, StaleExtraction,
 };
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::FaceCluster;
+use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
+use rimline::reference::stages::EXACT_SHADOW_DEPTH;
 use rimline::{Light, LightError, Mesh};
 use rimline_measure::shapes::{self, Shape};
 
 use rimline_measure::device::Gpu;
+use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, text};
@@ -25,6 +27,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow_depth_on_small_limits_and_any_stride", small_limits),
     ("shadow_depth_refuses_with_typed_errors", refusals),
     ("shadow_depth_of_an_extraction", extractions),
+    ("exact_shadow_depth_counts_anew_within_its_range", recount),
+    ("shadow_depth_finds_faces_of_subnormal_extent", subnormal),
 ];
 
 /// Where points and positions lie: offset and stride.
@@ -290,4 +294,69 @@ fn extractions() -> Result<(), String> {
     gpu.submit(|encoder| extractor.encode(encoder, bound, &lights[..1], None).map_err(text))?;
     let refused = gpu.submit(|encoder| Ok(query.encode(encoder, &extraction, at, 50, None)))?;
     same("an extraction of before", &[refused], &[Err(StaleExtraction.into())])
+}
+
+/// A pair that is counted anew, in a dispatch that goes over some of the faces: those of clusters past the range, in the same
+/// group or another, are another dispatch's.
+fn recount() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let stage = Dispatch::new(gpu, &EXACT_SHADOW_DEPTH.wgsl(), "exact_shadow_depth_recount");
+    // Squares above each other, all of them between.
+    let count = 2048;
+    let positions: Vec<[f32; 3]> = (0..count)
+        .flat_map(|at| {
+            let height = 1.0 + at as f32 / 64.0;
+            [[-4.0, height, -4.0], [4.0, height, -4.0], [0.0, height, 6.0]]
+        })
+        .collect();
+    let faces: Vec<[u32; 3]> = (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let light = Light::point([0.1, 100.0, 0.2]);
+    let clusters = gpu.storage(&cpu::shadow_boxes(&positions, &faces, Threads::all()));
+    let (positions, points) = (gpu.storage(&positions), gpu.storage(&[[0.0_f32, -1.0, 0.0]]));
+    let word = uniform(gpu, &LightBatch::new(&[light], 0, 3));
+    let chunk = uniform(gpu, &PointChunk { count: 1, offset: 0, stride: 3, lights: 1, first_light: 0 });
+    for (first, end) in [(0, 40), (32, 64), (0, 64), (32, 33), (0, 1)] {
+        let range = uniform(gpu, &FaceRange { first, end, is_first: u32::from(first == 0) });
+        let depths = gpu.storage(&[0_i32]);
+        // One pair is listed: that of the first point and light.
+        let pairs = gpu.storage(&[1_u32, 1, 0, 0, 0, 0, 0]);
+        let mut buffers = vec![(0, &word), (1, &chunk), (6, &range), (7, &clusters), (8, &points), (9, &depths)];
+        buffers.push((10, &pairs));
+        buffers.extend((2..6).map(|window| (window, &positions)));
+        stage.run_bound(gpu, &[&buffers], 4)?;
+        let found: Vec<i32> = gpu.read(&depths, 1)?;
+        same(&format!("clusters {first} to {end}"), &found, &[32 * (end - first) as i32])?;
+    }
+    Ok(())
+}
+
+/// A face on the segment whose height is subnormal, while the segment is long: where it is flushed to zero, the product with
+/// the length is not small. Its box must not be left out.
+fn subnormal() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut crossed = 0;
+    for exponent in 30..40 {
+        let long = 2.0_f32.powi(exponent);
+        let step = f32::MIN_POSITIVE;
+        let (low, high) = (0.375 * step, 0.625 * step);
+        for turn in 0..3 {
+            let turned = |[x, y, z]: [f32; 3]| {
+                let mut turned = [x, y, z];
+                turned.rotate_right(turn);
+                turned
+            };
+            // Halfway between the point, at height 0, and the light, at height `step`.
+            let corners = [[-1.0, low, 0.5 * long], [1.0, low, 0.5 * long], [0.0, high, 0.5 * long]];
+            let case = ShadowCase {
+                name: format!("2^{exponent}, turned {turn}"),
+                shape: Shape { positions: corners.map(turned).to_vec(), faces: vec![[0, 1, 2]] },
+                points: vec![turned([0.0, 0.0, long])],
+                lights: vec![Light::point(turned([0.0, step, 0.0]))],
+            };
+            let right = expected(&case)?;
+            crossed += right[0];
+            same(&case.name, &found(gpu, &case, room(&case), TIGHT)?, &right)?;
+        }
+    }
+    if crossed < 30 { Err(format!("only {crossed} of 30 faces are between")) } else { Ok(()) }
 }

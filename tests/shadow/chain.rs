@@ -14,11 +14,13 @@ use rimline::{Counting, Light, Mesh, Predicate};
 use crate::stages::{PLACES, placed, shape};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::interleaved;
 use rimline_measure::random::Random;
 use rimline_measure::same;
 use rimline_measure::scenes::{Scene, scene};
 
-pub(crate) const TESTS: &[Test] = &[("shadow_volumes_choose_as_the_twins_in_a_row", chain)];
+pub(crate) const TESTS: &[Test] =
+    &[("shadow_volumes_choose_as_the_twins_in_a_row", chain), ("shadow_volumes_used_again_are_as_good_as_new", again)];
 
 /// Every method, and its code.
 const METHODS: [(Counting, u32); 5] = [
@@ -219,4 +221,75 @@ fn chain() -> Result<(), String> {
         return Err("too few of a kind".to_owned());
     }
     Ok(())
+}
+
+/// What a frame prepared: lights, draws and statistics.
+type Prepared = (Vec<ShadowLight>, Vec<ShadowDraws>, ShadowStatistics);
+
+/// One extractor and its volumes for frames of other positions, lights and cameras, all in one buffer, against new ones for
+/// each frame: nothing of an earlier frame is left.
+fn again() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 107;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut caps, mut controls) = (0, 0);
+    for counting in [Counting::Auto, Counting::ZFail] {
+        for number in 0..4 {
+            let base = scene(&mut random, number, LIGHTS);
+            let (_, positions, mesh) = &base.caster;
+            let pipelines = ShadowPipelines::new(&gpu.pipelines, &format_of(&base), counting).map_err(text)?;
+            let options = ExtractorOptions { max_lights: LIGHTS, ..Default::default() };
+            let make = || -> Result<_, String> {
+                let extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
+                let volumes = ShadowVolumes::new(&pipelines, &extractor, ShadowOptions::default()).map_err(text)?;
+                Ok((extractor, volumes))
+            };
+            // The same body elsewhere, far behind it in the buffer.
+            let moved: Vec<[f32; 3]> = positions.iter().map(|&[x, y, z]| [z + 3.0, x - 2.0, y]).collect();
+            let mut words = interleaved(positions, 0, 12);
+            let second = (4 * words.len() as u64).next_multiple_of(256) + 1024 + 4;
+            words.extend_from_slice(&interleaved(&moved, second, 20)[words.len()..]);
+            let buffer = gpu.storage(&words);
+            let places = [(0, 12), (second, 20)];
+            let prepare = |(extractor, volumes): &mut (Extractor, ShadowVolumes),
+                           (offset, stride): (u64, u64),
+                           lights: &[Light]|
+             -> Result<Prepared, String> {
+                let bound = PositionBuffer { buffer: &buffer, offset, stride };
+                gpu.submit(|encoder| {
+                    let extraction = extractor.encode(encoder, bound, lights, None).map_err(text)?;
+                    volumes.encode(encoder, &extraction, &base.camera, None).map_err(text)
+                })?;
+                let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
+                // Lights of an earlier frame are never drawn; what was chosen for them stays.
+                Ok((
+                    gpu.read(volumes.lights(), lights.len())?,
+                    gpu.read(volumes.draw_arguments(), LIGHTS)?,
+                    statistics[0],
+                ))
+            };
+            let mut used = make()?;
+            let mut last: Option<Prepared> = None;
+            for (frame, (place, count)) in
+                [(0, LIGHTS), (0, LIGHTS), (1, LIGHTS), (0, 5), (1, 33)].into_iter().enumerate()
+            {
+                let what = format!("{counting:?}, {}, frame {frame}", base.name);
+                let lights = &base.lights[LIGHTS - count..];
+                let found = prepare(&mut used, places[place], lights)?;
+                let expected = prepare(&mut make()?, places[place], lights)?;
+                same(&format!("{what}, lights"), &found.0, &expected.0)?;
+                same(&format!("{what}, draws"), &found.1, &expected.1)?;
+                same(&format!("{what}, statistics"), &[found.2], &[expected.2])?;
+                caps += found.1.iter().filter(|draws| draws.front.instance_count > 0).count();
+                controls += usize::from(last.replace(found).is_some_and(|last| last.1 != expected.1));
+            }
+        }
+    }
+    println!("{caps} lights with caps; {controls} frames unlike the one before");
+    if caps < 20 || controls < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+fn format_of(scene: &Scene) -> ShadowFormat {
+    ShadowFormat { depth: scene.camera.depth, ..ShadowFormat::default() }
 }

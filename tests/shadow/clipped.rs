@@ -9,8 +9,9 @@ use rimline::reference::shadow::{self, CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
 use rimline::{Light, Predicate};
 
-use crate::stages::{Dispatch, spoil, uniform};
+use crate::stages::spoil;
 use rimline_measure::device::Gpu;
+use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
 use rimline_measure::scenes::{Scene, scene};

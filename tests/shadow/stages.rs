@@ -10,6 +10,7 @@ use rimline::{Light, Mesh, Predicate};
 
 use rimline_measure::cases::topologies;
 use rimline_measure::device::Gpu;
+use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::random::Random;
@@ -24,80 +25,6 @@ pub(crate) const TESTS: &[Test] = &[
 
 fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
-}
-
-/// A compute pipeline of a test's, its bind group 0 as the shader has it.
-pub(crate) struct Dispatch(wgpu::ComputePipeline);
-
-impl Dispatch {
-    pub(crate) fn new(gpu: &Gpu, source: &str, entry_point: &str) -> Self {
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(entry_point),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        Self(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(entry_point),
-            layout: None,
-            module: &module,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        }))
-    }
-
-    fn stage(gpu: &Gpu, stage: &Stage) -> Self {
-        Self::new(gpu, &stage.wgsl(), stage.name)
-    }
-
-    /// Runs with a group of buffers bound from 0 on.
-    fn run(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: u32) -> Result<(), String> {
-        let bound: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
-        self.run_bound(gpu, &[&bound], workgroups)
-    }
-
-    /// Runs with the groups' buffers bound where each says.
-    pub(crate) fn run_bound(
-        &self,
-        gpu: &Gpu,
-        groups: &[&[(u32, &wgpu::Buffer)]],
-        workgroups: u32,
-    ) -> Result<(), String> {
-        let bind = |(group, buffers): (u32, &&[(u32, &wgpu::Buffer)])| {
-            let entries: Vec<_> = buffers
-                .iter()
-                .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                    binding: *binding,
-                    resource: buffer.as_entire_binding(),
-                })
-                .collect();
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &self.0.get_bind_group_layout(group),
-                entries: &entries,
-            })
-        };
-        let groups: Vec<_> = (0..).zip(groups).map(bind).collect();
-        gpu.submit(|encoder| {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&self.0);
-            for (number, group) in (0..).zip(&groups) {
-                pass.set_bind_group(number, group, &[]);
-            }
-            pass.dispatch_workgroups(workgroups, 1, 1);
-            Ok(())
-        })
-    }
-}
-
-pub(crate) fn uniform<T: bytemuck::Pod>(gpu: &Gpu, contents: &T) -> wgpu::Buffer {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("test"),
-        size: size_of::<T>() as u64,
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(contents));
-    buffer
 }
 
 /// Where positions lie in their buffer: words before the first, and from one to the next.

@@ -13,6 +13,7 @@
 pub mod band;
 pub mod cases;
 pub mod device;
+pub mod dispatch;
 pub mod error_metrics;
 pub mod files;
 #[cfg(feature = "harness")]
