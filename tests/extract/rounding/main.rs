@@ -1,6 +1,7 @@
 //! The band and the filter's bounds of NUMERICS.md hold for any arithmetic that WGSL allows: every rounding up, down,
 //! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
+mod boxes;
 mod pairs;
 mod rounding_models;
 

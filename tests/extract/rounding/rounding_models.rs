@@ -84,13 +84,13 @@ impl RoundingModels {
         self.flush(rounded)
     }
 
-    fn sum(&mut self, x: f32, y: f32, effect: f64) -> f32 {
+    pub(crate) fn sum(&mut self, x: f32, y: f32, effect: f64) -> f32 {
         let (x, y) = (self.flush(x), self.flush(y));
         self.round(f64::from(x) + f64::from(y), effect)
     }
 
     /// x·y + z, fused or not; its growth and its product's have the same effect.
-    fn product_sum(&mut self, x: f32, y: f32, z: f32, effect: f64) -> f32 {
+    pub(crate) fn product_sum(&mut self, x: f32, y: f32, z: f32, effect: f64) -> f32 {
         let (x, y) = (self.flush(x), self.flush(y));
         let product = f64::from(x) * f64::from(y);
         if self.takes(self.fusing) {

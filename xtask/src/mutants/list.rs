@@ -199,7 +199,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "query: no bound on underflow in the test of boxes",
         changes: &[("wgsl/query/shadow_segments.wgsl", "const TINY: f32 = 0x1p-100;", "const TINY: f32 = 0.0;")],
-        tests: &["--test query_gpu"],
+        tests: &["--test rounding"],
     },
     Mutation {
         name: "query: the recount reads past its range",
