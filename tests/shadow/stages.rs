@@ -5,7 +5,7 @@ use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowSha
 use rimline::reference::shadow::{
     self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
-use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, Stage};
+use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS};
 use rimline::{Light, Mesh, Predicate};
 
 use rimline_measure::cases::topologies;
