@@ -3,6 +3,8 @@
 mod bounds;
 mod tokens;
 
+use naga::back::PipelineConstants;
+use naga::back::pipeline_constants::process_overrides;
 use naga::valid::ModuleInfo;
 use naga::{Binding, Module, Span, TypeInner, VectorSize};
 
@@ -118,7 +120,8 @@ impl Displacement {
         bounds::check(&module, &validate(&module, source, source)?, source)?;
         let displacement = Self { source: source.to_owned(), uses_resources };
         let composed = displacement.deform_wgsl();
-        validate(&parse(&composed, source)?, &composed, source)?;
+        let module = parse(&composed, source)?;
+        check_defaults(&module, &validate(&module, &composed, source)?, source)?;
         Ok(displacement)
     }
 
@@ -191,6 +194,15 @@ fn check_overrides(module: &Module, source: &str) -> Result<(), DisplaceError> {
             Err(wgsl_error(message, &[module.overrides.get_span(handle)], source))
         }
     }
+}
+
+/// Refuses overrides whose defaults make no number, for example an infinite product. Only making a pipeline computes it.
+fn check_defaults(module: &Module, info: &ModuleInfo, source: &str) -> Result<(), DisplaceError> {
+    let computed = process_overrides(module, info, None, &PipelineConstants::default());
+    computed.map(|_| ()).map_err(|error| {
+        let spans: Vec<Span> = module.overrides.iter().map(|(handle, _)| module.overrides.get_span(handle)).collect();
+        wgsl_error(format!("what the defaults of the overrides come to: {error}"), &spans, source)
+    })
 }
 
 fn line_of(span: Span, source: &str) -> u32 {

@@ -115,3 +115,15 @@ fn overrides_without_a_default_are_refused_at_their_line() {
     wgsl_error_at(&format!("{GOOD}\noverride AMPLITUDE: f32;"), 2, "AMPLITUDE");
     Displacement::new(&format!("{GOOD}\noverride AMPLITUDE: f32 = 2.0;")).expect("a default is enough");
 }
+
+/// naga computes overrides only for a pipeline, which a number out of range would fail.
+#[test]
+fn overrides_that_come_to_no_number_are_refused() {
+    let powers = |count| vec!["SCALE"; count].join(" * ");
+    let source = |count| {
+        let head = "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32>";
+        format!("override SCALE: f32 = 2.0;\n{head} {{ return {} * position; }}", powers(count))
+    };
+    Displacement::new(&source(100)).expect("2^100 is a float");
+    wgsl_error_at(&source(200), 1, "infinite");
+}

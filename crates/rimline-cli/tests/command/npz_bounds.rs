@@ -9,6 +9,7 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[
     ("npz_bounds::what_takes_more_than_the_limit_is_refused", limits),
     ("npz_bounds::entries_longer_than_their_shape_are_refused", longer),
+    ("npz_bounds::a_shape_of_many_numbers_makes_a_short_message", many_numbers),
     ("npz_bounds::non_finite_positions_are_taken_alike", non_finite),
     ("npz_bounds::a_displacement_that_nests_deep_is_refused", deep),
 ];
@@ -132,5 +133,18 @@ fn deep() -> Outcome {
         let files = [file("deep.wgsl"), file("model.npz"), "--out".into(), file("out.npz")];
         rimline(line.chain(files)).expect(1, &["deep.wgsl", "line 1", part])?;
     }
+    Ok(())
+}
+
+fn many_numbers() -> Outcome {
+    let folder = folder();
+    let file = folder.path().join("m.npz");
+    let shape = format!("(4, {})", vec!["3"; 3000].join(", "));
+    let faces = array("faces", "|u1", "False", &shape, &[0; 12]);
+    std::fs::write(&file, write_zip(&[floats("positions", 3, &TETRAHEDRON), faces]))
+        .map_err(|error| error.to_string())?;
+    let run = rimline([OsString::from("info"), file.into_os_string()]);
+    run.expect(1, &["`faces`", "(4, 3, 3, 3, 3, 3, 3, 3, … 3001 numbers in all)"])?;
+    ensure!(run.stderr.len() < 500, "a message of {} bytes", run.stderr.len());
     Ok(())
 }
