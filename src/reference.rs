@@ -1,4 +1,5 @@
-//! The CPU twin of each stage, the struct layouts, the list of stages, and methods for comparison.
+//! The CPU twin of each stage, the struct layouts, the list of stages, methods for comparison, and what tests and
+//! measurements ask of displacements and influences.
 //!
 //! **Outside the promise of stability**: anything here may change in any release.
 

@@ -1,4 +1,4 @@
-//! The box around a mesh.
+//! The box around positions.
 
 /// The smallest axis-aligned box around some positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
