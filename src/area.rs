@@ -49,13 +49,13 @@ impl AreaLight {
     /// centre. The lights have the range of [`Self::light`]; `w` is 0 for a light at infinity, else 1. Every run gives
     /// the same lights.
     pub fn samples(&self, count: usize) -> Vec<Light> {
-        self.pattern(count, 0, 1)
+        self.pattern_samples(count, 0, 1)
     }
 
     /// The samples of pattern number `pattern` of `patterns`; larger numbers start again from 0. All patterns are
     /// equally good, and together they are spread more evenly. Give neighbouring pixels different patterns, so that
     /// soft shadows show no steps. Every run gives the same lights.
-    pub fn pattern(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
+    pub fn pattern_samples(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);
         let turn = Turn::new(pattern % patterns, patterns);
         let Light { xyz, w, range } = self.light;
@@ -236,7 +236,7 @@ mod tests {
         // through the shape.
         let worst = |shape, patterns: usize, share: &dyn Fn(f64) -> f64| {
             let all: Vec<DVec3> = (0..patterns)
-                .flat_map(|pattern| light(shape).pattern(32, pattern, patterns))
+                .flat_map(|pattern| light(shape).pattern_samples(32, pattern, patterns))
                 .map(|sample| DVec3::from_array(sample.xyz.map(f64::from)) - DVec3::new(1.0, 2.0, 3.0))
                 .collect();
             let mut worst = 0.0_f64;

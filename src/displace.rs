@@ -1,6 +1,6 @@
 //! A caller's displacement function. naga checks it, and the deform stage takes it in, before a pipeline is made.
 
-mod bounds;
+pub(crate) mod bounds;
 mod tokens;
 
 use naga::back::PipelineConstants;
@@ -8,12 +8,7 @@ use naga::back::pipeline_constants::process_overrides;
 use naga::valid::ModuleInfo;
 use naga::{Binding, Module, Span, TypeInner, VectorSize};
 
-pub use bounds::{
-    MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_FUNCTION_BYTES, MAX_NESTING, MAX_OPERATIONS, MAX_PRIVATE_BYTES,
-    MAX_SOURCE_BYTES, MAX_WORKGROUP_BYTES,
-};
-
-use crate::stages::{DEFORM, INCLUDES};
+use crate::stages::DEFORM;
 
 /// The index of the bind group that a displacement may use.
 pub const DISPLACE_GROUP: u32 = 1;
@@ -65,9 +60,21 @@ pub enum DisplaceError {
         /// The bind group that it is in.
         group: u32,
     },
-    /// It is too large. A larger source could end the process in naga or in a driver. Before parsing, the bounds are
-    /// [`MAX_SOURCE_BYTES`], [`MAX_NESTING`], [`MAX_DECLARATIONS`] and [`MAX_ARRAY_ELEMENTS`]. After parsing, they are
-    /// [`MAX_PRIVATE_BYTES`], [`MAX_FUNCTION_BYTES`], [`MAX_WORKGROUP_BYTES`] and [`MAX_OPERATIONS`].
+    /// It is too large. A larger source could end the process in naga or in a driver.
+    ///
+    /// Before parsing, the bounds are:
+    /// * 65,536 bytes of source.
+    /// * 255 brackets and operators within each other.
+    /// * 1,023 declarations outside functions.
+    /// * 65,536 elements of an array with a fixed length. The length is a number, or an expression of sums and products
+    ///   of numbers and constants. The check multiplies all numbers of the expression, each increased by one, and
+    ///   compares the product with this bound. An array of runtime size has no bound.
+    ///
+    /// After parsing, they are:
+    /// * 8,192 bytes of all private variables.
+    /// * 8,192 bytes of one value, and of a function's variables together with those of all functions that it calls.
+    /// * 16,384 bytes of all workgroup variables.
+    /// * 65,536 statements and expressions in a function, after every call is replaced by the function that it calls.
     #[error(
         "displacement, line {line}: it has {needed} {what}, more than the {limit} that are allowed; make it smaller"
     )]
@@ -131,15 +138,9 @@ impl Displacement {
     }
 
     /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
-    pub fn deform_wgsl(&self) -> String {
+    pub(crate) fn deform_wgsl(&self) -> String {
         format!("{}\n{}", self.source, DEFORM.wgsl())
     }
-}
-
-/// The WGSL of the deform stage without a displacement.
-pub fn plain_deform_wgsl() -> String {
-    let identity = INCLUDES.iter().find(|(name, _)| *name == "deform/displace").map_or("", |(_, source)| source);
-    format!("{identity}\n{}", DEFORM.wgsl())
 }
 
 /// Parses `text`, which begins with the caller's `source`. Errors give places in `source`.

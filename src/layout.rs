@@ -103,7 +103,7 @@ shared_structs! {
     }
 
     /// The bits of an edge record, one for each light of a batch.
-    struct Masks {
+    struct EdgeMasks {
         /// Set if the edge is a silhouette edge.
         silhouette: u32,
         /// Set if face 0 faces the light.
@@ -111,7 +111,7 @@ shared_structs! {
     }
 
     /// Statistics of an extraction.
-    struct Statistics {
+    struct ExtractionStatistics {
         /// Faces with an infinite or NaN vertex. They face no light.
         non_finite_faces: u32,
         /// Lists that overflowed. The draws of their lights go over all edges.

@@ -1,4 +1,5 @@
-//! The CPU twin of each stage, the struct layouts, the list of stages, and methods for comparison.
+//! The CPU twin of each stage, the struct layouts, the list of stages, methods for comparison, and what tests and
+//! measurements ask of displacements and influences.
 //!
 //! **Outside the promise of stability**: anything here may change in any release.
 
@@ -41,6 +42,38 @@ pub mod light {
 /// The list of stages, with their WGSL.
 pub mod stages {
     pub use crate::stages::*;
+}
+
+/// The bounds of a displacement, and its WGSL.
+pub mod displace {
+    use crate::Displacement;
+    pub use crate::displace::bounds::{
+        MAX_ARRAY_ELEMENTS, MAX_DECLARATIONS, MAX_FUNCTION_BYTES, MAX_NESTING, MAX_OPERATIONS, MAX_PRIVATE_BYTES,
+        MAX_SOURCE_BYTES, MAX_WORKGROUP_BYTES,
+    };
+
+    /// The WGSL of the deform stage with this displacement. The caller's source comes first, so its line numbers hold.
+    pub fn deform_wgsl(displacement: &Displacement) -> String {
+        displacement.deform_wgsl()
+    }
+}
+
+/// The influences of one vertex.
+pub mod model {
+    use std::ops::Range;
+
+    use crate::Influences;
+
+    /// The range of vertex `v`'s entries in [`Influences::joints`] and [`Influences::weights`]. It is empty past the
+    /// last vertex.
+    pub fn influence_range(influences: &Influences, v: usize) -> Range<usize> {
+        influences.range(v)
+    }
+
+    /// The largest number of entries of a vertex.
+    pub fn most_per_vertex(influences: &Influences) -> usize {
+        influences.most_per_vertex()
+    }
 }
 
 /// The CPU twin of each stage. File, function and tests have the same name as the stage's WGSL. Tests compare the two

@@ -199,8 +199,14 @@ pub const INCLUDES: [(&str, &str); 2] = [
 ];
 
 impl Stage {
-    /// The stage's whole WGSL module. The deform stage lacks its `displace`; see [`crate::displace`].
+    /// The stage's whole WGSL module. The deform stage lacks its `displace`; see [`plain_deform_wgsl`].
     pub fn wgsl(&self) -> String {
         self.files.iter().map(|(_, source)| *source).collect::<Vec<_>>().join("\n")
     }
+}
+
+/// The WGSL of the deform stage without a displacement.
+pub fn plain_deform_wgsl() -> String {
+    let identity = INCLUDES.iter().find(|(name, _)| *name == "deform/displace").map_or("", |(_, source)| source);
+    format!("{identity}\n{}", DEFORM.wgsl())
 }

@@ -117,7 +117,7 @@ impl Gpu {
 
     /// Seconds from recording to the end of the work, and the depths.
     fn measure(&self, shape: &Shape, points: &[[f32; 3]], lights: &[Light], skip: bool) -> (f64, Vec<i32>) {
-        let options = ShadowQueryOptions { max_points: points.len() as u32, skip, ..Default::default() };
+        let options = ShadowQueryOptions { max_points: points.len() as u32, skip_by_boxes: skip, ..Default::default() };
         let mesh = shape.mesh().expect("a shape is a mesh");
         let mut query = ShadowQuery::new(&self.device, &mesh, options).expect("it fits");
         let buffers = [&shape.positions[..], points].map(|points| self.storage(points));

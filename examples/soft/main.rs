@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEncoder, Box<dyn std::error::Error>> {
     let device = &canvas.device;
     let (camera, lamp) = (camera(), LAMP);
-    let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern(SAMPLES, part, parts)).collect();
+    let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern_samples(SAMPLES, part, parts)).collect();
     let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
     let lamps: Vec<Vec<Lamp>> = patterns.iter().map(|lights| lights.iter().map(share).collect()).collect();
     let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };

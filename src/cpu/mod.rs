@@ -10,9 +10,9 @@ pub(crate) mod query;
 #[cfg(feature = "reference")]
 pub(crate) mod shadow;
 
-pub use crate::layout::Masks;
+pub use crate::layout::EdgeMasks;
 pub use common::parallel::Threads;
 pub use deform::deform::{Displace, deform};
-pub use extract::extraction::{CpuExtraction, extract};
-pub use extract::facing::FacingCounts;
+pub use extract::extraction::{Extraction, extract};
+pub use extract::facing::FacingStatistics;
 pub use query::shadow_depth::shadow_depth;

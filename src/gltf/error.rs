@@ -347,7 +347,7 @@ pub enum AccessorProblem {
 /// Why there is no pose at some time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PoseError {
+pub enum AnimationError {
     /// There is no such animation.
     #[error("animation {index} was asked for, but the file has {count}")]
     NoAnimation {

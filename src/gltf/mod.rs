@@ -56,7 +56,7 @@ use std::path::{Path, PathBuf};
 use gltf::json::Value;
 use gltf::json::mesh::Mode;
 
-pub use error::{AccessorProblem, GltfError, PoseError};
+pub use error::{AccessorProblem, AnimationError, GltfError};
 pub use options::LoadOptions;
 
 use crate::light::Light;
@@ -95,7 +95,7 @@ pub struct Asset {
     animation_infos: Vec<AnimationInfo>,
     skin_infos: Vec<SkinInfo>,
     mesh_infos: Vec<MeshInfo>,
-    skipped: Skipped,
+    skipped: SkippedPrimitives,
     built: Built,
     /// The joints that each geometry uses, ascending.
     used_joints: Vec<Vec<u32>>,
@@ -137,7 +137,7 @@ pub struct MeshInfo {
 
 /// The number of primitives that were not loaded. Each counts once for its mesh, not for each instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Skipped {
+pub struct SkippedPrimitives {
     /// Point primitives.
     pub points: usize,
     /// Line, line loop and line strip primitives.
@@ -236,7 +236,7 @@ impl Asset {
         let built = instances::build(&reader, &graph, &skins, options.weld)?;
         instances::Draft::charge_lights(&reader, &graph)?;
         let (animations, animation_infos) = animation::load(&reader)?;
-        let skipped = Skipped::count(&document);
+        let skipped = SkippedPrimitives::count(&document);
         skipped.warn();
         document.buffers = Vec::new();
         document.views = Vec::new();
@@ -296,7 +296,7 @@ impl Asset {
     }
 
     /// The primitives that were not loaded.
-    pub fn skipped(&self) -> Skipped {
+    pub fn skipped(&self) -> SkippedPrimitives {
         self.skipped
     }
 }
@@ -320,7 +320,7 @@ fn mesh_infos(document: &Document, built: &Built) -> Vec<MeshInfo> {
     infos
 }
 
-impl Skipped {
+impl SkippedPrimitives {
     fn count(document: &Document) -> Self {
         let mut skipped = Self::default();
         for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {

@@ -8,7 +8,7 @@ use gltf::json::animation::Property;
 use super::animation::Channel;
 use super::document::Transform;
 use super::placement::{Frame, Placement};
-use super::{Asset, PoseError, SceneLight, SceneLightKind, SpotCone};
+use super::{AnimationError, Asset, SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
 use crate::model::{Geometry, Influences, InstancePose, Matrix3x4, ModelError, Pose};
 
@@ -24,8 +24,8 @@ impl Asset {
     /// whatever the time. Before the first key and after the last one, the nearest key applies.
     ///
     /// # Errors
-    /// [`PoseError`] for an animation that does not exist, a time that is NaN, or a result that is not finite.
-    pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, PoseError> {
+    /// [`AnimationError`] for an animation that does not exist, a time that is NaN, or a result that is not finite.
+    pub fn pose(&self, animation: Option<usize>, time_s: f32) -> Result<Pose, AnimationError> {
         let state = self.state(animation, time_s)?;
         let (mut instances, mut mixed_determinants) = (Vec::with_capacity(self.built.placements.len()), 0);
         for (placement, instance) in self.built.placements.iter().zip(self.built.model.instances()) {
@@ -36,7 +36,7 @@ impl Asset {
                     Some(node) => format!("nodes[{node}]"),
                     None => format!("meshes[{}]", placement.mesh),
                 };
-                return Err(PoseError::NotFinite { place, time_s });
+                return Err(AnimationError::NotFinite { place, time_s });
             };
             mixed_determinants += usize::from(mixed);
             instances.push(posed);
@@ -48,8 +48,8 @@ impl Asset {
     /// nodes.
     ///
     /// # Errors
-    /// [`PoseError`] as for [`Asset::pose`].
-    pub fn lights(&self, animation: Option<usize>, time_s: f32) -> Result<Vec<SceneLight>, PoseError> {
+    /// [`AnimationError`] as for [`Asset::pose`].
+    pub fn lights(&self, animation: Option<usize>, time_s: f32) -> Result<Vec<SceneLight>, AnimationError> {
         let world = self.state(animation, time_s)?.world;
         let mut lights = Vec::new();
         for &n in &self.graph.scene {
@@ -64,7 +64,7 @@ impl Asset {
             let [x, y, z] = xyz.as_vec3().to_array();
             if ![x, y, z].iter().all(|c| c.is_finite()) {
                 let place = format!("nodes[{n}]");
-                return Err(PoseError::NotFinite { place, time_s });
+                return Err(AnimationError::NotFinite { place, time_s });
             }
             let direction = (-world[n].matrix3.z_axis.normalize()).as_vec3();
             let spot = |[inner_angle, outer_angle]: [f32; 2]| {
@@ -86,15 +86,15 @@ impl Asset {
         Ok(lights)
     }
 
-    fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, PoseError> {
+    fn state(&self, animation: Option<usize>, time_s: f32) -> Result<State, AnimationError> {
         if time_s.is_nan() {
-            return Err(PoseError::Time);
+            return Err(AnimationError::Time);
         }
         let mut transforms: Vec<Transform> = self.document.nodes.iter().map(|node| node.transform).collect();
         let mut weights = HashMap::new();
         if let Some(index) = animation {
             let count = self.animations.len();
-            let animation = self.animations.get(index).ok_or(PoseError::NoAnimation { index, count })?;
+            let animation = self.animations.get(index).ok_or(AnimationError::NoAnimation { index, count })?;
             for channel in &animation.channels {
                 apply(channel, f64::from(time_s), &mut transforms, &mut weights);
             }

@@ -7,7 +7,7 @@ mod extract;
 mod query;
 mod shadow;
 
-pub use crate::layout::{DrawArguments, Masks, ShadowStatistics, Statistics};
+pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, ShadowStatistics};
 pub use common::memory::{Allocation, MemoryError};
 pub use common::pipelines::Pipelines;
 pub use common::positions::{PositionBuffer, PositionError};
@@ -15,13 +15,17 @@ pub use common::readback::{ReadError, read_back, read_back_async, read_back_vec,
 pub use common::requirements::DeviceError;
 pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
-pub use extract::errors::{DrawError, EncodeError, ExtractorError, IncludeError, StaleExtraction};
+pub use extract::errors::{
+    ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,
+};
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
 pub use extract::options::{ExtractorOptions, ListOptions};
-pub use extract::results::Results;
-pub use query::shadow_query::{QueryError, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
+pub use extract::results::ExtractionResults;
+pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
+pub use query::options::ShadowQueryOptions;
+pub use query::shadow_query::ShadowQuery;
 pub use shadow::{
     ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
     ShadowVolumes, ShadowVolumesError,

@@ -2,7 +2,7 @@
 
 use super::{Edge, EdgeCounts, EdgeKind, Mesh, is_degenerate};
 
-/// The result of [`Mesh::survey`].
+/// The result of [`Mesh::diagnose`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshDiagnostics {
     /// The number of parts that share no vertex with each other. Degenerate faces do not count.
@@ -18,7 +18,7 @@ pub struct MeshDiagnostics {
     /// count.
     pub duplicate_faces: usize,
     /// The first records that are not of kind [`EdgeKind::Consistent`]. They are the reason why the mesh is not closed.
-    pub offending_edges: Vec<Edge>,
+    pub listed_edges: Vec<Edge>,
 }
 
 impl MeshDiagnostics {
@@ -30,46 +30,18 @@ impl MeshDiagnostics {
 }
 
 impl Mesh {
-    /// Examines the mesh. `offending_limit` is the largest number of edges in [`MeshDiagnostics::offending_edges`]. It
-    /// takes about as long as sorting the faces.
-    pub fn survey(&self, offending_limit: usize) -> MeshDiagnostics {
-        let offends = |edge: &Edge| edge.kind != EdgeKind::Consistent;
+    /// Examines the mesh. `edge_limit` is the largest number of edges in [`MeshDiagnostics::listed_edges`]. It takes
+    /// about as long as sorting the faces.
+    pub fn diagnose(&self, edge_limit: usize) -> MeshDiagnostics {
+        let is_listed = |edge: &Edge| edge.kind != EdgeKind::Consistent;
         MeshDiagnostics {
             components: components(self.vertex_count() as usize, self.faces()),
             edges: self.edges().counts(),
             non_manifold_edges: non_manifold_edges(self.edges().vertices()),
             degenerate_faces: self.degenerate_faces(),
             duplicate_faces: duplicate_faces(self.faces()),
-            offending_edges: self.edges().iter().filter(offends).take(offending_limit).collect(),
+            listed_edges: self.edges().iter().filter(is_listed).take(edge_limit).collect(),
         }
-    }
-}
-
-/// The smallest axis-aligned box around some positions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// The lowest x, y and z.
-    pub min: [f32; 3],
-    /// The highest x, y and z.
-    pub max: [f32; 3],
-}
-
-impl Bounds {
-    /// The box around the finite ones of `positions`, in their space and unit. `None` if none is finite.
-    pub fn of<'a>(positions: impl IntoIterator<Item = &'a [f32; 3]>) -> Option<Self> {
-        positions.into_iter().filter(|position| position.iter().all(|c| c.is_finite())).fold(
-            None,
-            |bounds: Option<Self>, &position| {
-                let Some(mut bounds) = bounds else {
-                    return Some(Self { min: position, max: position });
-                };
-                for (axis, c) in position.into_iter().enumerate() {
-                    bounds.min[axis] = bounds.min[axis].min(c);
-                    bounds.max[axis] = bounds.max[axis].max(c);
-                }
-                Some(bounds)
-            },
-        )
     }
 }
 
@@ -129,59 +101,51 @@ fn duplicate_faces(faces: &[[u32; 3]]) -> usize {
 mod tests {
     use super::*;
 
-    fn survey(vertices: usize, faces: &[[u32; 3]]) -> MeshDiagnostics {
-        Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").survey(2)
+    fn diagnose(vertices: usize, faces: &[[u32; 3]]) -> MeshDiagnostics {
+        Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").diagnose(2)
     }
 
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
 
     #[test]
     fn a_tetrahedron_is_one_closed_part() {
-        let survey = survey(4, &TETRAHEDRON);
-        assert!(survey.is_closed());
-        assert_eq!((survey.components, survey.edges.consistent), (1, 6));
-        assert_eq!((survey.non_manifold_edges, survey.duplicate_faces), (0, 0));
-        assert_eq!(survey.offending_edges, []);
+        let found = diagnose(4, &TETRAHEDRON);
+        assert!(found.is_closed());
+        assert_eq!((found.components, found.edges.consistent), (1, 6));
+        assert_eq!((found.non_manifold_edges, found.duplicate_faces), (0, 0));
+        assert_eq!(found.listed_edges, []);
     }
 
     #[test]
     fn two_apart_and_one_touching_vertex() {
         let shifted = |by: u32| TETRAHEDRON.map(|face| face.map(|v| v + by));
         let apart = [TETRAHEDRON, shifted(4)].concat();
-        assert_eq!(survey(9, &apart).components, 2);
+        assert_eq!(diagnose(9, &apart).components, 2);
         let touching = [TETRAHEDRON, shifted(3)].concat();
-        assert_eq!(survey(7, &touching).components, 1);
+        assert_eq!(diagnose(7, &touching).components, 1);
     }
 
     #[test]
     fn parts_met_in_any_order_join() {
         // The triangles are separate at first, and the last ones join them: roots change after they were taken.
         let faces = [[6, 7, 8], [3, 4, 5], [0, 1, 2], [8, 5, 9], [9, 2, 10]];
-        assert_eq!(survey(11, &faces).components, 1);
-        assert_eq!(survey(11, &faces[..4]).components, 2);
+        assert_eq!(diagnose(11, &faces).components, 1);
+        assert_eq!(diagnose(11, &faces[..4]).components, 2);
     }
 
     #[test]
     fn an_open_mesh_names_its_first_open_edges() {
-        let survey = survey(4, &TETRAHEDRON[1..]);
-        assert!(!survey.is_closed());
-        assert_eq!(survey.edges.boundary, 3);
-        assert_eq!(survey.offending_edges.len(), 2);
-        assert_eq!(survey.offending_edges[0].vertices, [1, 0]);
+        let found = diagnose(4, &TETRAHEDRON[1..]);
+        assert!(!found.is_closed());
+        assert_eq!(found.edges.boundary, 3);
+        assert_eq!(found.listed_edges.len(), 2);
+        assert_eq!(found.listed_edges[0].vertices, [1, 0]);
     }
 
     #[test]
     fn three_faces_at_an_edge_and_repeated_ones_are_counted() {
-        let survey = survey(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 1, 0], [3, 3, 4]]);
-        assert_eq!(survey.non_manifold_edges, 1);
-        assert_eq!((survey.duplicate_faces, survey.degenerate_faces), (1, 1));
-    }
-
-    #[test]
-    fn bounds_leave_out_what_is_not_finite() {
-        let positions = [[1.0, -2.0, 3.0], [f32::NAN, 9.0, 9.0], [-1.0, 4.0, 3.5]];
-        let bounds = Bounds::of(&positions).expect("two are finite");
-        assert_eq!((bounds.min, bounds.max), ([-1.0, -2.0, 3.0], [1.0, 4.0, 3.5]));
-        assert_eq!(Bounds::of(&positions[1..2]), None);
+        let found = diagnose(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [2, 1, 0], [3, 3, 4]]);
+        assert_eq!(found.non_manifold_edges, 1);
+        assert_eq!((found.duplicate_faces, found.degenerate_faces), (1, 1));
     }
 }

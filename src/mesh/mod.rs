@@ -1,13 +1,17 @@
 //! Triangle meshes as the extraction needs them: faces, welded vertices, edge records.
 
+#[cfg(feature = "reference")]
+mod bounds;
 mod diagnostics;
 mod topology;
 pub(crate) mod weld;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use diagnostics::{Bounds, MeshDiagnostics};
-pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT, NO_FACE};
+#[cfg(feature = "reference")]
+pub use bounds::Bounds;
+pub use diagnostics::MeshDiagnostics;
+pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
 
 /// The largest number of faces of a mesh. An edge's index and its winding bit share one `u32` in the edge lists, and a
@@ -119,8 +123,8 @@ impl Mesh {
         self.faces.iter().filter(|face| is_degenerate(**face)).count()
     }
 
-    /// The size of the edge records in memory, in bytes.
-    pub fn topology_bytes(&self) -> usize {
+    /// The size of the edge records in memory, in bytes: 16 for each record.
+    pub fn edge_record_bytes(&self) -> usize {
         self.edges.bytes()
     }
 }

@@ -56,7 +56,7 @@ pub struct EdgeRecords {
 /// The value of face 1 in a boundary record of [`EdgeRecords::packed_faces`].
 pub const NO_FACE: u32 = u32::MAX;
 /// The bit that is set in face 0 of an inconsistent record of [`EdgeRecords::packed_faces`].
-pub const INCONSISTENT: u32 = 1 << 31;
+pub const INCONSISTENT_BIT: u32 = 1 << 31;
 
 impl EdgeRecords {
     /// The number of records.
@@ -119,10 +119,10 @@ impl EdgeRecords {
                     counts.boundary += 1;
                     packed.push([face, NO_FACE]);
                 } else {
-                    let inconsistent = mate & INCONSISTENT;
+                    let inconsistent = mate & INCONSISTENT_BIT;
                     counts.inconsistent += usize::from(inconsistent != 0);
                     counts.consistent += usize::from(inconsistent == 0);
-                    packed.push([face | inconsistent, (mate & !INCONSISTENT) / 3]);
+                    packed.push([face | inconsistent, (mate & !INCONSISTENT_BIT) / 3]);
                 }
             }
         }
@@ -131,25 +131,25 @@ impl EdgeRecords {
 }
 
 fn unpack(vertices: [u32; 2], [face_0, face_1]: [u32; 2]) -> Edge {
-    let kind = match (face_0 & INCONSISTENT, face_1) {
+    let kind = match (face_0 & INCONSISTENT_BIT, face_1) {
         (_, NO_FACE) => EdgeKind::Boundary,
         (0, _) => EdgeKind::Consistent,
         _ => EdgeKind::Inconsistent,
     };
-    Edge { vertices, face_0: face_0 & !INCONSISTENT, face_1: (face_1 != NO_FACE).then_some(face_1), kind }
+    Edge { vertices, face_0: face_0 & !INCONSISTENT_BIT, face_1: (face_1 != NO_FACE).then_some(face_1), kind }
 }
 
 /// The next corner after each corner of a face.
 const NEXT: [usize; 3] = [1, 2, 0];
-/// The mate of a half-edge without a mate. No half-edge has this number, with or without [`INCONSISTENT`]: the largest
-/// number is `3·MAX_FACES − 1`, which is 2³¹ − 3.
+/// The mate of a half-edge without a mate. No half-edge has this number, with or without [`INCONSISTENT_BIT`]: the
+/// largest number is `3·MAX_FACES − 1`, which is 2³¹ − 3.
 const BOUNDARY: u32 = u32::MAX;
 /// The mate of a half-edge of a degenerate face. It belongs to no record.
 const DEGENERATE: u32 = u32::MAX - 1;
 
 /// Whether a half-edge belongs to face 0 of its record. The record is written at its place.
 fn is_first(half_edge: usize, mate: u32) -> bool {
-    mate == BOUNDARY || (mate != DEGENERATE && half_edge < (mate & !INCONSISTENT) as usize)
+    mate == BOUNDARY || (mate != DEGENERATE && half_edge < (mate & !INCONSISTENT_BIT) as usize)
 }
 
 /// A half-edge, stored at its lower vertex: the other vertex, and the half-edge's number. [`Entry::FORWARD`] is set
@@ -185,7 +185,7 @@ fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
     }
 }
 
-/// For every half-edge `3·face + corner`, the half-edge that shares its record, with [`INCONSISTENT`] set if both
+/// For every half-edge `3·face + corner`, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
 /// traverse the edge alike. Or [`BOUNDARY`], or [`DEGENERATE`].
 fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
@@ -272,7 +272,7 @@ fn pair_run(run: &[Entry], mates: &mut [u32]) {
         };
         // The flag is set here, where both are in the cache. Looking up the mate's corners later costs a cache miss for
         // each record.
-        let inconsistent = if first.is_opposite(second) { 0 } else { INCONSISTENT };
+        let inconsistent = if first.is_opposite(second) { 0 } else { INCONSISTENT_BIT };
         mates[first.half_edge() as usize] = second.half_edge() | inconsistent;
         mates[second.half_edge() as usize] = first.half_edge() | inconsistent;
     };

@@ -104,8 +104,8 @@ impl Model {
     }
 
     /// The mesh that all instances make in this pose. Vertices and faces are concatenated in the order of the
-    /// instances, and the faces of mirrored instances are turned. The mesh depends only on [`InstancePose::turned`] of
-    /// the pose, so it stays valid for other poses until this changes.
+    /// instances, and the faces of mirrored instances are turned. The mesh depends only on
+    /// [`InstancePose::faces_turned`] of the pose, so it stays valid for other poses until this changes.
     ///
     /// # Errors
     /// [`PosedMeshError`] when the pose does not fit the model, or for the reasons of [`Mesh::from_faces`].
@@ -122,7 +122,7 @@ impl Model {
             faces.extend(geometry.faces().iter().map(|&face| {
                 // No sum overflows: all instances together have fewer than `u32::MAX` vertices.
                 let [a, b, c] = face.map(|v| v + first_vertex);
-                if pose.turned() { [a, c, b] } else { [a, b, c] }
+                if pose.faces_turned() { [a, c, b] } else { [a, b, c] }
             }));
             first_vertex += geometry.positions().len() as u32;
         }

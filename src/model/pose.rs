@@ -10,7 +10,7 @@ pub type Matrix3x4 = [[f32; 4]; 3];
 pub struct InstancePose {
     palette: Vec<Matrix3x4>,
     morph_weights: Vec<f32>,
-    turned: bool,
+    faces_turned: bool,
 }
 
 impl InstancePose {
@@ -19,7 +19,7 @@ impl InstancePose {
     /// larger than 1.
     ///
     /// The faces are turned if more matrices mirror (negative determinant) than do not, so that they stay
-    /// counter-clockwise from outside. [`InstancePose::with_turned`] overrides this.
+    /// counter-clockwise from outside. [`InstancePose::with_faces_turned`] overrides this.
     ///
     /// # Errors
     /// [`ModelError`] for a matrix or weight that is not finite.
@@ -32,12 +32,16 @@ impl InstancePose {
     /// The same pose with faces turned or not, whatever the matrices are. Use it for skins with joints that no vertex
     /// follows, and for meshes that are wound inwards.
     #[must_use]
-    pub fn with_turned(self, turned: bool) -> Self {
-        Self { turned, ..self }
+    pub fn with_faces_turned(self, faces_turned: bool) -> Self {
+        Self { faces_turned, ..self }
     }
 
     /// Checks that all numbers are finite.
-    pub(crate) fn with(palette: Vec<Matrix3x4>, morph_weights: Vec<f32>, turned: bool) -> Result<Self, ModelError> {
+    pub(crate) fn with(
+        palette: Vec<Matrix3x4>,
+        morph_weights: Vec<f32>,
+        faces_turned: bool,
+    ) -> Result<Self, ModelError> {
         let entries = palette.as_flattened().as_flattened();
         if let Some(at) = entries.iter().position(|entry| !entry.is_finite()) {
             let (joint, row, column) = (at / 12, at / 4 % 3, at % 4);
@@ -46,7 +50,7 @@ impl InstancePose {
         if let Some(target) = morph_weights.iter().position(|weight| !weight.is_finite()) {
             return Err(ModelError::MorphWeight { target, weight: morph_weights[target] });
         }
-        Ok(Self { palette, morph_weights, turned })
+        Ok(Self { palette, morph_weights, faces_turned })
     }
 
     /// The matrices from mesh space to world space, one for each joint. All are finite.
@@ -60,8 +64,8 @@ impl InstancePose {
     }
 
     /// Whether the faces are turned, because the transform mirrors them. They so stay counter-clockwise from outside.
-    pub fn turned(&self) -> bool {
-        self.turned
+    pub fn faces_turned(&self) -> bool {
+        self.faces_turned
     }
 
     /// Checks that this pose fits instance number `instance`, which is of `geometry`.

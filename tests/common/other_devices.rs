@@ -1,10 +1,11 @@
 //! Samples that no device has, things of two devices, lost devices: typed errors, and no error of the device.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DeviceError, EncodeError, Extractor, ExtractorError, ExtractorOptions,
-    IncludeError, PositionError, QueryError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormat,
-    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
-    ShadowVolumes, ShadowVolumesError, StageTimer, TimerError, read_back_vec, results_bind_group_layout,
+    DeformError, Deformer, DeformerOptions, DeviceError, ExtractionEncodeError, ExtractionIncludeError, Extractor,
+    ExtractorError, ExtractorOptions, PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormat,
+    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryEncodeError, ShadowQueryError,
+    ShadowQueryOptions, ShadowVolumes, ShadowVolumesError, StageTimer, TimerError, read_back_vec,
+    results_bind_group_layout,
 };
 use rimline::{Counting, Mesh};
 use rimline_measure::harness::Test;
@@ -93,12 +94,14 @@ fn mixed() -> Result<(), String> {
 
     let mut encoder = ours.encoder();
     let found = extractor.encode(&mut encoder, packed(&foreign), &[LIGHT], None).map(drop);
-    let refused = |error: &EncodeError| matches!(error, EncodeError::Positions(PositionError::Refused { .. }));
+    let refused = |error: &ExtractionEncodeError| {
+        matches!(error, ExtractionEncodeError::Positions(PositionError::Refused { .. }))
+    };
     expect("positions", found, refused)?;
     quiet("positions")?;
     let mut timer = StageTimer::new(&theirs.gpu.device, &theirs.gpu.queue).ok_or("no timer")?;
     let found = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], Some(&mut timer)).map(drop);
-    expect("timer", found, |error| matches!(error, EncodeError::Device(error) if is_other(error)))?;
+    expect("timer", found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_other(error)))?;
     quiet("timer")?;
     // What was refused left nothing behind.
     let extraction = extractor.encode(&mut encoder, packed(&positions), &[LIGHT], None).map_err(text)?;
@@ -127,18 +130,20 @@ fn mixed() -> Result<(), String> {
     }
     let layout = results_bind_group_layout(&theirs.gpu.device, wgpu::ShaderStages::COMPUTE);
     let found = extraction.bind_group(&layout, 0);
-    expect("layout", found.map(drop), |error| matches!(error, IncludeError::Positions(PositionError::Refused { .. })))?;
+    expect("layout", found.map(drop), |error| {
+        matches!(error, ExtractionIncludeError::Positions(PositionError::Refused { .. }))
+    })?;
     quiet("layout")?;
 
     let options = ShadowQueryOptions { max_points: 64, ..Default::default() };
     let mut query = ShadowQuery::new(&ours.gpu.pipelines, &mesh, options).map_err(text)?;
     let mut encoder = ours.encoder();
     let found = query.encode_at(&mut encoder, packed(&foreign), packed(&positions), 9, &[LIGHT], None);
-    expect("query", found, |error| matches!(error, QueryError::Positions(PositionError::Refused { .. })))?;
+    expect("query", found, |error| matches!(error, ShadowQueryEncodeError::Positions(PositionError::Refused { .. })))?;
     let found = query.encode_at(&mut encoder, packed(&positions), packed(&foreign), 9, &[LIGHT], None);
-    expect("points", found, |error| matches!(error, QueryError::Points(PositionError::Refused { .. })))?;
+    expect("points", found, |error| matches!(error, ShadowQueryEncodeError::Points(PositionError::Refused { .. })))?;
     let found = query.encode_at(&mut encoder, packed(&positions), packed(&positions), 9, &[LIGHT], Some(&mut timer));
-    expect("query's timer", found, |error| matches!(error, QueryError::Device(error) if is_other(error)))?;
+    expect("query's timer", found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_other(error)))?;
     quiet("query")?;
     let found = read_back_vec::<u32>(&ours.gpu.device, &ours.gpu.queue, &foreign);
     expect("reading back", found, |error| matches!(error, ReadError::Device { .. }))?;
@@ -225,9 +230,9 @@ fn encoded_on_lost() -> Result<(), String> {
         let Made { extractor, volumes, query, timer, .. } = made;
         let extraction = extractions.next().ok_or("no extraction")?;
         let found = extractor.encode(encoder, positions, &[LIGHT], Some(timer)).map(drop);
-        expect(what, found, |error| matches!(error, EncodeError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, ExtractionEncodeError::Device(error) if is_lost(error)))?;
         let found = query.encode_at(encoder, positions, positions, 9, &[LIGHT], Some(timer));
-        expect(what, found, |error| matches!(error, QueryError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, ShadowQueryEncodeError::Device(error) if is_lost(error)))?;
         let found = deformer.encode(encoder, &pose, 0.0, None, Some(timer));
         expect(what, found, |error| matches!(error, DeformError::Device(error) if is_lost(error)))?;
         if what == "used" {
@@ -235,7 +240,7 @@ fn encoded_on_lost() -> Result<(), String> {
             expect(what, found, |error| matches!(error, ShadowEncodeError::Device(error) if is_lost(error)))?;
         }
         let found = extraction.bind_group(&layout, 0);
-        expect(what, found, |error| matches!(error, IncludeError::Device(error) if is_lost(error)))?;
+        expect(what, found, |error| matches!(error, ExtractionIncludeError::Device(error) if is_lost(error)))?;
         timer.resolve(encoder);
         let found = timer.read(&watched.gpu.device, &watched.gpu.queue);
         expect(what, found, |error| matches!(error, TimerError::Read(ReadError::Device { .. })))?;

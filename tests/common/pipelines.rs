@@ -103,7 +103,7 @@ fn once() -> Result<(), String> {
         }
     }
     for (skip, adds) in [(true, 5), (false, 3), (true, 0)] {
-        let options = ShadowQueryOptions { skip, ..Default::default() };
+        let options = ShadowQueryOptions { skip_by_boxes: skip, ..Default::default() };
         made.push(Box::new(ShadowQuery::new(&pipelines, &mesh, options).map_err(text)?));
         count.added(&format!("query, skipping {skip}"), adds)?;
     }

@@ -239,7 +239,7 @@ fn queries(watched: &Watched) -> Result<(), String> {
     let (shape, mesh) = caster()?;
     let positions = watched.gpu.storage(&shape.positions);
     for skip in [true, false] {
-        let options = ShadowQueryOptions { max_points: 100, max_lights: 40, skip, ..Default::default() };
+        let options = ShadowQueryOptions { max_points: 100, max_lights: 40, skip_by_boxes: skip, ..Default::default() };
         let mut query = ShadowQuery::new(&watched.gpu.pipelines, &mesh, options).map_err(text)?;
         let places = packed(&positions);
         watched.gpu.submit(|encoder| query.encode_at(encoder, places, places, 30, &lights(), None).map_err(text))?;

@@ -9,6 +9,7 @@ use std::process::Command;
 use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
+use rimline::reference::displace::deform_wgsl;
 use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SIDES, STAGES, Stage};
 
 type Outcome = Result<(), String>;
@@ -112,7 +113,7 @@ fn twin(stage: &Stage) -> Result<PathBuf, String> {
 
 fn composed_stage(stage: &Stage) -> String {
     match *stage {
-        DEFORM => rimline::displace::plain_deform_wgsl(),
+        DEFORM => rimline::reference::stages::plain_deform_wgsl(),
         SIDES => format!("{}\n{}", stage.wgsl(), rimline::gpu::include_wgsl(1)),
         _ => stage.wgsl(),
     }
@@ -201,7 +202,7 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 fn modules() -> Result<Vec<(String, String)>, String> {
     let mut modules: Vec<_> =
         STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
-    let displaced = Displacement::new(DISPLACE).map_err(text)?.deform_wgsl();
+    let displaced = deform_wgsl(&Displacement::new(DISPLACE).map_err(text)?);
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);
     modules.push(("results_before_user".to_owned(), format!("{include}{USER}")));

@@ -1,7 +1,8 @@
 //! Displacements that would end the process in naga, or crash a driver, are refused by name before either sees them.
 
 use rimline::Displacement;
-use rimline::displace::{DisplaceError, MAX_FUNCTION_BYTES, MAX_NESTING, MAX_PRIVATE_BYTES, MAX_SOURCE_BYTES};
+use rimline::displace::DisplaceError;
+use rimline::reference::displace::{MAX_FUNCTION_BYTES, MAX_NESTING, MAX_PRIVATE_BYTES, MAX_SOURCE_BYTES};
 
 /// `displace` with these statements, after `before`.
 fn displace(before: &str, statements: &str) -> String {

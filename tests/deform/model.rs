@@ -2,6 +2,7 @@
 
 use rimline::model::ModelError;
 use rimline::reference::cpu::{self, Threads};
+use rimline::reference::model::{influence_range, most_per_vertex};
 use rimline::{
     Geometry, GeometryOptions, Influences, Instance, InstancePose, Mesh, MeshError, Model, Pose, PoseMismatch,
     PosedMeshError,
@@ -47,9 +48,12 @@ fn a_geometry_names_its_face_target_or_list() {
 #[test]
 fn what_is_given_is_what_is_there() {
     let influences = Influences::new(vec![0, 2, 2, 3], vec![4, 0, 1], vec![0.5, -0.5, 2.0]).expect("they go together");
-    assert_eq!((influences.range(0), influences.range(1), influences.range(2)), (0..2, 2..2, 2..3));
-    assert_eq!((influences.range(3), influences.range(usize::MAX)), (0..0, 0..0));
-    assert_eq!(influences.most_per_vertex(), 2);
+    assert_eq!(
+        (influence_range(&influences, 0), influence_range(&influences, 1), influence_range(&influences, 2)),
+        (0..2, 2..2, 2..3)
+    );
+    assert_eq!((influence_range(&influences, 3), influence_range(&influences, usize::MAX)), (0..0, 0..0));
+    assert_eq!(most_per_vertex(&influences), 2);
     let options = GeometryOptions {
         name: Some("a".to_owned()),
         morph_targets: vec![vec![[f32::NAN; 3]; 3]],
@@ -122,7 +126,8 @@ fn a_pose_names_its_joint_or_target() {
 fn mirroring_matrices_turn_the_faces() {
     let mirrored = [[-1.0, 0.0, 0.0, 5.0], IDENTITY[1], IDENTITY[2]];
     let flat = [[0.0; 4], IDENTITY[1], IDENTITY[2]];
-    let turned = |palette: &[[[f32; 4]; 3]]| InstancePose::new(palette.to_vec(), Vec::new()).expect("finite").turned();
+    let turned =
+        |palette: &[[[f32; 4]; 3]]| InstancePose::new(palette.to_vec(), Vec::new()).expect("finite").faces_turned();
     assert_eq!([turned(&[IDENTITY]), turned(&[mirrored]), turned(&[flat]), turned(&[])], [false, true, false, false]);
     assert!(turned(&[mirrored, flat, mirrored, IDENTITY]));
     assert!(!turned(&[mirrored, IDENTITY]));
@@ -130,7 +135,7 @@ fn mirroring_matrices_turn_the_faces() {
     let faces = |pose: InstancePose| model.mesh(&Pose::new(vec![pose])).expect("a mesh").faces().to_vec();
     let pose = InstancePose::new(vec![mirrored], Vec::new()).expect("finite");
     assert_eq!(faces(pose.clone()), [[0, 2, 1]]);
-    assert_eq!(faces(pose.with_turned(false)), [[0, 1, 2]]);
+    assert_eq!(faces(pose.with_faces_turned(false)), [[0, 1, 2]]);
 }
 
 /// Whatever takes a pose refuses that of another model; nothing is left out or taken as zero.

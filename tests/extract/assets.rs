@@ -92,7 +92,7 @@ impl Extraction {
 }
 
 fn turned(pose: &Pose) -> Vec<bool> {
-    pose.instances().iter().map(InstancePose::turned).collect()
+    pose.instances().iter().map(InstancePose::faces_turned).collect()
 }
 
 /// Points and directions about the positions, some in the planes through vertices.

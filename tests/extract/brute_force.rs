@@ -3,7 +3,7 @@
 use rimline::mesh::{EdgeKind, Weld};
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::Masks;
+use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::cases::{self, hard_positions, random_soup, topologies};
 use rimline_measure::random::Random;
@@ -12,7 +12,7 @@ use rimline_measure::{band, is_long, lights, must_fail, oracle, same};
 
 type Outcome = Result<(), String>;
 
-fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::CpuExtraction {
+fn extracted(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> cpu::Extraction {
     cpu::extract(positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights")
 }
 
@@ -96,7 +96,7 @@ fn facing_is_exact_outside_the_band_for_random_triangles() -> Outcome {
 }
 
 /// Records, silhouette bits and winding bits against the faces alone.
-fn check_masks(name: &str, mesh: &Mesh, facing: &[u32], masks: &[Masks], lights: usize) -> Outcome {
+fn check_masks(name: &str, mesh: &Mesh, facing: &[u32], masks: &[EdgeMasks], lights: usize) -> Outcome {
     let edges = oracle::edge_faces(mesh.faces());
     for light in 0..lights {
         let expected = oracle::multiplicities(&edges, facing, mesh.faces().len(), light);
@@ -195,7 +195,7 @@ fn compaction_is_a_filter_in_order() -> Outcome {
     let mut random = Random::new(seed);
     for _ in 0..50 {
         let plane: Vec<_> = (0..random.below(400))
-            .map(|_| Masks { silhouette: random.next_u64() as u32, winding: random.next_u64() as u32 })
+            .map(|_| EdgeMasks { silhouette: random.next_u64() as u32, winding: random.next_u64() as u32 })
             .collect();
         let bit = random.below(32) as u32;
         let mut naive = Vec::new();

@@ -4,7 +4,7 @@ use rimline::gpu::ExtractorOptions;
 use rimline::mesh::Weld;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::Masks;
+use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::shapes;
 
@@ -120,7 +120,7 @@ fn non_finite() -> Result<(), String> {
     same("non-finite faces", &counted, &[poisoned])?;
     let twin = cpu::extract(&positions, &mesh, &lights, Predicate::Exact, Threads::ONE);
     let twin = twin.map_err(|e| e.to_string())?;
-    same("the twin's count", &[twin.counts.non_finite_faces as usize], &[poisoned])?;
+    same("the twin's count", &[twin.statistics.non_finite_faces as usize], &[poisoned])?;
     for (index, face) in mesh.faces().iter().enumerate() {
         let words = found.facing.iter().skip(index).step_by(mesh.faces().len());
         if is_poisoned(face) && words.into_iter().any(|&mask| mask != 0) {
@@ -184,8 +184,8 @@ fn inside_at_edges(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light], bound:
     inside
 }
 
-fn same_outside(what: &str, masks: &[Masks], right: &[Masks], inside: &[u32]) -> Result<(), String> {
-    let outside = |masks: &[Masks]| -> Vec<[u32; 2]> {
+fn same_outside(what: &str, masks: &[EdgeMasks], right: &[EdgeMasks], inside: &[u32]) -> Result<(), String> {
+    let outside = |masks: &[EdgeMasks]| -> Vec<[u32; 2]> {
         masks.iter().zip(inside).map(|(masks, inside)| [masks.silhouette & !inside, masks.winding & !inside]).collect()
     };
     same(what, &outside(masks), &outside(right))

@@ -1,7 +1,7 @@
 //! The WGSL include in a caller's own shaders: from lists that fit and lists that overflow.
 
 use rimline::gpu::{
-    Extraction, Extractor, ExtractorOptions, IncludeError, ListOptions, PositionBuffer, include_wgsl,
+    Extraction, ExtractionIncludeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
     results_bind_group_layout,
 };
 use rimline::reference::Method;
@@ -201,8 +201,8 @@ fn refused() -> Result<(), String> {
     let without_lists = ExtractorOptions { lists: None, ..good };
     let per_edge = ExtractorOptions { method: Method::PerEdge, ..good };
     same("good", &[error(good, 0)?], &[None])?;
-    same("no lists", &[error(without_lists, 0)?], &[Some(IncludeError::NoLists)])?;
-    same("per edge", &[error(per_edge, 0)?], &[Some(IncludeError::NoLists)])?;
-    let expected = IncludeError::NoSuchBatch { batch: 1, batches: 1 };
+    same("no lists", &[error(without_lists, 0)?], &[Some(ExtractionIncludeError::NoLists)])?;
+    same("per edge", &[error(per_edge, 0)?], &[Some(ExtractionIncludeError::NoLists)])?;
+    let expected = ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 };
     same("batch", &[error(good, 1)?], &[Some(expected)])
 }

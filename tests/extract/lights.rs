@@ -1,9 +1,9 @@
 //! Numbers of lights, several encodes, refused lights and meshes, lights in mesh space.
 
-use rimline::gpu::{EncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
+use rimline::gpu::{ExtractionEncodeError, Extractor, ExtractorError, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::Masks;
+use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, LightError, Mesh, MeshError};
 use rimline_measure::shapes;
 
@@ -91,7 +91,7 @@ fn several_encodes() -> Result<(), String> {
         let mut extractor = Extractor::new(&gpu.pipelines, &mesh, options(40, true, ordered)).map_err(text)?;
         let runs = [(&first_buffer, &positions, 40), (&second_buffer, &moved, 7), (&first_buffer, &positions, 33)];
         let runs = runs.map(|(buffer, positions, count)| (buffer, positions, lights(&mut random, count)));
-        let zeros = vec![0_u8; mesh.edges().len() * size_of::<Masks>()];
+        let zeros = vec![0_u8; mesh.edges().len() * size_of::<EdgeMasks>()];
         let copies: Vec<_> = runs.iter().map(|_| [gpu.storage(&zeros), gpu.storage(&[0_u32; 40])]).collect();
         gpu.submit(|encoder| {
             for ((buffer, _, lights), [masks, counts]) in runs.iter().zip(&copies) {
@@ -105,7 +105,7 @@ fn several_encodes() -> Result<(), String> {
         })?;
         for (number, ((_, positions, lights), [masks, counts])) in runs.iter().zip(&copies).enumerate() {
             let alone = extract(gpu, positions, &mesh, lights, options(lights.len(), true, ordered))?;
-            let masks: Vec<Masks> = gpu.read(masks, mesh.edges().len())?;
+            let masks: Vec<EdgeMasks> = gpu.read(masks, mesh.edges().len())?;
             same(&format!("encode {number}, masks"), &masks, &alone.masks[..masks.len()])?;
             let counts: Vec<u32> = gpu.read(counts, lights.len())?;
             same(&format!("encode {number}, counts"), &counts, &alone.counts)?;
@@ -160,13 +160,13 @@ fn refused() -> Result<(), String> {
     gpu.submit(|encoder| {
         for (lights, expected) in cases {
             let error = extractor.encode(encoder, bound, &lights, None).err();
-            same("lights", &[error], &[Some(EncodeError::Light(expected))])?;
+            same("lights", &[error], &[Some(ExtractionEncodeError::Light(expected))])?;
         }
         for at in 0..4 {
             let mut xyzw = [1.0; 4];
             xyzw[at] = f32::NAN;
             let error = extractor.encode(encoder, bound, &[Light::homogeneous(xyzw)], None);
-            let Err(EncodeError::Light(LightError::NotFinite { index: 0, .. })) = error else {
+            let Err(ExtractionEncodeError::Light(LightError::NotFinite { index: 0, .. })) = error else {
                 return Err(format!("NaN at {at}: {error:?}"));
             };
         }

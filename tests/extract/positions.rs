@@ -1,7 +1,7 @@
 //! A caller's own position buffer: any offset and stride, the caller's own vertex order, and what is refused.
 
 use rimline::Mesh;
-use rimline::gpu::{EncodeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, PositionError};
+use rimline::gpu::{ExtractionEncodeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, PositionError};
 use rimline::mesh::Weld;
 use rimline_measure::shapes;
 
@@ -108,7 +108,7 @@ fn refused() -> Result<(), String> {
             let bound = PositionBuffer { buffer: &buffer, offset, stride };
             let error = extractor.encode(encoder, bound, &lights, None).err();
             let what = format!("offset {offset}, stride {stride}");
-            same(&what, &[error], &[expected.map(EncodeError::Positions)])?;
+            same(&what, &[error], &[expected.map(ExtractionEncodeError::Positions)])?;
         }
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("vertices"),
@@ -118,7 +118,7 @@ fn refused() -> Result<(), String> {
         });
         let bound = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
         let error = extractor.encode(encoder, bound, &lights, None).err();
-        same("no STORAGE", &[error], &[Some(EncodeError::Positions(PositionError::NotStorage))])
+        same("no STORAGE", &[error], &[Some(ExtractionEncodeError::Positions(PositionError::NotStorage))])
     })
 }
 

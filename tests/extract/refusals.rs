@@ -1,8 +1,8 @@
 //! What does not fit a device is a typed error, before anything is allocated.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, EncodeError, Extractor, ExtractorError, ExtractorOptions, IncludeError,
-    ListOptions, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
+    DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
+    ExtractorOptions, ListOptions, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
 };
 use rimline::{Light, Mesh};
 use rimline_measure::shapes::{self, Shape};
@@ -92,9 +92,10 @@ fn positions_and_models_too_large() -> Result<(), String> {
     small.submit(|encoder| {
         let error = extractor.encode(encoder, bound, &[Light::directional([1.0, 0.0, 0.0])], None);
         match error {
-            Err(EncodeError::Positions(PositionError::Memory(MemoryError::Gathered { what: "positions", .. }))) => {
-                Ok(())
-            }
+            Err(ExtractionEncodeError::Positions(PositionError::Memory(MemoryError::Gathered {
+                what: "positions",
+                ..
+            }))) => Ok(()),
             other => Err(format!("positions: {:?}", other.err())),
         }
     })?;
@@ -145,7 +146,7 @@ fn include_refuses() -> Result<(), String> {
     let light = [Light::point([3.0, 2.0, 1.0])];
     let extraction = gpu.submit(|encoder| extractor.encode(encoder, bound, &light, None).map_err(text))?;
     match extraction.bind_group(&layout, 0) {
-        Err(IncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
+        Err(ExtractionIncludeError::Memory(MemoryError::Binding { .. })) => Ok(()),
         other => Err(format!("{:?}", other.err())),
     }?;
     // The extraction itself goes on, in windows.

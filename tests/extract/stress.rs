@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rimline::gpu::ExtractorOptions;
 use rimline::reference::Method;
-use rimline::reference::cpu::{self, CpuExtraction, Threads};
+use rimline::reference::cpu::{self, Threads};
 use rimline::{Mesh, Predicate};
 use rimline_measure::error_metrics::{Candidate, Score};
 use rimline_measure::stress::{self, Scene};
@@ -61,7 +61,7 @@ fn scores(gpu: &Gpu, scene: &Scene, mesh: &Mesh, count: usize) -> Result<Vec<Sco
     let lights = scene.lights(count);
     let right = oracle::facing(&scene.positions, mesh.faces(), &lights);
     let masks = cpu::edges(mesh.edges(), &right, mesh.faces().len(), count, Threads::all());
-    let right = CpuExtraction { facing: right, masks, ..Default::default() };
+    let right = cpu::Extraction { facing: right, masks, ..Default::default() };
     let score = |(_, method, predicate)| {
         let found = extract(gpu, &scene.positions, mesh, &lights, options(count, method, predicate))?;
         let facing = (method == Method::FaceMask).then_some(found.facing.as_slice());

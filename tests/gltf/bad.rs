@@ -4,7 +4,7 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 use rimline::MeshError;
-use rimline::gltf::{Asset, Skipped};
+use rimline::gltf::{Asset, SkippedPrimitives};
 use rimline::mesh::Weld;
 
 use crate::{Outcome, asset_test, assets, ensure};
@@ -58,7 +58,7 @@ fn refused(name: &str, says: &[&str]) -> Outcome {
 
 fn no_position() -> Outcome {
     let asset = Asset::open(assets().join("bad").join(LEGAL), Weld::Data)?;
-    let skipped = Skipped { without_position: 1, ..Skipped::default() };
+    let skipped = SkippedPrimitives { without_position: 1, ..SkippedPrimitives::default() };
     ensure(asset.skipped() == skipped, || format!("{:?}", asset.skipped()))?;
     let mesh = asset.model().mesh(&asset.pose(None, 0.0)?);
     ensure(mesh == Err(MeshError::NoFaces.into()), || format!("{mesh:?}"))

@@ -218,7 +218,7 @@ fn fox() -> Outcome {
 fn subpass() -> Outcome {
     let asset = open("subpass_scene_opaque.gltf", Weld::Data)?;
     let pose = asset.pose(None, 0.0)?;
-    ensure(pose.instances().iter().all(InstancePose::turned), || "not all are turned".to_owned())?;
+    ensure(pose.instances().iter().all(InstancePose::faces_turned), || "not all are turned".to_owned())?;
     let upright = open("Knight.glb", Weld::Data)?.pose(None, 0.0)?;
-    ensure(!upright.instances().iter().any(InstancePose::turned), || "the knight is turned".to_owned())
+    ensure(!upright.instances().iter().any(InstancePose::faces_turned), || "the knight is turned".to_owned())
 }

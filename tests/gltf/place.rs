@@ -2,6 +2,7 @@
 
 use libtest_mimic::Trial;
 use rimline::gltf::{Asset, SceneLightKind};
+use rimline::reference::model::influence_range;
 use rimline::{Instance, InstancePose};
 use serde_json::json;
 
@@ -44,7 +45,7 @@ fn instances() -> Outcome {
     for (instance, end) in pose.instances().iter().zip(ends) {
         close(&map(&instance.palette()[0], [1.0, 0.0, 0.0]), &end, 1e-6, "the point (1, 0, 0)")?;
     }
-    let turned: Vec<bool> = pose.instances().iter().map(InstancePose::turned).collect();
+    let turned: Vec<bool> = pose.instances().iter().map(InstancePose::faces_turned).collect();
     same(&turned, &vec![false, false, true], "turned")
 }
 
@@ -97,17 +98,17 @@ fn weights() -> Outcome {
     ] {
         let asset = Maker::skinned([0, 1, 0, 0], given).load()?;
         let influences = asset.model().geometries()[0].influences().cloned().ok_or("rigid")?;
-        let range = influences.range(2);
+        let range = influence_range(&influences, 2);
         let found: Vec<(u32, f32)> = range.map(|i| (influences.joints()[i], influences.weights()[i])).collect();
         same(&found, &expected, &format!("{given:?}"))?;
     }
     // The second set comes first in the file, but not in the list.
     let asset = everything().load()?;
     let influences = asset.model().geometries()[0].influences().cloned().ok_or("rigid")?;
-    same(&influences.joints()[influences.range(1)].to_vec(), &vec![0, 1, 1], "two sets")?;
+    same(&influences.joints()[influence_range(&influences, 1)].to_vec(), &vec![0, 1, 1], "two sets")?;
     let total: f32 = 1.75;
     let expected: Vec<f32> = [0.5, 0.25, 1.0].iter().map(|w| w / total).collect();
-    same(&influences.weights()[influences.range(1)].to_vec(), &expected, "their weights")
+    same(&influences.weights()[influence_range(&influences, 1)].to_vec(), &expected, "their weights")
 }
 
 fn zero_weights() -> Outcome {
@@ -145,7 +146,7 @@ fn mirrored_joints() -> Outcome {
     let state = |maker: &Maker| -> Result<(bool, usize), String> {
         let asset = maker.load().map_err(|e| e.to_string())?;
         let pose = asset.pose(None, 0.0).map_err(|e| e.to_string())?;
-        Ok((pose.instances()[0].turned(), pose.mixed_determinants()))
+        Ok((pose.instances()[0].faces_turned(), pose.mixed_determinants()))
     };
     same(&state(&maker)?, &(false, 0), "a mirrored joint that no vertex follows")?;
     maker.json["nodes"][1]["scale"] = json!([-1, 1, 1]);

@@ -1,7 +1,7 @@
 //! Hand-made files: which triangles and positions are read.
 
 use libtest_mimic::Trial;
-use rimline::gltf::{Asset, Skipped};
+use rimline::gltf::{Asset, SkippedPrimitives};
 use rimline::mesh::Weld;
 use serde_json::{Value, json};
 
@@ -85,7 +85,7 @@ fn skipping() -> Outcome {
     maker.push("meshes", json!({ "primitives": primitives }));
     maker.push("nodes", json!({ "mesh": 1 }));
     let asset = maker.load()?;
-    let expected = Skipped { points: 2, lines: 3, without_position: 1 };
+    let expected = SkippedPrimitives { points: 2, lines: 3, without_position: 1 };
     same(&asset.skipped(), &expected, "skipped")?;
     same(&asset.model().instances().len(), &1, "instances")?;
     same(&asset.meshes()[1].primitives, &6, "primitives")

@@ -226,7 +226,7 @@ fn closed_meshes_take_at_most_28_bytes_a_face() {
     for (name, shape) in all_shapes() {
         let mesh = mesh(&shape);
         let limit = if mesh.is_closed() { 28 } else { 48 };
-        let (bytes, faces) = (mesh.topology_bytes(), shape.faces.len());
+        let (bytes, faces) = (mesh.edge_record_bytes(), shape.faces.len());
         assert!(bytes <= limit * faces, "{name}: {bytes} bytes for {faces} faces");
     }
 }
@@ -235,7 +235,7 @@ fn closed_meshes_take_at_most_28_bytes_a_face() {
 fn faces_that_are_all_degenerate_have_no_records() {
     let mesh = Mesh::from_faces(2, vec![[0, 0, 1], [1, 1, 1]]).expect("a mesh");
     assert!(mesh.edges().is_empty());
-    assert_eq!((mesh.degenerate_faces(), mesh.topology_bytes()), (2, 0));
+    assert_eq!((mesh.degenerate_faces(), mesh.edge_record_bytes()), (2, 0));
 }
 
 #[test]
@@ -243,9 +243,9 @@ fn edges_that_both_faces_traverse_alike_are_not_closed() {
     // A face and the same again: every edge has two faces, none of them consistent.
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [0, 1, 2]]).expect("a mesh");
     assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 3, ..EdgeCounts::default() });
-    assert!(!mesh.is_closed() && !mesh.survey(0).is_closed());
+    assert!(!mesh.is_closed() && !mesh.diagnose(0).is_closed());
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [2, 1, 0]]).expect("a mesh");
-    assert!(mesh.is_closed() && mesh.survey(0).is_closed());
+    assert!(mesh.is_closed() && mesh.diagnose(0).is_closed());
 }
 
 #[test]

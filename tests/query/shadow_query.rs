@@ -1,8 +1,8 @@
 //! The shadow depth query on the GPU: the twin's integers, however it is cut, and what is refused.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, MemoryError, PositionBuffer, PositionError, QueryError, ShadowQuery, ShadowQueryError,
-    ShadowQueryOptions, StaleExtraction,
+    Extractor, ExtractorOptions, MemoryError, PositionBuffer, PositionError, ShadowQuery, ShadowQueryEncodeError,
+    ShadowQueryError, ShadowQueryOptions, StaleExtraction,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
@@ -131,7 +131,8 @@ fn splits() -> Result<(), String> {
     for case in larger() {
         let right = expected(&case)?;
         for (skip, work) in [(true, 1 << 28), (false, 1)] {
-            let options = ShadowQueryOptions { skip, work_per_dispatch: work, max_points: 333, ..room(&case) };
+            let options =
+                ShadowQueryOptions { skip_by_boxes: skip, work_per_dispatch: work, max_points: 333, ..room(&case) };
             let what = format!("{}, skip {skip}, {work} a dispatch", case.name);
             same(&what, &found(gpu, &case, options, TIGHT)?, &right)?;
         }
@@ -188,7 +189,7 @@ fn expect<T, E: std::fmt::Debug>(what: &str, outcome: Result<T, E>, fits: fn(&E)
 }
 
 /// What is wrong, positions and points, how many points, lights, and the error that must come.
-type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&QueryError) -> bool);
+type Refused<'a> = (&'a str, [PositionBuffer<'a>; 2], u32, Vec<Light>, fn(&ShadowQueryEncodeError) -> bool);
 
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -228,25 +229,25 @@ fn refusals() -> Result<(), String> {
     let (good, light) = ([at(&vertices, 0, 12), at(&points, 0, 12)], Light::point([1.0, 2.0, 3.0]));
     let cases: [Refused<'_>; 7] = [
         ("many lights", good, 1, vec![light; 3], |error| {
-            matches!(error, QueryError::Light(LightError::TooMany { count: 3, limit: 2 }))
+            matches!(error, ShadowQueryEncodeError::Light(LightError::TooMany { count: 3, limit: 2 }))
         }),
         ("a negative w", good, 1, vec![Light::homogeneous([1.0, 1.0, 1.0, -1.0])], |error| {
-            matches!(error, QueryError::Light(LightError::NegativeWeight { index: 0, .. }))
+            matches!(error, ShadowQueryEncodeError::Light(LightError::NegativeWeight { index: 0, .. }))
         }),
         ("many points", good, 11, vec![light], |error| {
-            matches!(error, QueryError::TooManyPoints { count: 11, limit: 10 })
+            matches!(error, ShadowQueryEncodeError::TooManyPoints { count: 11, limit: 10 })
         }),
         ("short positions", [good[1]; 2], 1, vec![light], |error| {
-            matches!(error, QueryError::Positions(PositionError::TooShort { .. }))
+            matches!(error, ShadowQueryEncodeError::Positions(PositionError::TooShort { .. }))
         }),
         ("short points", [good[0], at(&points, 4, 12)], 10, vec![light], |error| {
-            matches!(error, QueryError::Points(PositionError::TooShort { vertices: 10, .. }))
+            matches!(error, ShadowQueryEncodeError::Points(PositionError::TooShort { vertices: 10, .. }))
         }),
         ("a bad stride", [good[0], at(&points, 0, 10)], 1, vec![light], |error| {
-            matches!(error, QueryError::Points(PositionError::Alignment { stride: 10, .. }))
+            matches!(error, ShadowQueryEncodeError::Points(PositionError::Alignment { stride: 10, .. }))
         }),
         ("no storage", [good[0], at(&plain, 0, 12)], 1, vec![light], |error| {
-            matches!(error, QueryError::Points(PositionError::NotStorage))
+            matches!(error, ShadowQueryEncodeError::Points(PositionError::NotStorage))
         }),
     ];
     for (what, [positions, points], count, lights, fits) in cases {
@@ -290,7 +291,7 @@ fn extractions() -> Result<(), String> {
         same("depths of an extraction", &read(query)?, &expected)?;
     }
     let refused = gpu.submit(|encoder| Ok(of_other.encode(encoder, &extraction, at, 50, None)))?;
-    same("another mesh", &[refused], &[Err(QueryError::OtherMesh)])?;
+    same("another mesh", &[refused], &[Err(ShadowQueryEncodeError::OtherMesh)])?;
     gpu.submit(|encoder| extractor.encode(encoder, bound, &lights[..1], None).map_err(text))?;
     let refused = gpu.submit(|encoder| Ok(query.encode(encoder, &extraction, at, 50, None)))?;
     same("an extraction of before", &[refused], &[Err(StaleExtraction.into())])

@@ -5,7 +5,7 @@ use rimline::gpu::{
     ShadowVolumes,
 };
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{Masks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
+use rimline::reference::layout::{EdgeMasks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use rimline::reference::shadow::{
     self, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
 };
@@ -64,7 +64,7 @@ struct Twins {
 struct Silhouettes<'a> {
     mesh: &'a Mesh,
     positions: &'a [[f32; 3]],
-    masks: Vec<Masks>,
+    masks: Vec<EdgeMasks>,
     /// Room in the GPU's lists.
     capacity: u32,
 }

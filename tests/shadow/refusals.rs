@@ -5,9 +5,9 @@ use glam::camera::rh::proj::directx::{orthographic, perspective, perspective_inf
 use glam::camera::rh::view::look_at_mat4;
 use glam::{Mat4, Vec3};
 use rimline::gpu::{
-    DrawArguments, DrawError, Extraction, Extractor, ExtractorOptions, IncludeError, MemoryError, PositionBuffer,
-    ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
-    ShadowVolumes, ShadowVolumesError, StaleExtraction,
+    DrawArguments, Extraction, ExtractionDrawError, ExtractionIncludeError, Extractor, ExtractorOptions, MemoryError,
+    PositionBuffer, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
+    ShadowPipelines, ShadowVolumes, ShadowVolumesError, StaleExtraction,
 };
 use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
@@ -219,11 +219,11 @@ fn stale() -> Result<(), String> {
     expect("the second", &second, Ok(()))?;
     let layout = rimline::gpu::results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
     same("its bind group", &[first.bind_group(&layout, 0).map(drop)], &[Err(StaleExtraction.into())])?;
-    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(DrawError::Stale(StaleExtraction))])?;
+    same("its draws", &[first.draw_arguments(0).map(drop)], &[Err(ExtractionDrawError::Stale(StaleExtraction))])?;
     same("its results", &[first.results().map(drop)], &[Err(StaleExtraction)])?;
-    let past = |light| Err(DrawError::NoSuchLight { light, lights: 1 });
+    let past = |light| Err(ExtractionDrawError::NoSuchLight { light, lights: 1 });
     same("draws past the lights", &[second.draw_arguments(1).map(drop)], &[past(1)])?;
-    let batch = Err(IncludeError::NoSuchBatch { batch: 1, batches: 1 });
+    let batch = Err(ExtractionIncludeError::NoSuchBatch { batch: 1, batches: 1 });
     same("a batch past the lights", &[second.bind_group(&layout, 1).map(drop)], &[batch])?;
     same("a good one", &[second.bind_group(&layout, 0).map(drop)], &[Ok(())])?;
     // What is refused leaves the results as they are.

@@ -52,12 +52,12 @@ struct DrawShape {
 }
 
 // The bits of an edge record, one for each light of a batch.
-struct Masks {
+struct EdgeMasks {
   silhouette: u32,
   winding: u32,
 }
 
-struct Statistics {
+struct ExtractionStatistics {
   // Faces with an infinite or NaN vertex. They face no light.
   non_finite_faces: atomic<u32>,
   // Lists that overflowed. The draws of their lights go over all edges.
@@ -69,7 +69,7 @@ struct Statistics {
 
 // Statistics, and the list of undecided faces beside them: together they take one of a stage's few bindings.
 struct FacingRecord {
-  statistics: Statistics,
+  statistics: ExtractionStatistics,
   // How many faces are undecided, then the faces, counted from the chunk's first.
   undecided_count: atomic<u32>,
   undecided: array<u32>,

@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<uniform> shape: DrawShape;
 @group(0) @binding(1) var<storage, read> counts: array<u32>;
 @group(0) @binding(2) var<storage, read_write> draw_arguments: array<DrawArguments>;
-@group(0) @binding(3) var<storage, read_write> statistics: Statistics;
+@group(0) @binding(3) var<storage, read_write> statistics: ExtractionStatistics;
 
 fn write_arguments(light: u32) {
   var instances = counts[light];

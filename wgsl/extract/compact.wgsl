@@ -2,7 +2,7 @@
 // the bits of each block of edges, turn the counts into offsets, scatter.
 
 @group(0) @binding(0) var<uniform> chunk: Chunk;
-@group(0) @binding(1) var<storage, read> masks: array<Masks>;
+@group(0) @binding(1) var<storage, read> masks: array<EdgeMasks>;
 // For each light one number a block: first its silhouettes in the block, then those in all earlier blocks.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
@@ -12,11 +12,11 @@ const BLOCK_WORDS: u32 = BLOCK / 32u;
 // For each light the silhouette edges of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, 32u * BLOCK_WORDS>;
 
-fn silhouette_of(edge: u32) -> Masks {
+fn silhouette_of(edge: u32) -> EdgeMasks {
   if (edge < chunk.count) {
     return masks[edge];
   }
-  return Masks(0u, 0u);
+  return EdgeMasks(0u, 0u);
 }
 
 fn gather_members(silhouette: u32, local: u32) {

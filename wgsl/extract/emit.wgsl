@@ -1,6 +1,6 @@
 // Writes what the edge stages found: masks, lists, or both.
 
-@group(0) @binding(7) var<storage, read_write> masks: array<Masks>;
+@group(0) @binding(7) var<storage, read_write> masks: array<EdgeMasks>;
 @group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> list: array<u32>;
 
@@ -9,7 +9,7 @@ override APPEND: bool = true;
 
 fn emit(edge: u32, silhouette: u32, winding: u32) {
   if (WRITE_MASKS) {
-    masks[edge] = Masks(silhouette, winding);
+    masks[edge] = EdgeMasks(silhouette, winding);
   }
   if (APPEND) {
     // Silhouettes are few, so one atomic for each costs less than agreeing on places within the workgroup.

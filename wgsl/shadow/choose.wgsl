@@ -8,7 +8,7 @@
 @group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
 // Three workgroup counts for each batch of lights.
 @group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
-// `Statistics` of the extraction. The last tells how many lights lie in planes of faces.
+// `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
 @group(0) @binding(5) var<storage, read> extraction_statistics: array<u32, 4>;
 
 fn unordered(bits: vec3<u32>) -> vec3<f32> {

@@ -108,7 +108,7 @@ fn make(subject: BenchMesh) -> Result<(Made, SubjectFacts), Failure> {
         edges: made.mesh.edges().len(),
         is_closed: made.mesh.is_closed(),
         topology_ms,
-        topology_bytes: again.topology_bytes(),
+        topology_bytes: again.edge_record_bytes(),
     };
     Ok((made, facts))
 }

@@ -8,8 +8,8 @@ pub(crate) mod report;
 use std::time::Instant;
 
 use rimline::reference::Method;
-use rimline::reference::cpu::FacingCounts;
-use rimline::reference::layout::Masks;
+use rimline::reference::cpu::FacingStatistics;
+use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Predicate};
 
 use crate::args::{ExtractArgs, MethodArg, PredicateArg};
@@ -28,8 +28,8 @@ use report::Report;
 pub(crate) struct Found<'a> {
     positions: std::borrow::Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
-    masks: Vec<Masks>,
-    counts: FacingCounts,
+    masks: Vec<EdgeMasks>,
+    statistics: FacingStatistics,
 }
 
 /// Finds everything exactly on a device.

@@ -78,7 +78,7 @@ pub(crate) enum InputError {
     )]
     Outside { place: String, uri: String, path: PathBuf },
     #[error(transparent)]
-    Pose(#[from] rimline::gltf::PoseError),
+    Pose(#[from] rimline::gltf::AnimationError),
     #[error(transparent)]
     Model(#[from] rimline::ModelError),
     #[error(transparent)]

@@ -2,8 +2,9 @@
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, DrawError, EncodeError, ExtractorError, IncludeError, MemoryError, PositionError, QueryError,
-    ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryError, ShadowVolumesError, TimerError,
+    DeformError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, MemoryError,
+    PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryEncodeError,
+    ShadowQueryError, ShadowVolumesError, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -17,13 +18,13 @@ pub(crate) enum GpuError {
     #[error(transparent)]
     Extractor(#[from] ExtractorError),
     #[error(transparent)]
-    Encode(#[from] EncodeError),
+    Encode(#[from] ExtractionEncodeError),
     #[error(transparent)]
-    Include(#[from] IncludeError),
+    Include(#[from] ExtractionIncludeError),
     #[error(transparent)]
     Memory(#[from] MemoryError),
     #[error(transparent)]
-    Query(#[from] QueryError),
+    Query(#[from] ShadowQueryEncodeError),
     #[error(transparent)]
     ShadowQuery(#[from] ShadowQueryError),
     #[error(transparent)]
@@ -31,7 +32,7 @@ pub(crate) enum GpuError {
     #[error(transparent)]
     Timer(#[from] TimerError),
     #[error(transparent)]
-    Draw(#[from] DrawError),
+    Draw(#[from] ExtractionDrawError),
     #[error(transparent)]
     Shadow(#[from] ShadowEncodeError),
     #[error(transparent)]
@@ -73,18 +74,22 @@ impl GpuError {
             Self::Memory(memory)
             | Self::Deform(DeformError::Memory(memory))
             | Self::Extractor(ExtractorError::Memory(memory))
-            | Self::Encode(EncodeError::Positions(PositionError::Memory(memory)))
+            | Self::Encode(ExtractionEncodeError::Positions(PositionError::Memory(memory)))
             | Self::ShadowQuery(ShadowQueryError::Memory(memory))
             | Self::Query(
-                QueryError::Positions(PositionError::Memory(memory))
-                | QueryError::Points(PositionError::Memory(memory)),
+                ShadowQueryEncodeError::Positions(PositionError::Memory(memory))
+                | ShadowQueryEncodeError::Points(PositionError::Memory(memory)),
             )
-            | Self::Include(IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)))
+            | Self::Include(
+                ExtractionIncludeError::Memory(memory)
+                | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
+            )
             | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
             | Self::Shadow(
                 ShadowEncodeError::Positions(PositionError::Memory(memory))
                 | ShadowEncodeError::Include(
-                    IncludeError::Memory(memory) | IncludeError::Positions(PositionError::Memory(memory)),
+                    ExtractionIncludeError::Memory(memory)
+                    | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
                 ),
             ) => Some(memory),
             _ => None,
@@ -94,9 +99,9 @@ impl GpuError {
     fn lights(&self) -> Option<&LightError> {
         match self {
             Self::Extractor(ExtractorError::Light(lights))
-            | Self::Encode(EncodeError::Light(lights))
+            | Self::Encode(ExtractionEncodeError::Light(lights))
             | Self::ShadowQuery(ShadowQueryError::Light(lights))
-            | Self::Query(QueryError::Light(lights)) => Some(lights),
+            | Self::Query(ShadowQueryEncodeError::Light(lights)) => Some(lights),
             _ => None,
         }
     }

@@ -1,8 +1,8 @@
 //! How wrong an extraction is: bits that differ from exact arithmetic, and vertices at which loops stay open.
 
 use rimline::mesh::{EdgeKind, Mesh};
-use rimline::reference::cpu::CpuExtraction;
-use rimline::reference::layout::{Masks, live_bits};
+use rimline::reference::cpu;
+use rimline::reference::layout::{EdgeMasks, live_bits};
 use rimline::reference::light::batches;
 
 /// Errors of one extraction, all lights together.
@@ -44,8 +44,8 @@ pub struct Candidate<'a> {
     /// Facing masks, ⌈N/32⌉ planes of one a face; `None` for the per-edge method, which has none: what each edge decided
     /// about its faces is then told from its silhouette and winding bits.
     pub facing: Option<&'a [u32]>,
-    /// ⌈N/32⌉ planes of one [`Masks`] an edge record.
-    pub masks: &'a [Masks],
+    /// ⌈N/32⌉ planes of one [`EdgeMasks`] an edge record.
+    pub masks: &'a [EdgeMasks],
 }
 
 impl Score {
@@ -54,7 +54,12 @@ impl Score {
     ///
     /// # Errors
     /// [`ScoreError::Length`] when the masks are not of this mesh and as many lights.
-    pub fn of(mesh: &Mesh, lights: usize, exact: &CpuExtraction, candidate: Candidate<'_>) -> Result<Self, ScoreError> {
+    pub fn of(
+        mesh: &Mesh,
+        lights: usize,
+        exact: &cpu::Extraction,
+        candidate: Candidate<'_>,
+    ) -> Result<Self, ScoreError> {
         let (faces, edges) = (mesh.faces().len(), mesh.edges().len());
         let check = |what, got, items: usize| match items * batches(lights) {
             expected if got == expected => Ok(()),
@@ -95,7 +100,7 @@ fn plane<T>(masks: &[T], word: usize, items: usize) -> &[T] {
 }
 
 /// For each face the lights for which one of its edges decided it otherwise than `right`.
-fn wrong_at_edges(mesh: &Mesh, right: &[u32], masks: &[Masks]) -> Vec<u32> {
+fn wrong_at_edges(mesh: &Mesh, right: &[u32], masks: &[EdgeMasks]) -> Vec<u32> {
     let mut wrong = vec![0; right.len()];
     let mut compare = |face: u32, decided: u32| {
         if let (Some(wrong), Some(right)) = (wrong.get_mut(face as usize), right.get(face as usize)) {
@@ -122,7 +127,7 @@ pub struct LightCounts {
 }
 
 /// [`LightCounts`] of each light, from ⌈N/32⌉ planes of masks an edge record. Masks that are missing count as zeros.
-pub fn light_counts(mesh: &Mesh, masks: &[Masks], lights: usize) -> Vec<LightCounts> {
+pub fn light_counts(mesh: &Mesh, masks: &[EdgeMasks], lights: usize) -> Vec<LightCounts> {
     let mut sums = vec![0_i32; mesh.vertex_count() as usize];
     let mut counts = Vec::with_capacity(lights);
     for light in 0..lights {

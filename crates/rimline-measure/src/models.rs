@@ -73,7 +73,7 @@ pub fn random_pose(random: &mut Random, model: &Model) -> Pose {
         let weights = weights
             .map(|_| [0.0, -0.0, random.between(-1.0, 1.0), random.between(0.0, 9.0)][random.below(4)])
             .collect();
-        InstancePose::new(palette, weights).expect("all is finite").with_turned(false)
+        InstancePose::new(palette, weights).expect("all is finite").with_faces_turned(false)
     });
     Pose::new(instances.collect())
 }

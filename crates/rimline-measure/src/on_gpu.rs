@@ -2,7 +2,7 @@
 
 use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer};
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{DrawArguments, Masks, Statistics};
+use rimline::reference::layout::{DrawArguments, EdgeMasks, ExtractionStatistics};
 use rimline::{Light, Mesh, Model, Pose};
 
 use crate::band::deform_bound;
@@ -15,11 +15,11 @@ pub struct Found {
     pub facing: Vec<u32>,
     /// Empty without lists.
     pub coplanar: Vec<u32>,
-    pub masks: Vec<Masks>,
+    pub masks: Vec<EdgeMasks>,
     pub lists: Vec<Vec<u32>>,
     pub counts: Vec<u32>,
     pub draws: Vec<DrawArguments>,
-    pub statistics: Statistics,
+    pub statistics: ExtractionStatistics,
 }
 
 /// Extracts on the GPU and reads everything back.
@@ -56,7 +56,7 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
         found.coplanar.extend(gpu.read::<u32>(plane, mesh.faces().len())?);
     }
     for plane in results.masks {
-        found.masks.extend(gpu.read::<Masks>(plane, mesh.edges().len())?);
+        found.masks.extend(gpu.read::<EdgeMasks>(plane, mesh.edges().len())?);
     }
     for (word, list) in results.lists.iter().enumerate() {
         let capacity = results.capacity as usize;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use num_bigint::{BigInt, Sign};
 use rimline::mesh::EdgeKind;
-use rimline::reference::layout::Masks;
+use rimline::reference::layout::EdgeMasks;
 use rimline::{Light, Mesh};
 
 /// A finite f32 as `mantissa · 2^exponent`; zero has the highest exponent there is, so that it never sets a scale.
@@ -138,7 +138,7 @@ pub fn multiplicities(edges: &EdgeFaces, facing: &[u32], face_count: usize, ligh
 }
 
 /// The multiplicity that a record's kind, silhouette bit and winding bit say, in the record's own direction.
-fn record_multiplicity(kind: EdgeKind, masks: Masks, bit: usize) -> i64 {
+fn record_multiplicity(kind: EdgeKind, masks: EdgeMasks, bit: usize) -> i64 {
     let silhouette = masks.silhouette >> bit & 1 != 0;
     let winding = if masks.winding >> bit & 1 != 0 { 1 } else { -1 };
     match (kind, silhouette) {
@@ -149,7 +149,7 @@ fn record_multiplicity(kind: EdgeKind, masks: Masks, bit: usize) -> i64 {
 }
 
 /// The same multiplicities, summed up from a mesh's records and their masks.
-pub fn record_multiplicities(mesh: &Mesh, masks: &[Masks], light: usize) -> BTreeMap<(u32, u32), i64> {
+pub fn record_multiplicities(mesh: &Mesh, masks: &[EdgeMasks], light: usize) -> BTreeMap<(u32, u32), i64> {
     let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
     let mut sums = BTreeMap::new();
     for (edge, &masks) in mesh.edges().iter().zip(plane) {
@@ -174,7 +174,7 @@ pub fn plain_silhouettes(edges: &EdgeFaces, facing: &[u32], face_count: usize, l
 }
 
 /// The same edges, from a mesh's records and their masks.
-pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[Masks], light: usize) -> BTreeSet<(u32, u32)> {
+pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[EdgeMasks], light: usize) -> BTreeSet<(u32, u32)> {
     let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
     let found = mesh.edges().iter().zip(plane);
     found
@@ -186,7 +186,7 @@ pub fn record_silhouettes(mesh: &Mesh, edges: &EdgeFaces, masks: &[Masks], light
 
 /// Vertices at which outgoing and incoming multiplicities of a light do not cancel, summed over lights; from the masks,
 /// as they lie in the buffers.
-pub fn unclosed(mesh: &Mesh, masks: &[Masks], lights: usize) -> usize {
+pub fn unclosed(mesh: &Mesh, masks: &[EdgeMasks], lights: usize) -> usize {
     let mut open = 0;
     for light in 0..lights {
         let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use rimline::MAX_LIGHTS;
-use rimline::reference::cpu::{self, CpuExtraction, Threads};
+use rimline::reference::cpu::{self, Threads};
 use rimline::reference::light::check_lights;
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::error_metrics::{Candidate, Score, ScoreError, light_counts};
@@ -15,7 +15,7 @@ fn scene(name: &str) -> Scene {
     stress::scene(name, FACES).expect("a scene's name")
 }
 
-fn exactly(scene: &Scene, lights: &[Light]) -> CpuExtraction {
+fn exactly(scene: &Scene, lights: &[Light]) -> cpu::Extraction {
     let mesh = scene.mesh().expect("a mesh");
     cpu::extract(&scene.positions, &mesh, lights, Predicate::Exact, Threads::all()).expect("good lights")
 }
@@ -23,9 +23,9 @@ fn exactly(scene: &Scene, lights: &[Light]) -> CpuExtraction {
 /// Undecided pairs of `lights` lights, and exact zeros among them, as shares of all pairs.
 fn shares(name: &str, lights: usize) -> (f64, f64) {
     let scene = scene(name);
-    let counts = exactly(&scene, &scene.lights(lights)).counts;
+    let statistics = exactly(&scene, &scene.lights(lights)).statistics;
     let pairs = (scene.faces.len() * lights) as f64;
-    (f64::from(counts.undecided_pairs) / pairs, f64::from(counts.exact_zeros) / pairs)
+    (f64::from(statistics.undecided_pairs) / pairs, f64::from(statistics.exact_zeros) / pairs)
 }
 
 fn corners(scene: &Scene) -> impl Iterator<Item = [[f64; 3]; 3]> {
@@ -101,12 +101,12 @@ fn lights_on_the_surface_are_in_planes_of_faces() {
         assert!(zeros > 0.05 && zeros <= undecided, "{name}: {undecided}, {zeros} zeros");
     }
     for (name, faces_each) in [("lights-on-vertices", 4), ("lights-on-edges", 1), ("lights-on-faces", 1)] {
-        let counts = exactly(&scene(name), &scene(name).lights(32)).counts;
-        assert!(counts.undecided_pairs >= 16 * faces_each, "{name}: {counts:?}");
+        let statistics = exactly(&scene(name), &scene(name).lights(32)).statistics;
+        assert!(statistics.undecided_pairs >= 16 * faces_each, "{name}: {statistics:?}");
     }
-    let counts = exactly(&scene("lights-on-vertices"), &scene("lights-on-vertices").lights(32)).counts;
-    assert!(counts.exact_zeros >= 16 * 4, "{counts:?}");
-    assert!(exactly(&scene("lights-1e-20"), &scene("lights-1e-20").lights(8)).counts.undecided_pairs > 8);
+    let statistics = exactly(&scene("lights-on-vertices"), &scene("lights-on-vertices").lights(32)).statistics;
+    assert!(statistics.exact_zeros >= 16 * 4, "{statistics:?}");
+    assert!(exactly(&scene("lights-1e-20"), &scene("lights-1e-20").lights(8)).statistics.undecided_pairs > 8);
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn scores_count_what_is_wrong() {
     let mesh = scene.mesh().expect("a mesh");
     let lights = scene.lights(33);
     let exact = exactly(&scene, &lights);
-    let of = |facing: Option<&[u32]>, masks: &[rimline::reference::layout::Masks]| {
+    let of = |facing: Option<&[u32]>, masks: &[rimline::reference::layout::EdgeMasks]| {
         Score::of(&mesh, 33, &exact, Candidate { facing, masks })
     };
     let (faces, edges) = (mesh.faces().len(), mesh.edges().len());

@@ -1,6 +1,6 @@
 //! Compact: lists of silhouette edges for each light, in edge order.
 
-use crate::layout::Masks;
+use crate::layout::EdgeMasks;
 
 /// The bit of a list entry that is set if the edge's winding bit is set.
 pub const WINDING: u32 = 1 << 31;
@@ -16,7 +16,7 @@ pub struct CompactedList {
 
 /// The list of one light over one plane of masks. `bit` is its bit in the plane, 0 to 31. The list has at most
 /// `capacity` entries.
-pub fn compact(plane: &[Masks], bit: u32, capacity: usize) -> CompactedList {
+pub fn compact(plane: &[EdgeMasks], bit: u32, capacity: usize) -> CompactedList {
     let mut silhouettes = (0_u32..)
         .zip(plane)
         .filter(|(_, masks)| masks.silhouette >> bit & 1 != 0)

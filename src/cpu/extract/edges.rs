@@ -1,11 +1,11 @@
 //! Edges: silhouette and winding masks of the edge records, from the facing masks of their faces.
 
 use crate::cpu::common::parallel::Threads;
-use crate::layout::{Masks, live_bits};
+use crate::layout::{EdgeMasks, live_bits};
 use crate::light;
-use crate::mesh::{EdgeRecords, INCONSISTENT, NO_FACE};
+use crate::mesh::{EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 
-/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`Masks`] for each edge record. `facing` has planes of
+/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`EdgeMasks`] for each edge record. `facing` has planes of
 /// `face_count` facing masks for `light_count` lights. Missing facing masks count as zeros.
 pub fn edges(
     records: &EdgeRecords,
@@ -13,7 +13,7 @@ pub fn edges(
     face_count: usize,
     light_count: usize,
     threads: Threads,
-) -> Vec<Masks> {
+) -> Vec<EdgeMasks> {
     let mut masks = Vec::new();
     edges_into(&mut masks, records, facing, face_count, light_count, threads);
     masks
@@ -21,14 +21,14 @@ pub fn edges(
 
 /// As [`edges`], into a vector that is reused.
 pub(crate) fn edges_into(
-    masks: &mut Vec<Masks>,
+    masks: &mut Vec<EdgeMasks>,
     records: &EdgeRecords,
     facing: &[u32],
     face_count: usize,
     light_count: usize,
     threads: Threads,
 ) {
-    masks.resize(records.len() * light::batches(light_count), Masks { silhouette: 0, winding: 0 });
+    masks.resize(records.len() * light::batches(light_count), EdgeMasks { silhouette: 0, winding: 0 });
     fill(masks, records, facing, face_count, light_count, threads, |masks| masks);
 }
 
@@ -54,7 +54,7 @@ fn fill<T: Send>(
     face_count: usize,
     light_count: usize,
     threads: Threads,
-    keep: impl Fn(Masks) -> T + Sync,
+    keep: impl Fn(EdgeMasks) -> T + Sync,
 ) {
     let counts = records.counts();
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
@@ -78,19 +78,19 @@ fn mask(facing: &[u32], face: u32) -> u32 {
 }
 
 /// The bits of one consistent edge record.
-fn consistent_masks([face_0, face_1]: [u32; 2], facing: &[u32]) -> Masks {
+fn consistent_masks([face_0, face_1]: [u32; 2], facing: &[u32]) -> EdgeMasks {
     let winding = mask(facing, face_0);
-    Masks { silhouette: winding ^ mask(facing, face_1), winding }
+    EdgeMasks { silhouette: winding ^ mask(facing, face_1), winding }
 }
 
 /// The bits of one edge record.
-fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> Masks {
+fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMasks {
     let mask = |face: u32| mask(facing, face);
-    let winding = mask(face_0 & !INCONSISTENT);
+    let winding = mask(face_0 & !INCONSISTENT_BIT);
     let silhouette = match face_1 {
         NO_FACE => live,
-        _ if face_0 & INCONSISTENT != 0 => !(winding ^ mask(face_1)) & live,
+        _ if face_0 & INCONSISTENT_BIT != 0 => !(winding ^ mask(face_1)) & live,
         _ => winding ^ mask(face_1),
     };
-    Masks { silhouette, winding }
+    EdgeMasks { silhouette, winding }
 }

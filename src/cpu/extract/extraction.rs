@@ -1,12 +1,12 @@
 //! The whole extraction on the CPU.
 
 use super::edges::edges_into;
-use super::facing::FacingCounts;
+use super::facing::FacingStatistics;
 use super::facing::facing_into;
 #[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
-use crate::layout::Masks;
+use crate::layout::EdgeMasks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
 #[cfg(feature = "reference")]
 use crate::method::Method;
@@ -16,16 +16,16 @@ use crate::{Light, Mesh};
 /// The result of an extraction on the CPU. Masks have the layout of the GPU: ⌈N/32⌉ planes, each with all items in
 /// order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct CpuExtraction {
+pub struct Extraction {
     /// One facing mask for each face. Empty for the per-edge method.
     pub facing: Vec<u32>,
     /// Silhouette and winding masks for each edge record.
-    pub masks: Vec<Masks>,
+    pub masks: Vec<EdgeMasks>,
     /// The statistics of facing.
-    pub counts: FacingCounts,
+    pub statistics: FacingStatistics,
 }
 
-impl CpuExtraction {
+impl Extraction {
     /// Computes facing, silhouette and winding bits of `mesh` at `positions`. Lights are in the space of the positions.
     /// The memory of an earlier call is reused. No lights are allowed.
     ///
@@ -42,7 +42,7 @@ impl CpuExtraction {
     ) -> Result<(), LightError> {
         check_lights(lights, MAX_LIGHTS)?;
         let faces = mesh.faces().len();
-        self.counts = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
+        self.statistics = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
         edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
         Ok(())
     }
@@ -66,25 +66,25 @@ impl CpuExtraction {
         }
         check_lights(lights, MAX_LIGHTS)?;
         self.facing.clear();
-        self.counts = FacingCounts::default();
+        self.statistics = FacingStatistics::default();
         self.masks = per_edge(positions, mesh, lights, predicate, threads);
         Ok(())
     }
 }
 
-/// Computes facing, silhouette and winding bits of `mesh` at `positions`. [`CpuExtraction::update`] does the same and
+/// Computes facing, silhouette and winding bits of `mesh` at `positions`. [`Extraction::update`] does the same and
 /// reuses memory.
 ///
 /// # Errors
-/// As [`CpuExtraction::update`].
+/// As [`Extraction::update`].
 pub fn extract(
     positions: &[[f32; 3]],
     mesh: &Mesh,
     lights: &[Light],
     predicate: Predicate,
     threads: Threads,
-) -> Result<CpuExtraction, LightError> {
-    let mut extraction = CpuExtraction::default();
+) -> Result<Extraction, LightError> {
+    let mut extraction = Extraction::default();
     extraction.update(positions, mesh, lights, predicate, threads)?;
     Ok(extraction)
 }
@@ -101,8 +101,8 @@ pub fn extract_by(
     method: Method,
     predicate: Predicate,
     threads: Threads,
-) -> Result<CpuExtraction, LightError> {
-    let mut extraction = CpuExtraction::default();
+) -> Result<Extraction, LightError> {
+    let mut extraction = Extraction::default();
     extraction.update_by(positions, mesh, lights, method, predicate, threads)?;
     Ok(extraction)
 }

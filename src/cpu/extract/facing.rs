@@ -12,7 +12,7 @@ use crate::method::Predicate;
 
 /// Statistics of facing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FacingCounts {
+pub struct FacingStatistics {
     /// Faces with a vertex that is infinite, NaN or missing. They face no light.
     pub non_finite_faces: u32,
     /// Pairs of face and light that the filter left to exact arithmetic.
@@ -21,7 +21,7 @@ pub struct FacingCounts {
     pub exact_zeros: u32,
 }
 
-impl FacingCounts {
+impl FacingStatistics {
     fn plus(self, other: Self) -> Self {
         Self {
             non_finite_faces: self.non_finite_faces + other.non_finite_faces,
@@ -54,13 +54,13 @@ pub fn facing_into(
     lights: &[Light],
     predicate: Predicate,
     threads: Threads,
-) -> FacingCounts {
+) -> FacingStatistics {
     masks.resize(faces.len() * crate::light::batches(lights.len()), 0);
     let largest = largest_magnitude(positions, threads);
-    let mut total = FacingCounts::default();
+    let mut total = FacingStatistics::default();
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
         let word = LightBatch::new(lights, 0, 3);
-        let counts = threads.share(plane, |first, masks| {
+        let statistics = threads.share(plane, |first, masks| {
             let run = Run { positions, faces: &faces[first..], word: &word, largest };
             match (predicate, lights.len()) {
                 (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
@@ -71,9 +71,9 @@ pub fn facing_into(
                 (Predicate::Plane, _) => run.fill_by_plane(masks),
             }
         });
-        let counts = counts.into_iter().fold(FacingCounts::default(), FacingCounts::plus);
+        let statistics = statistics.into_iter().fold(FacingStatistics::default(), FacingStatistics::plus);
         // Every batch sees the same faces.
-        total = FacingCounts { non_finite_faces: 0, ..total }.plus(counts);
+        total = FacingStatistics { non_finite_faces: 0, ..total }.plus(statistics);
     }
     total
 }
@@ -88,8 +88,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn fill_exactly(&self, masks: &mut [u32]) -> FacingCounts {
-        let mut counts = FacingCounts::default();
+    fn fill_exactly(&self, masks: &mut [u32]) -> FacingStatistics {
+        let mut statistics = FacingStatistics::default();
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
             let batch = Batch::new(self.positions, faces, self.word);
             let certain = batch.certain(self.largest, self.word);
@@ -97,15 +97,15 @@ impl Run<'_> {
                 *mask = if certain[lane] {
                     batch.masks[lane]
                 } else {
-                    Face::new(self.positions, corners).decide(self.word, &mut counts)
+                    Face::new(self.positions, corners).decide(self.word, &mut statistics)
                 };
             }
         }
-        counts
+        statistics
     }
 
-    fn fill_fast(&self, masks: &mut [u32]) -> FacingCounts {
-        let mut counts = FacingCounts::default();
+    fn fill_fast(&self, masks: &mut [u32]) -> FacingStatistics {
+        let mut statistics = FacingStatistics::default();
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
             let batch = Batch::new(self.positions, faces, self.word);
             let finite = batch.finite();
@@ -113,15 +113,15 @@ impl Run<'_> {
                 *mask = if finite[lane] && !is_degenerate(corners) {
                     batch.masks[lane]
                 } else {
-                    Face::new(self.positions, corners).mask_by_f32(self.word, &mut counts)
+                    Face::new(self.positions, corners).mask_by_f32(self.word, &mut statistics)
                 };
             }
         }
-        counts
+        statistics
     }
 
-    fn fill_fast_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
-        let mut counts = FacingCounts::default();
+    fn fill_fast_for_one_light(&self, masks: &mut [u32]) -> FacingStatistics {
+        let mut statistics = FacingStatistics::default();
         let light = self.word.lights[0];
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
@@ -129,25 +129,25 @@ impl Run<'_> {
             *mask = u32::from(local_form(n, face.a, light) > 0.0);
             // As in `Batch::finite`.
             if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
-                *mask = face.mask_by_f32(self.word, &mut counts);
+                *mask = face.mask_by_f32(self.word, &mut statistics);
             }
         }
-        counts
+        statistics
     }
 
     /// This is for comparison only, so it is as plain as possible.
-    fn fill_by_plane(&self, masks: &mut [u32]) -> FacingCounts {
-        let mut counts = FacingCounts::default();
+    fn fill_by_plane(&self, masks: &mut [u32]) -> FacingStatistics {
+        let mut statistics = FacingStatistics::default();
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
-            *mask = if face.may_face(&mut counts) { plane_mask(face.a, face.b, face.c, self.word) } else { 0 };
+            *mask = if face.may_face(&mut statistics) { plane_mask(face.a, face.b, face.c, self.word) } else { 0 };
         }
-        counts
+        statistics
     }
 
     /// One light is common. Gathering faces for it costs more than deciding them at once.
-    fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingCounts {
-        let mut counts = FacingCounts::default();
+    fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingStatistics {
+        let mut statistics = FacingStatistics::default();
         let light = self.word.lights[0];
         let (relative, least) = filter::face_bound(self.largest, self.word.reach);
         // |v|₁ is at most six times the largest coordinate, and |u|₁ at most its largest value in a batch. So loose a
@@ -174,12 +174,12 @@ impl Run<'_> {
             if !determinants.iter().all(|&d| is_certain(d)) {
                 for ((mask, &corners), d) in masks.iter_mut().zip(faces).zip(determinants) {
                     if !is_certain(d) {
-                        *mask = Face::new(self.positions, corners).decide(self.word, &mut counts);
+                        *mask = Face::new(self.positions, corners).decide(self.word, &mut statistics);
                     }
                 }
             }
         }
-        counts
+        statistics
     }
 }
 
@@ -227,15 +227,15 @@ impl Face {
     }
 
     /// The bits that `f32` gives.
-    fn mask_by_f32(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
-        if self.may_face(counts) { local_mask(self.a, self.b, self.c, word) } else { 0 }
+    fn mask_by_f32(&self, word: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
+        if self.may_face(statistics) { local_mask(self.a, self.b, self.c, word) } else { 0 }
     }
 
     /// Whether the face can face a light: its vertices are finite and different. Counts faces with vertices that are
     /// not finite.
-    fn may_face(&self, counts: &mut FacingCounts) -> bool {
+    fn may_face(&self, statistics: &mut FacingStatistics) -> bool {
         if ![self.a, self.b, self.c].into_iter().all(is_finite) {
-            counts.non_finite_faces += 1;
+            statistics.non_finite_faces += 1;
             return false;
         }
         !is_degenerate(self.corners)
@@ -243,8 +243,8 @@ impl Face {
 
     /// The bits of a face that one bound leaves uncertain, as `wgsl/extract/exact_facing.wgsl` computes them.
     #[cold]
-    fn decide(&self, word: &LightBatch, counts: &mut FacingCounts) -> u32 {
-        if !self.may_face(counts) {
+    fn decide(&self, word: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
+        if !self.may_face(statistics) {
             return 0;
         }
         let Decision { mut facing, doubt } = self.filter_lights(word);
@@ -255,9 +255,9 @@ impl Face {
         for light in bits(doubt) {
             let sign = exact.sign(word.light_bits[light].map(f32::from_bits));
             facing |= u32::from(sign > 0) << light;
-            counts.exact_zeros = counts.exact_zeros.wrapping_add(u32::from(sign == 0));
+            statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(sign == 0));
         }
-        counts.undecided_pairs = counts.undecided_pairs.wrapping_add(doubt.count_ones());
+        statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(doubt.count_ones());
         facing
     }
 

@@ -1,18 +1,18 @@
 //! Per edge: the method as published in 2003. It tests both faces again at each edge, so the bits of a face may differ
 //! from edge to edge.
 
-use crate::mesh::{INCONSISTENT, Mesh, NO_FACE};
+use crate::mesh::{INCONSISTENT_BIT, Mesh, NO_FACE};
 #[cfg(feature = "reference")]
 use crate::{
     Light,
     cpu::common::determinant::{local_mask, plane_mask},
     cpu::common::parallel::Threads,
-    layout::{LightBatch, Masks},
+    layout::{EdgeMasks, LightBatch},
     light,
     method::{Method, Predicate},
 };
 
-/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`Masks`] for each edge record. [`Method::predicate`] says
+/// Silhouette and winding masks: ⌈N/32⌉ planes with one [`EdgeMasks`] for each edge record. [`Method::predicate`] says
 /// which predicate replaces `predicate`. Vertices that `positions` lacks count as NaN.
 #[cfg(feature = "reference")]
 pub fn per_edge(
@@ -21,10 +21,10 @@ pub fn per_edge(
     lights: &[Light],
     predicate: Predicate,
     threads: Threads,
-) -> Vec<Masks> {
+) -> Vec<EdgeMasks> {
     let by_plane = Method::PerEdge.predicate(predicate) == Predicate::Plane;
     let corners = edge_corners(mesh);
-    let mut masks = vec![Masks { silhouette: 0, winding: 0 }; corners.len() * light::batches(lights.len())];
+    let mut masks = vec![EdgeMasks { silhouette: 0, winding: 0 }; corners.len() * light::batches(lights.len())];
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
         let word = LightBatch::new(lights, 0, 3);
         threads.share(plane, |first, masks| {
@@ -47,24 +47,24 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
     let packed = records.vertices().iter().zip(records.packed_faces());
     packed
         .map(|(&[a, b], &[face_0, face_1])| {
-            let c = opposite(face_0 & !INCONSISTENT, [a, b]);
+            let c = opposite(face_0 & !INCONSISTENT_BIT, [a, b]);
             let d = if face_1 == NO_FACE { NO_FACE } else { opposite(face_1, [a, b]) };
-            [a | face_0 & INCONSISTENT, b, c, d]
+            [a | face_0 & INCONSISTENT_BIT, b, c, d]
         })
         .collect()
 }
 
 #[cfg(feature = "reference")]
-fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightBatch, by_plane: bool) -> Masks {
+fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightBatch, by_plane: bool) -> EdgeMasks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
     let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };
-    let is_inconsistent = a & INCONSISTENT != 0;
-    let (a, b) = (position(a & !INCONSISTENT), position(b));
+    let is_inconsistent = a & INCONSISTENT_BIT != 0;
+    let (a, b) = (position(a & !INCONSISTENT_BIT), position(b));
     let winding = mask(a, b, position(c));
     let silhouette = match d {
         NO_FACE => word.live,
         _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & word.live,
         _ => winding ^ mask(b, a, position(d)),
     };
-    Masks { silhouette, winding }
+    EdgeMasks { silhouette, winding }
 }

@@ -10,9 +10,9 @@ use super::dispatch_limits::binding;
 use super::memory::any_error;
 use super::positions::{PositionError, bound};
 use super::requirements::{DeviceError, Subject, check_alive, check_device};
-use crate::displace::{Displacement, plain_deform_wgsl};
+use crate::displace::Displacement;
 use crate::gpu::shadow::format::VolumeKey;
-use crate::stages::{DEFORM, Stage};
+use crate::stages::{DEFORM, Stage, plain_deform_wgsl};
 
 /// The pipelines of one device. Each is compiled when it is first needed and then shared by everything that is made
 /// with the same `Pipelines` or a clone of it, on any thread. A scene of many meshes makes one `Pipelines` and gives it
@@ -103,11 +103,13 @@ impl Pipelines {
     }
 
     /// The number of pipelines made so far, compute and render. Waits for those that other threads are making.
+    #[cfg(feature = "reference")]
     pub fn len(&self) -> usize {
         self.0.compute.len() + self.0.volumes.len()
     }
 
     /// Whether no pipeline was made yet.
+    #[cfg(feature = "reference")]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -9,7 +9,7 @@ use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::layout::{Chunk, DrawShape, LightBatch, Masks, Statistics};
+use crate::layout::{Chunk, DrawShape, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, COMPACT, EDGES, EXACT_FACING, FACING, PER_EDGE};
 
@@ -133,7 +133,7 @@ impl BindGroupBuilder<'_> {
             ("shape", entry::<DrawShape>(&shape)),
             ("counts", self.buffers.counts.as_entire_binding()),
             ("draw_arguments", self.buffers.draw_arguments.as_entire_binding()),
-            ("statistics", binding(&self.buffers.record, 0..size_of::<Statistics>() as u64)),
+            ("statistics", binding(&self.buffers.record, 0..size_of::<ExtractionStatistics>() as u64)),
         ];
         let group = Some(pipeline.bind(self.device, &resources));
         let workgroups = self.at_most_workgroups(max_lights.div_ceil(64));
@@ -158,7 +158,7 @@ impl BindGroupBuilder<'_> {
     /// The masks of the chunk: those of its batch, those that all batches share, or none.
     fn masks_of(&self, dispatch: &Dispatch) -> BindingResource<'_> {
         match self.buffers.masks.get(dispatch.word).or(self.buffers.masks.first()) {
-            Some(masks) => binding(masks, dispatch.bytes(size_of::<Masks>() as u64)),
+            Some(masks) => binding(masks, dispatch.bytes(size_of::<EdgeMasks>() as u64)),
             None => self.buffers.unused.as_entire_binding(),
         }
     }

@@ -7,7 +7,7 @@ use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{Chunk, DrawArguments, LightBatch, Masks, Statistics};
+use crate::layout::{Chunk, DrawArguments, EdgeMasks, ExtractionStatistics, LightBatch};
 use crate::method::Predicate;
 use crate::{Mesh, light};
 
@@ -76,7 +76,7 @@ fn default_capacity(mesh: &Mesh, lights: usize) -> u32 {
 }
 
 /// Bytes before the undecided faces of a `FacingRecord`: the statistics, and how many faces are undecided.
-pub(crate) const RECORD_HEAD: u64 = size_of::<Statistics>() as u64 + 4;
+pub(crate) const RECORD_HEAD: u64 = size_of::<ExtractionStatistics>() as u64 + 4;
 
 /// Room for all faces of one dispatch, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
@@ -147,7 +147,7 @@ impl Buffers {
         let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
         wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
         wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
-        wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<Masks>() as u64)));
+        wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<EdgeMasks>() as u64)));
         wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
         wanted.extend((0..coplanar).map(|_| ("masks of lights in a face's plane", faces * 4)));
         wanted.push(("undecided faces", record_bytes));
@@ -171,7 +171,7 @@ impl Buffers {
                 .collect(),
             coplanar: (0..coplanar).map(|_| buffer(device, "coplanar masks", faces * 4, result)).collect(),
             masks: (0..mask_planes)
-                .map(|_| buffer(device, "edge masks", edges * size_of::<Masks>() as u64, result))
+                .map(|_| buffer(device, "edge masks", edges * size_of::<EdgeMasks>() as u64, result))
                 .collect(),
             lists: (0..lists).map(|word| buffer(device, "edge lists", list_bytes(word), result)).collect(),
             places: buffer(device, "places", places_bytes, storage),
@@ -182,7 +182,7 @@ impl Buffers {
                 lights * size_of::<DrawArguments>() as u64,
                 result | BufferUsages::INDIRECT,
             ),
-            statistics: buffer(device, "statistics", size_of::<Statistics>() as u64, result),
+            statistics: buffer(device, "statistics", size_of::<ExtractionStatistics>() as u64, result),
             record: buffer(device, "undecided faces", record_bytes, result),
             unused: buffer(device, "unused", 64, result),
         })

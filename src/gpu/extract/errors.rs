@@ -8,7 +8,7 @@ use crate::light::LightError;
 /// Why an extraction cannot be recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum EncodeError {
+pub enum ExtractionEncodeError {
     /// The device is lost, or the timer belongs to another device.
     #[error(transparent)]
     Device(#[from] DeviceError),
@@ -46,7 +46,7 @@ pub struct StaleExtraction;
 /// Why the silhouette of a light cannot be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum DrawError {
+pub enum ExtractionDrawError {
     /// A later encode overwrote the results.
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
@@ -66,7 +66,7 @@ pub enum DrawError {
 /// Why the bind group of the include cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum IncludeError {
+pub enum ExtractionIncludeError {
     /// The device is lost.
     #[error(transparent)]
     Device(#[from] DeviceError),

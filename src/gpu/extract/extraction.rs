@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::buffers::{Buffers, Shape};
-use super::errors::{DrawError, IncludeError, StaleExtraction};
-use super::results::Results;
+use super::errors::{ExtractionDrawError, ExtractionIncludeError, StaleExtraction};
+use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
@@ -95,10 +95,10 @@ impl Shared {
         if coplanar.is_empty() { vec![unused.clone(); facing.len()] } else { coplanar.clone() }
     }
 
-    pub(crate) fn results(&self) -> Results<'_> {
+    pub(crate) fn results(&self) -> ExtractionResults<'_> {
         let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
             &self.buffers;
-        Results {
+        ExtractionResults {
             edge_vertices,
             edge_faces,
             facing,
@@ -150,7 +150,7 @@ impl Extraction {
     ///
     /// # Errors
     /// [`StaleExtraction`] if a later encode overwrites them.
-    pub fn results(&self) -> Result<Results<'_>, StaleExtraction> {
+    pub fn results(&self) -> Result<ExtractionResults<'_>, StaleExtraction> {
         self.check_current()?;
         Ok(self.shared.results())
     }
@@ -160,9 +160,9 @@ impl Extraction {
     /// The caller sets pipeline and bind groups; [`Self::bind_group`] makes the one that the include reads.
     ///
     /// # Errors
-    /// [`DrawError`] if the light was not extracted, there are no lists, or a later encode overwrites the results.
-    /// Nothing is drawn then.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), DrawError> {
+    /// [`ExtractionDrawError`] if the light was not extracted, there are no lists, or a later encode overwrites the
+    /// results. Nothing is drawn then.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), ExtractionDrawError> {
         let (arguments, offset) = self.draw_arguments(light)?;
         pass.draw_indirect(arguments, offset);
         Ok(())
@@ -173,14 +173,14 @@ impl Extraction {
     ///
     /// # Errors
     /// As [`Self::draw`].
-    pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), DrawError> {
+    pub fn draw_arguments(&self, light: usize) -> Result<(&wgpu::Buffer, u64), ExtractionDrawError> {
         self.check_current()?;
         let lights = self.lights.len();
         if self.shared.buffers.lists.is_empty() {
-            return Err(DrawError::NoLists);
+            return Err(ExtractionDrawError::NoLists);
         }
         if light >= lights {
-            return Err(DrawError::NoSuchLight { light, lights });
+            return Err(ExtractionDrawError::NoSuchLight { light, lights });
         }
         Ok((&self.shared.buffers.draw_arguments, (light * size_of::<crate::layout::DrawArguments>()) as u64))
     }
@@ -191,13 +191,17 @@ impl Extraction {
     /// gives the same group.
     ///
     /// # Errors
-    /// [`IncludeError`] if the extractor lacks what the include reads, an array does not fit one binding, there is no
-    /// such batch, or a later encode overwrites the results.
-    pub fn bind_group(&self, layout: &wgpu::BindGroupLayout, batch: usize) -> Result<wgpu::BindGroup, IncludeError> {
+    /// [`ExtractionIncludeError`] if the extractor lacks what the include reads, an array does not fit one binding,
+    /// there is no such batch, or a later encode overwrites the results.
+    pub fn bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        batch: usize,
+    ) -> Result<wgpu::BindGroup, ExtractionIncludeError> {
         self.check_current()?;
         let batches = self.batches();
         if batch >= batches {
-            return Err(IncludeError::NoSuchBatch { batch, batches });
+            return Err(ExtractionIncludeError::NoSuchBatch { batch, batches });
         }
         let mut kept = self.shared.include_groups.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |kept: &&IncludeGroup| kept.batch == batch && kept.place == self.place && kept.layout == *layout;

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::bind_groups::BindGroupBuilder;
 use super::buffers::{Buffers, RECORD_HEAD, Shape};
-use super::errors::{EncodeError, ExtractorError};
+use super::errors::{ExtractionEncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
-use super::results::Results;
+#[cfg(feature = "reference")]
+use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipelines;
@@ -23,7 +24,7 @@ use crate::stages::ARGUMENTS;
 use crate::{Light, Mesh};
 
 /// Extracts the silhouettes of one mesh every frame, for up to `max_lights` lights. It records compute passes into the
-/// caller's encoder. The results stay in GPU buffers, see [`Extractor::results`].
+/// caller's encoder. The results stay in GPU buffers, see [`Extraction::results`].
 #[derive(Debug)]
 pub struct Extractor {
     shared: Arc<Shared>,
@@ -128,15 +129,15 @@ impl Extractor {
     /// `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`EncodeError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing is
-    /// recorded then.
+    /// [`ExtractionEncodeError`] if lights or positions are refused, or the device is lost or not the timer's. Nothing
+    /// is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         positions: PositionBuffer<'_>,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
-    ) -> Result<Extraction, EncodeError> {
+    ) -> Result<Extraction, ExtractionEncodeError> {
         check_lights(lights, self.options.max_lights)?;
         check_timer(timer.as_deref(), self.shared.device())?;
         let bound = positions.bind(self.shared.shape.vertices, &self.shared.limits)?;
@@ -232,7 +233,8 @@ impl Extractor {
 
     /// The buffers that hold the results of the last encode, once its encoder was submitted. They stay the same for the
     /// life of the extractor.
-    pub fn results(&self) -> Results<'_> {
+    #[cfg(feature = "reference")]
+    pub fn results(&self) -> ExtractionResults<'_> {
         self.shared.results()
     }
 

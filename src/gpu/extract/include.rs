@@ -1,6 +1,6 @@
 //! The WGSL include, with which a caller's shaders read the results.
 
-use super::errors::IncludeError;
+use super::errors::ExtractionIncludeError;
 use super::extraction::Shared;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
@@ -52,12 +52,12 @@ impl Shared {
         layout: &wgpu::BindGroupLayout,
         batch: usize,
         positions: PositionBuffer<'_>,
-    ) -> Result<wgpu::BindGroup, IncludeError> {
+    ) -> Result<wgpu::BindGroup, ExtractionIncludeError> {
         let (device, limits, shape) = (self.device(), &self.limits, &self.shape);
         let results = self.results();
         self.check_include()?;
         let (Some(list), Some(facing)) = (results.lists.get(batch), results.facing.get(batch)) else {
-            return Err(IncludeError::NoSuchBatch { batch, batches: results.lists.len() });
+            return Err(ExtractionIncludeError::NoSuchBatch { batch, batches: results.lists.len() });
         };
         check_alive(device)?;
         let bound = positions.bind(shape.vertices, limits)?;
@@ -94,8 +94,8 @@ impl Shared {
     }
 
     /// Checks that the extractor has what the include reads.
-    pub(crate) fn check_include(&self) -> Result<(), IncludeError> {
+    pub(crate) fn check_include(&self) -> Result<(), ExtractionIncludeError> {
         let is_there = !self.buffers.lists.is_empty() && !self.buffers.facing.is_empty();
-        if is_there { Ok(()) } else { Err(IncludeError::NoLists) }
+        if is_there { Ok(()) } else { Err(ExtractionIncludeError::NoLists) }
     }
 }

@@ -61,7 +61,7 @@ pub struct ListOptions {
     ///
     /// An overflow loses nothing: the draw then goes over all edges, and the include rejects those that are no
     /// silhouette. It uses the facing masks for this. The per-edge method has none, so there only the edge masks tell.
-    /// [`crate::layout::Statistics`] counts overflows.
+    /// [`ExtractionStatistics`](crate::gpu::ExtractionStatistics) counts overflows.
     pub capacity: Option<u32>,
     /// Whether lists have the order of the edges, which is the same in every run. It costs the memory traffic of the
     /// masks.

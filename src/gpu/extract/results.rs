@@ -3,14 +3,15 @@
 /// The buffers that hold the results of an extraction. All have usages `STORAGE`, `COPY_SRC` and `COPY_DST`. Light `l`
 /// is bit `l mod 32`, least significant bit first, of batch `l div 32`. Each batch of lights has its own buffers.
 #[derive(Clone, Copy, Debug)]
-pub struct Results<'a> {
+pub struct ExtractionResults<'a> {
     /// The vertices `(a, b)` of each edge record: two `u32`.
     pub edge_vertices: &'a wgpu::Buffer,
     /// The faces of each edge record: two `u32`. See [`crate::mesh::EdgeRecords::packed_faces`].
     pub edge_faces: &'a wgpu::Buffer,
     /// One buffer for each batch, with a facing mask for each face: one `u32`. Empty for the per-edge method.
     pub facing: &'a [wgpu::Buffer],
-    /// One buffer for each batch, with a [`crate::layout::Masks`] for each edge record. Empty unless asked for.
+    /// One buffer for each batch, with an [`EdgeMasks`](crate::gpu::EdgeMasks) for each edge record. Empty unless
+    /// asked for.
     pub masks: &'a [wgpu::Buffer],
     /// One buffer for each batch, with [`Self::capacity`] entries for each of its lights. An entry is one `u32`: the
     /// index of an edge record, with the winding bit as bit 31. Entries past the light's count have no meaning. Empty
@@ -21,9 +22,9 @@ pub struct Results<'a> {
     /// One `u32` for each light of all batches: the number of its silhouette edges. The list overflowed if it is more
     /// than the capacity.
     pub counts: &'a wgpu::Buffer,
-    /// A [`crate::layout::DrawArguments`] for each light of all batches. Usage `INDIRECT`, too. The draw of a list that
-    /// overflowed goes over all edge records, see [`crate::gpu::include_wgsl`].
+    /// A [`DrawArguments`](crate::gpu::DrawArguments) for each light of all batches. Usage `INDIRECT`, too. The draw of
+    /// a list that overflowed goes over all edge records, see [`crate::gpu::include_wgsl`].
     pub draw_arguments: &'a wgpu::Buffer,
-    /// One [`crate::layout::Statistics`].
+    /// One [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub statistics: &'a wgpu::Buffer,
 }

@@ -1,4 +1,6 @@
 //! The shadow depth query on the GPU.
 
+pub(crate) mod errors;
+pub(crate) mod options;
 mod plan;
 pub(crate) mod shadow_query;

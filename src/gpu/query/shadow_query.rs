@@ -4,96 +4,25 @@ use std::ops::Range;
 
 use wgpu::BufferUsages;
 
+use super::errors::{ShadowQueryEncodeError, ShadowQueryError};
+use super::options::ShadowQueryOptions;
 use super::plan::{
     CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
 };
 use crate::cpu::query::shadow_boxes::clustered;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
+use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
-use crate::gpu::common::requirements::{DeviceError, Subject, check_alive, check_timer};
+use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::gpu::extract::errors::StaleExtraction;
 use crate::gpu::extract::extraction::Extraction;
 use crate::layout::{FaceCluster, FaceRange, LightBatch, PointChunk};
-use crate::light::{LightError, check_room, check_shadow_lights};
+use crate::light::{check_room, check_shadow_lights};
 use crate::mesh::MeshId;
 use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DEPTH, Stage};
 use crate::{Light, Mesh};
-
-/// The size and behaviour of a [`ShadowQuery`].
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowQueryOptions {
-    /// The largest number of points in one encode.
-    pub max_points: u32,
-    /// The largest number of lights in one encode, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
-    pub max_lights: usize,
-    /// Skip runs of 32 and of 1,024 faces if the segment from point to light misses their box. It never changes a
-    /// depth. It makes the query faster if neighbours in the list of faces are neighbours in space.
-    pub skip: bool,
-    /// The approximate product of faces, points and lights in one dispatch. It bounds the time of a dispatch, because
-    /// some systems reset a GPU that one dispatch keeps busy for seconds. The caller chooses how many dispatches one
-    /// submission has.
-    pub work_per_dispatch: u64,
-    /// The largest device memory for the query, in bytes. `None`: no limit. It is checked before anything is allocated.
-    pub memory_limit: Option<u64>,
-}
-
-impl Default for ShadowQueryOptions {
-    /// 65,536 points, one light, skipping, 2²⁸ triples in a dispatch, no memory limit.
-    fn default() -> Self {
-        Self { max_points: 1 << 16, max_lights: 1, skip: true, work_per_dispatch: 1 << 28, memory_limit: None }
-    }
-}
-
-/// Why a query cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShadowQueryError {
-    /// The device lacks what the query needs, or is lost.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// `max_lights` is 0 or more than [`MAX_LIGHTS`](crate::MAX_LIGHTS).
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// The mesh or the depths do not fit the device.
-    #[error(transparent)]
-    Memory(#[from] MemoryError),
-}
-
-/// Why a query cannot be recorded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum QueryError {
-    /// The device is lost, or the timer belongs to another device.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// The lights are refused, for example one with a negative `w`.
-    #[error(transparent)]
-    Light(#[from] LightError),
-    /// The position buffer is refused.
-    #[error(transparent)]
-    Positions(#[from] PositionError),
-    /// The extraction belongs to another mesh.
-    #[error("the extraction is of another mesh than this query was made for; make both with the same `Mesh`")]
-    OtherMesh,
-    /// A later encode of the extractor may have moved the positions that the extraction names.
-    #[error(transparent)]
-    Stale(#[from] StaleExtraction),
-    /// The buffer of points is refused.
-    #[error("points: {0}")]
-    Points(PositionError),
-    /// There are more points than the query has room for.
-    #[error("{count} points given, at most {limit} fit (`max_points`); query them in several encodes")]
-    TooManyPoints {
-        /// Points given.
-        count: u32,
-        /// Points that fit.
-        limit: u32,
-    },
-}
 
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
 /// orientation and whatever the mesh. On a closed mesh the parity tells inside from outside. A point in shadow has a
@@ -131,9 +60,9 @@ struct Passes {
 }
 
 impl Passes {
-    fn new(pipelines: &Pipelines, skip: bool, window_words: u32) -> Self {
+    fn new(pipelines: &Pipelines, skip_by_boxes: bool, window_words: u32) -> Self {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
-        let skip = ("SKIP", f64::from(u8::from(skip)));
+        let skip = ("SKIP", f64::from(u8::from(skip_by_boxes)));
         let pair = |stage: &Stage, entry_point: usize| {
             pipelines.compute(stage, stage.entry_points[entry_point], &[windows, skip])
         };
@@ -167,7 +96,7 @@ impl ShadowQuery {
 
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ShadowQueryOptions) -> Result<Self, ShadowQueryError> {
         let device = pipelines.device();
-        let ShadowQueryOptions { max_points, max_lights, skip, memory_limit, .. } = options;
+        let ShadowQueryOptions { max_points, max_lights, skip_by_boxes, memory_limit, .. } = options;
         check_room(max_lights)?;
         let split = DispatchLimits::new(&device.limits());
         let clusters = mesh.faces().len().div_ceil(CLUSTER);
@@ -204,7 +133,7 @@ impl ShadowQuery {
             undecided_pairs,
             recount_dispatch,
             most_queries,
-            passes: Passes::new(&pipelines, skip, 0),
+            passes: Passes::new(&pipelines, skip_by_boxes, 0),
             pipelines,
             options,
         })
@@ -214,8 +143,8 @@ impl ShadowQuery {
     /// Points are in the space of the positions. [`Self::encode_at`] needs no extraction.
     ///
     /// # Errors
-    /// [`QueryError`] if the extraction belongs to another mesh or is out of date, or if lights or points are refused.
-    /// Nothing is recorded then.
+    /// [`ShadowQueryEncodeError`] if the extraction belongs to another mesh or is out of date, or if lights or points
+    /// are refused. Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -223,9 +152,9 @@ impl ShadowQuery {
         points: PositionBuffer<'_>,
         point_count: u32,
         timer: Option<&mut StageTimer>,
-    ) -> Result<(), QueryError> {
+    ) -> Result<(), ShadowQueryEncodeError> {
         if extraction.shared.mesh != self.mesh {
-            return Err(QueryError::OtherMesh);
+            return Err(ShadowQueryEncodeError::OtherMesh);
         }
         extraction.check_current()?;
         self.encode_at(encoder, extraction.positions(), points, point_count, extraction.lights(), timer)
@@ -236,8 +165,8 @@ impl ShadowQuery {
     /// are allowed; there are no depths then. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
-    /// [`QueryError`] if lights, positions or points are refused, or the device is lost or not the timer's. Nothing is
-    /// recorded then.
+    /// [`ShadowQueryEncodeError`] if lights, positions or points are refused, or the device is lost or not the timer's.
+    /// Nothing is recorded then.
     pub fn encode_at(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -246,26 +175,26 @@ impl ShadowQuery {
         point_count: u32,
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
-    ) -> Result<(), QueryError> {
+    ) -> Result<(), ShadowQueryEncodeError> {
         check_shadow_lights(lights, self.options.max_lights)?;
         let limit = self.options.max_points;
         if point_count > limit {
-            return Err(QueryError::TooManyPoints { count: point_count, limit });
+            return Err(ShadowQueryEncodeError::TooManyPoints { count: point_count, limit });
         }
         let bound = positions.bind(self.vertices, &self.split)?;
-        points.end(point_count).map_err(QueryError::Points)?;
+        points.end(point_count).map_err(ShadowQueryEncodeError::Points)?;
         check_timer(timer.as_deref(), self.pipelines.device())?;
         check_alive(self.pipelines.device())?;
         self.pipelines.check_bindable(positions.buffer)?;
-        self.pipelines.check_bindable(points.buffer).map_err(QueryError::Points)?;
+        self.pipelines.check_bindable(points.buffer).map_err(ShadowQueryEncodeError::Points)?;
         if lights.is_empty() {
             return Ok(());
         }
         let clusters = cluster_chunks(&self.split, self.clusters).map_err(PositionError::from)?;
         let chunks = point_chunks(&self.split, self.most_queries, point_count, lights.len(), points.stride)
-            .map_err(|error| QueryError::Points(error.into()))?;
+            .map_err(|error| ShadowQueryEncodeError::Points(error.into()))?;
         if self.passes.depth.window_words != bound.windows.words {
-            self.passes = Passes::new(&self.pipelines, self.options.skip, bound.windows.words);
+            self.passes = Passes::new(&self.pipelines, self.options.skip_by_boxes, bound.windows.words);
         }
         let Some(most) = chunks.first().map(ExactSizeIterator::len) else { return Ok(()) };
         let batch_lights = lights.len().min(32) as u64;
@@ -360,6 +289,7 @@ impl ShadowQuery {
 
     /// The faces of the mesh in clusters, with the boxes of the last encode: one `FaceCluster` for each cluster. The
     /// usages are those of [`Self::depths`].
+    #[cfg(feature = "reference")]
     pub fn clusters(&self) -> &wgpu::Buffer {
         &self.cluster_buffer
     }

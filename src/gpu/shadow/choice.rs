@@ -8,7 +8,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::gpu::extract::results::Results;
+use crate::gpu::extract::results::ExtractionResults;
 use crate::layout::ShadowDraw;
 use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
 
@@ -51,7 +51,7 @@ impl Choice {
     pub(super) fn new(
         pipelines: &Pipelines,
         buffers: &Buffers,
-        results: &Results<'_>,
+        results: &ExtractionResults<'_>,
         counting: Counting,
         options: ShadowOptions,
     ) -> Self {
@@ -100,7 +100,7 @@ impl Choice {
         &mut self,
         device: &wgpu::Device,
         buffers: &Buffers,
-        results: &Results<'_>,
+        results: &ExtractionResults<'_>,
         coplanar: &[wgpu::Buffer],
         positions: &wgpu::Buffer,
         bound: &BoundPositions,

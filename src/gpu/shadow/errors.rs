@@ -3,7 +3,7 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
-use crate::gpu::extract::errors::IncludeError;
+use crate::gpu::extract::errors::ExtractionIncludeError;
 use crate::gpu::extract::errors::StaleExtraction;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting, DepthDirection};
@@ -17,7 +17,7 @@ pub enum ShadowVolumesError {
     Device(#[from] DeviceError),
     /// The extractor makes no lists or no facing masks.
     #[error(transparent)]
-    Include(#[from] IncludeError),
+    Include(#[from] ExtractionIncludeError),
     /// The buffers of the volumes do not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
@@ -32,7 +32,7 @@ pub enum ShadowEncodeError {
     Device(#[from] DeviceError),
     /// An array of the extraction does not fit one binding.
     #[error(transparent)]
-    Include(#[from] IncludeError),
+    Include(#[from] ExtractionIncludeError),
     /// The position buffer is refused.
     #[error(transparent)]
     Positions(#[from] PositionError),

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use rimline::reference::cpu::{self, CpuExtraction, Threads};
+use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh};
 
 use super::bench_mesh::Case;
@@ -36,21 +36,21 @@ pub(super) fn contender<'a>(case: &'a Case<'_>, on_cpu: OnCpu, share: Share) -> 
 }
 
 /// A contestant's bits. Those of the plain loop are the twin's, by the same arithmetic.
-pub(super) fn extraction(case: &Case<'_>, on_cpu: OnCpu) -> CpuExtraction {
-    let mut found = CpuExtraction::default();
-    found.counts = fill_facing(&mut found.facing, case, on_cpu, Threads::all());
+pub(super) fn extraction(case: &Case<'_>, on_cpu: OnCpu) -> cpu::Extraction {
+    let mut found = cpu::Extraction::default();
+    found.statistics = fill_facing(&mut found.facing, case, on_cpu, Threads::all());
     add_masks(case, found)
 }
 
-fn add_masks(case: &Case<'_>, mut found: CpuExtraction) -> CpuExtraction {
+fn add_masks(case: &Case<'_>, mut found: cpu::Extraction) -> cpu::Extraction {
     let Case { mesh, lights, .. } = case;
     found.masks = cpu::edges(mesh.edges(), &found.facing, mesh.faces().len(), lights.len(), Threads::all());
     found
 }
 
 /// What is right: the sign of each pair in integers, none decided by a filter.
-pub(super) fn reference(case: &Case<'_>) -> CpuExtraction {
-    let mut found = CpuExtraction::default();
+pub(super) fn reference(case: &Case<'_>) -> cpu::Extraction {
+    let mut found = cpu::Extraction::default();
     let sign = |[a, b, c]: [[f32; 3]; 3], light: Light| cpu::exact_facing(a, b, c, light.to_array()) > 0;
     fill_planes(&mut found.facing, case, Threads::all(), |corners, lights| {
         if !corners.as_flattened().iter().all(|c| c.is_finite()) {
@@ -72,14 +72,14 @@ fn milliseconds(begin: Instant) -> f64 {
     begin.elapsed().as_secs_f64() * 1e3
 }
 
-fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, on_cpu: OnCpu, threads: Threads) -> cpu::FacingCounts {
+fn fill_facing(facing: &mut Vec<u32>, case: &Case<'_>, on_cpu: OnCpu, threads: Threads) -> cpu::FacingStatistics {
     let Case { positions, mesh, lights } = case;
     match on_cpu {
         OnCpu::Twin(predicate) => cpu::facing_into(facing, positions, mesh.faces(), lights, predicate, threads),
         OnCpu::Plain => cpu::facing_into(facing, positions, mesh.faces(), lights, rimline::Predicate::Fast, threads),
         OnCpu::Double => {
             fill_planes(facing, case, threads, double_mask);
-            cpu::FacingCounts::default()
+            cpu::FacingStatistics::default()
         }
     }
 }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use rimline::gpu::{Extractor, PositionBuffer, StageTimer, TimerError};
 use rimline::reference::Method;
-use rimline::reference::cpu::CpuExtraction;
-use rimline::reference::layout::Statistics;
+use rimline::reference::cpu;
+use rimline::reference::layout::ExtractionStatistics;
 use rimline::{Predicate, wgpu};
 
 use super::bench_mesh::Case;
@@ -72,10 +72,10 @@ impl<'a> Uploaded<'a> {
     }
 
     /// A method's bits; facing masks only where it has them.
-    pub(super) fn extraction(&self, method: Method, predicate: Predicate) -> Result<CpuExtraction, Failure> {
+    pub(super) fn extraction(&self, method: Method, predicate: Predicate) -> Result<cpu::Extraction, Failure> {
         let Self { gpu, case, .. } = self;
         let options = checked(method, predicate, case.lights.len());
-        let read = || -> Result<CpuExtraction, GpuError> {
+        let read = || -> Result<cpu::Extraction, GpuError> {
             let mut extractor = Extractor::new(&gpu.pipelines, case.mesh, options)?;
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             extractor.encode(&mut encoder, self.buffer(), case.lights, None)?;
@@ -86,13 +86,14 @@ impl<'a> Uploaded<'a> {
                 Method::PerEdge => Vec::new(),
             };
             let masks = read_planes(gpu, results.masks, case.mesh.edges().len())?;
-            let statistics: Vec<Statistics> = rimline::gpu::read_back_vec(&gpu.device, &gpu.queue, results.statistics)?;
-            let counts = statistics.first().map(|statistics| rimline::reference::cpu::FacingCounts {
+            let statistics: Vec<ExtractionStatistics> =
+                rimline::gpu::read_back_vec(&gpu.device, &gpu.queue, results.statistics)?;
+            let facing_statistics = statistics.first().map(|statistics| cpu::FacingStatistics {
                 non_finite_faces: statistics.non_finite_faces,
                 undecided_pairs: statistics.undecided_pairs,
                 exact_zeros: statistics.exact_zeros,
             });
-            Ok(CpuExtraction { facing, masks, counts: counts.unwrap_or_default() })
+            Ok(cpu::Extraction { facing, masks, statistics: facing_statistics.unwrap_or_default() })
         };
         let found = read().map_err(|error| error.on(gpu))?;
         gpu.check()?;

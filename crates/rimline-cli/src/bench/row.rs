@@ -1,6 +1,6 @@
 //! One row: a mesh, some lights, every method by turns.
 
-use rimline::reference::cpu::CpuExtraction;
+use rimline::reference::cpu;
 use rimline_measure::error_metrics::{Candidate, Score};
 
 use super::bench_mesh::Case;
@@ -33,7 +33,7 @@ pub(super) fn measure(case: &Case<'_>, gpu: Option<&Gpu>, rounds: Rounds) -> Res
 fn measure_on(
     case: &Case<'_>,
     uploaded: Option<&Uploaded<'_>>,
-    exact: &CpuExtraction,
+    exact: &cpu::Extraction,
     rounds: Rounds,
 ) -> Result<Option<Vec<Entry>>, Failure> {
     let takes_part = |contestant: &&Contestant| contestant.takes(case) && (uploaded.is_some() || !contestant.is_gpu());
@@ -74,16 +74,16 @@ fn measure_on(
 fn score(
     case: &Case<'_>,
     uploaded: Option<&Uploaded<'_>>,
-    exact: &CpuExtraction,
+    exact: &cpu::Extraction,
     contestant: &Contestant,
 ) -> Result<(Score, u32), Failure> {
     let found = match (contestant.runs, uploaded) {
         (Runs::Gpu(method, predicate), Some(uploaded)) => uploaded.extraction(method, predicate)?,
-        (Runs::Gpu(..), None) => CpuExtraction::default(),
+        (Runs::Gpu(..), None) => cpu::Extraction::default(),
         (Runs::Cpu(on_cpu, _), _) => on_cpu::extraction(case, on_cpu),
     };
     let facing = (!found.facing.is_empty()).then_some(found.facing.as_slice());
     let candidate = Candidate { facing, masks: &found.masks };
     let score = Score::of(case.mesh, case.lights.len(), exact, candidate).expect("masks of the same mesh and lights");
-    Ok((score, found.counts.undecided_pairs))
+    Ok((score, found.statistics.undecided_pairs))
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use rimline::mesh::EdgeKind;
-use rimline::reference::layout::Masks;
+use rimline::reference::layout::EdgeMasks;
 use rimline::reference::light::batches;
 use rimline::{Light, Mesh};
 
@@ -35,9 +35,9 @@ pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], foun
         })
     })?;
     npz.array("facing", ElementType::U32, &[faces, words], planes(&found.facing, faces, words, |&mask| mask))?;
-    let silhouette = |masks: &Masks| masks.silhouette;
+    let silhouette = |masks: &EdgeMasks| masks.silhouette;
     npz.array("silhouette", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, silhouette))?;
-    let winding = |masks: &Masks| masks.winding;
+    let winding = |masks: &EdgeMasks| masks.winding;
     npz.array("winding", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, winding))?;
     npz.finish()
 }

@@ -28,7 +28,7 @@ pub(super) fn extract<'a>(
     let mut facing = Vec::new();
     // The per-edge method has no face bits, so the file gets the exact ones.
     let of_faces = if method == Method::PerEdge { Predicate::Exact } else { predicate };
-    let counts =
+    let statistics =
         times.measure("facing", || cpu::facing_into(&mut facing, &positions, faces, lights, of_faces, threads));
     let masks = match method {
         Method::FaceMask => {
@@ -36,5 +36,5 @@ pub(super) fn extract<'a>(
         }
         Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
     };
-    Ok(Found { positions, facing, masks, counts })
+    Ok(Found { positions, facing, masks, statistics })
 }

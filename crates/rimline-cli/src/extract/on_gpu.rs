@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
 use rimline::reference::Method;
-use rimline::reference::cpu::FacingCounts;
-use rimline::reference::layout::Statistics;
+use rimline::reference::cpu::FacingStatistics;
+use rimline::reference::layout::ExtractionStatistics;
 use rimline::{Displacement, Light, Predicate, wgpu};
 
 use super::Found;
@@ -121,8 +121,8 @@ impl<'s> Job<'_, 's> {
         };
         let mesh = &self.scene.mesh;
         let (first, last) = (&extractors[0], &extractors[extractors.len() - 1]);
-        let statistics: Vec<Statistics> = read_back_vec(&gpu.device, &gpu.queue, first.results().statistics)?;
-        let counts = statistics.first().map(|statistics| FacingCounts {
+        let statistics: Vec<ExtractionStatistics> = read_back_vec(&gpu.device, &gpu.queue, first.results().statistics)?;
+        let facing_statistics = statistics.first().map(|statistics| FacingStatistics {
             non_finite_faces: statistics.non_finite_faces,
             undecided_pairs: statistics.undecided_pairs,
             exact_zeros: statistics.exact_zeros,
@@ -131,7 +131,7 @@ impl<'s> Job<'_, 's> {
             positions,
             facing: read_planes(gpu, first.results().facing, mesh.faces().len())?,
             masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
-            counts: counts.unwrap_or_default(),
+            statistics: facing_statistics.unwrap_or_default(),
         })
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rimline::mesh::EdgeCounts;
 use rimline::reference::Method;
-use rimline::reference::cpu::FacingCounts;
+use rimline::reference::cpu::FacingStatistics;
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::error_metrics::light_counts;
 use serde_json::json;
@@ -19,7 +19,7 @@ pub(super) struct Report {
     vertices: usize,
     faces: usize,
     degenerate_faces: usize,
-    counts: FacingCounts,
+    statistics: FacingStatistics,
     edges: EdgeCounts,
     /// One a light.
     silhouette_edges: Vec<usize>,
@@ -46,7 +46,7 @@ impl Report {
             vertices: found.positions.len(),
             faces: mesh.faces().len(),
             degenerate_faces: mesh.degenerate_faces(),
-            counts: found.counts,
+            statistics: found.statistics,
             edges: mesh.edges().counts(),
             silhouette_edges,
             unclosed_vertices,
@@ -84,9 +84,9 @@ impl Report {
             "vertices": self.vertices,
             "faces": self.faces,
             "degenerate_faces": self.degenerate_faces,
-            "non_finite_faces": self.counts.non_finite_faces,
-            "undecided_pairs": self.counts.undecided_pairs,
-            "exact_zeros": self.counts.exact_zeros,
+            "non_finite_faces": self.statistics.non_finite_faces,
+            "undecided_pairs": self.statistics.undecided_pairs,
+            "exact_zeros": self.statistics.exact_zeros,
             "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
             "lights": self.silhouette_edges.len(),
             "silhouette_edges": self.silhouette_edges,
@@ -107,7 +107,7 @@ impl Report {
         line("device", &self.adapter);
         line("vertices", &self.vertices.to_string());
         line("faces", &self.faces.to_string());
-        let FacingCounts { non_finite_faces, undecided_pairs, exact_zeros } = self.counts;
+        let FacingStatistics { non_finite_faces, undecided_pairs, exact_zeros } = self.statistics;
         if non_finite_faces > 0 {
             line("", &format!("{non_finite_faces} with a position that is not finite: they face no light"));
         }

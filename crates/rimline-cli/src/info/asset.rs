@@ -1,6 +1,6 @@
 //! What a glTF file holds besides its meshes.
 
-use rimline::gltf::{Asset, SceneLight, SceneLightKind, Skipped};
+use rimline::gltf::{Asset, SceneLight, SceneLightKind, SkippedPrimitives};
 use serde_json::{Map, Value, json};
 
 use super::text::{Text, point};
@@ -22,7 +22,7 @@ pub(super) fn json(asset: &Asset, lights: &[SceneLight], value: &mut Map<String,
     let lights = lights
         .iter()
         .map(|light| json!({ "name": light.name, "kind": kind_name(light.kind), "xyzw": light.light.to_array() }));
-    let Skipped { points, lines, without_position } = asset.skipped();
+    let SkippedPrimitives { points, lines, without_position } = asset.skipped();
     let skipped = json!({ "points": points, "lines": lines, "without_position": without_position });
     value.insert("skins".into(), skins.collect());
     value.insert("animations".into(), animations.collect());
@@ -49,7 +49,7 @@ pub(super) fn text(asset: &Asset, lights: &[SceneLight], text: &mut Text) {
         format!("{}, {}, {at} {place}", shown(&light.name), kind_name(light.kind))
     });
     list(text, "lights", lights.collect());
-    let Skipped { points, lines, without_position } = asset.skipped();
+    let SkippedPrimitives { points, lines, without_position } = asset.skipped();
     if (points, lines, without_position) != (0, 0, 0) {
         text.line("skipped", format!("{points} point, {lines} line primitives, {without_position} without positions"));
     }

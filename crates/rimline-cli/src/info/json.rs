@@ -7,26 +7,26 @@ use super::report::{MeshReport, kind_name};
 
 pub(super) fn mesh(report: &MeshReport) -> Value {
     let WeldCounts { before, after, apart } = report.vertices;
-    let survey = &report.survey;
-    let EdgeCounts { consistent, inconsistent, boundary } = survey.edges;
-    let offending: Vec<Value> = survey
-        .offending_edges
+    let diagnostics = &report.diagnostics;
+    let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
+    let listed: Vec<Value> = diagnostics
+        .listed_edges
         .iter()
-        .zip(&report.offending_positions)
+        .zip(&report.listed_positions)
         .map(|(edge, ends)| json!({ "kind": kind_name(edge.kind), "vertices": edge.vertices, "positions": ends }))
         .collect();
     json!({
         "name": report.name,
         "vertices": { "before": before, "after": after, "apart": apart },
         "faces": report.faces,
-        "degenerate_faces": survey.degenerate_faces,
-        "duplicate_faces": survey.duplicate_faces,
+        "degenerate_faces": diagnostics.degenerate_faces,
+        "duplicate_faces": diagnostics.duplicate_faces,
         "edges": { "consistent": consistent, "inconsistent": inconsistent, "boundary": boundary },
-        "non_manifold_edges": survey.non_manifold_edges,
-        "components": survey.components,
-        "closed": survey.is_closed(),
+        "non_manifold_edges": diagnostics.non_manifold_edges,
+        "components": diagnostics.components,
+        "closed": diagnostics.is_closed(),
         "why_open": report.why_open(),
-        "offending_edges": offending,
+        "offending_edges": listed,
         "joints_per_vertex": report.joints_per_vertex,
         "morph_targets": report.morph_targets,
         "bounds": report.bounds.map(bounds),

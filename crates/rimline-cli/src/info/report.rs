@@ -1,7 +1,8 @@
 //! What there is to say of a mesh, gathered once for text and JSON.
 
 use rimline::mesh::{Bounds, Edge, EdgeCounts, EdgeKind, MeshDiagnostics, WeldCounts};
-use rimline::{Geometry, Influences, Mesh, MeshError};
+use rimline::reference::model::most_per_vertex;
+use rimline::{Geometry, Mesh, MeshError};
 
 /// Edges listed of a mesh that is not closed.
 const LISTED_EDGES: usize = 4;
@@ -12,9 +13,9 @@ pub(super) struct MeshReport {
     pub(super) name: Option<String>,
     pub(super) vertices: WeldCounts,
     pub(super) faces: usize,
-    pub(super) survey: MeshDiagnostics,
-    /// The ends of each of `survey.offending_edges`.
-    pub(super) offending_positions: Vec<[[f32; 3]; 2]>,
+    pub(super) diagnostics: MeshDiagnostics,
+    /// The ends of each of `diagnostics.listed_edges`.
+    pub(super) listed_positions: Vec<[[f32; 3]; 2]>,
     pub(super) morph_targets: usize,
     /// The most joints that any vertex follows; 0 for a rigid mesh.
     pub(super) joints_per_vertex: usize,
@@ -33,20 +34,20 @@ impl MeshReport {
             name: geometry.name().map(str::to_owned),
             vertices,
             morph_targets: geometry.morph_targets().len(),
-            joints_per_vertex: geometry.influences().map_or(0, Influences::most_per_vertex),
+            joints_per_vertex: geometry.influences().map_or(0, most_per_vertex),
             ..Self::of_mesh(&mesh, geometry.positions())
         })
     }
 
     /// `positions` has one for each of the mesh's vertices.
     pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
-        let survey = mesh.survey(LISTED_EDGES);
+        let diagnostics = mesh.diagnose(LISTED_EDGES);
         let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
         Self {
             vertices: mesh.weld_counts(),
             faces: mesh.faces().len(),
-            offending_positions: survey.offending_edges.iter().map(ends).collect(),
-            survey,
+            listed_positions: diagnostics.listed_edges.iter().map(ends).collect(),
+            diagnostics,
             bounds: Bounds::of(positions),
             ..Self::default()
         }
@@ -56,27 +57,27 @@ impl MeshReport {
     pub(super) fn total(meshes: &[Self]) -> Self {
         let mut total = Self::default();
         for mesh in meshes {
-            let EdgeCounts { consistent, inconsistent, boundary } = mesh.survey.edges;
+            let EdgeCounts { consistent, inconsistent, boundary } = mesh.diagnostics.edges;
             total.vertices.before += mesh.vertices.before;
             total.vertices.after += mesh.vertices.after;
             total.vertices.apart += mesh.vertices.apart;
             total.faces += mesh.faces;
             total.morph_targets += mesh.morph_targets;
             total.joints_per_vertex = total.joints_per_vertex.max(mesh.joints_per_vertex);
-            total.survey.components += mesh.survey.components;
-            total.survey.edges.consistent += consistent;
-            total.survey.edges.inconsistent += inconsistent;
-            total.survey.edges.boundary += boundary;
-            total.survey.non_manifold_edges += mesh.survey.non_manifold_edges;
-            total.survey.degenerate_faces += mesh.survey.degenerate_faces;
-            total.survey.duplicate_faces += mesh.survey.duplicate_faces;
+            total.diagnostics.components += mesh.diagnostics.components;
+            total.diagnostics.edges.consistent += consistent;
+            total.diagnostics.edges.inconsistent += inconsistent;
+            total.diagnostics.edges.boundary += boundary;
+            total.diagnostics.non_manifold_edges += mesh.diagnostics.non_manifold_edges;
+            total.diagnostics.degenerate_faces += mesh.diagnostics.degenerate_faces;
+            total.diagnostics.duplicate_faces += mesh.diagnostics.duplicate_faces;
         }
         total
     }
 
     /// Why the mesh does not count as closed; `None` where it does.
     pub(super) fn why_open(&self) -> Option<String> {
-        let EdgeCounts { inconsistent, boundary, .. } = self.survey.edges;
+        let EdgeCounts { inconsistent, boundary, .. } = self.diagnostics.edges;
         let reason = |count: usize, one: &str, many: &str| match count {
             0 => None,
             1 => Some(format!("1 {one}")),
@@ -115,8 +116,8 @@ mod tests {
         let report = MeshReport::of_geometry(&geometry, WeldCounts::default()).expect("it is a mesh");
         let why = report.why_open().expect("it is open");
         assert_eq!(why, "4 edges have a face on one side only, 1 edge joins faces that are turned against each other");
-        assert_eq!(report.offending_positions.len(), LISTED_EDGES);
+        assert_eq!(report.listed_positions.len(), LISTED_EDGES);
         let total = MeshReport::total(&[report]);
-        assert_eq!((total.faces, total.survey.edges.boundary), (2, 4));
+        assert_eq!((total.faces, total.diagnostics.edges.boundary), (2, 4));
     }
 }

@@ -41,32 +41,35 @@ impl Text {
             let _ = write!(vertices, ", {} kept apart by their skin or morph data", weld.apart);
         }
         self.line("vertices", vertices);
-        let survey = &report.survey;
+        let diagnostics = &report.diagnostics;
         self.line(
             "faces",
-            counted(report.faces, &[(survey.degenerate_faces, "degenerate"), (survey.duplicate_faces, "duplicate")]),
+            counted(
+                report.faces,
+                &[(diagnostics.degenerate_faces, "degenerate"), (diagnostics.duplicate_faces, "duplicate")],
+            ),
         );
-        let EdgeCounts { consistent, inconsistent, boundary } = survey.edges;
+        let EdgeCounts { consistent, inconsistent, boundary } = diagnostics.edges;
         let mut edges = counted(
             consistent + inconsistent + boundary,
             &[(consistent, "consistent"), (inconsistent, "inconsistent"), (boundary, "boundary")],
         );
-        if survey.non_manifold_edges > 0 {
-            let _ = write!(edges, "; more than two faces at {} of them", survey.non_manifold_edges);
+        if diagnostics.non_manifold_edges > 0 {
+            let _ = write!(edges, "; more than two faces at {} of them", diagnostics.non_manifold_edges);
         }
         self.line("edge records", edges);
-        self.line("parts", survey.components);
+        self.line("parts", diagnostics.components);
         match report.why_open() {
             None if report.faces == 0 => self.line("closed", "nothing to close: no faces"),
             None => self.line("closed", "yes"),
             Some(why) => self.line("closed", format!("no: {why}")),
         }
-        for (edge, [a, b]) in survey.offending_edges.iter().zip(&report.offending_positions) {
+        for (edge, [a, b]) in diagnostics.listed_edges.iter().zip(&report.listed_positions) {
             let [va, vb] = edge.vertices;
             let kind = kind_name(edge.kind);
             self.more(format!("  {kind} edge {va}-{vb}, {} to {}", point(a), point(b)));
         }
-        let listed = survey.offending_edges.len();
+        let listed = diagnostics.listed_edges.len();
         let all = inconsistent + boundary;
         if listed > 0 && all > listed {
             self.more(format!("  and {} more", all - listed));

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use rimline::gpu::{ReadError, read_back_vec};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics, Statistics};
+use rimline::reference::layout::{ExtractionStatistics, ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use serde_json::{Value, json};
 
@@ -23,7 +23,7 @@ struct Found {
     lights: Vec<ShadowLight>,
     silhouettes: Vec<u32>,
     shadow: ShadowStatistics,
-    extraction: Statistics,
+    extraction: ExtractionStatistics,
 }
 
 /// What came out, in numbers.
@@ -61,7 +61,7 @@ impl Report {
             let (lights, shadow) = counts::read(gpu, caster, samples)?;
             let mut silhouettes: Vec<u32> = read_back_vec(device, queue, results.counts)?;
             silhouettes.truncate(samples);
-            let extraction: Vec<Statistics> = read_back_vec(device, queue, results.statistics)?;
+            let extraction: Vec<ExtractionStatistics> = read_back_vec(device, queue, results.statistics)?;
             found.push(Found {
                 file: body.input.file.display().to_string(),
                 faces: body.scene.mesh.faces().len(),

@@ -140,7 +140,7 @@ impl ShadedLight {
     /// Takes the samples of one of so many patterns.
     pub(crate) fn take_pattern(&mut self, pattern: usize, patterns: usize) {
         if let Some(area) = &self.area {
-            self.samples = area.pattern(self.samples.len(), pattern, patterns);
+            self.samples = area.pattern_samples(self.samples.len(), pattern, patterns);
         }
     }
 

@@ -3,6 +3,7 @@
 use naga::back::{PipelineConstants, spv};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use rimline::Displacement;
+use rimline::reference::displace::deform_wgsl;
 use rimline_measure::random::Random;
 
 use crate::mutate;
@@ -124,7 +125,7 @@ pub(crate) fn run(text: &str) -> Result<bool, String> {
         Err(_) => return Ok(false),
     };
     // Accepted means that it makes a pipeline.
-    let module = naga::front::wgsl::parse_str(&displacement.deform_wgsl()).map_err(|error| error.to_string())?;
+    let module = naga::front::wgsl::parse_str(&deform_wgsl(&displacement)).map_err(|error| error.to_string())?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module);
     let info = info.map_err(|error| error.to_string())?;
     let (module, info) =

@@ -6,9 +6,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
-use crate::displace::plain_deform_wgsl;
 use crate::gpu::include_wgsl;
-use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage};
+use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage, plain_deform_wgsl};
 
 /// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
