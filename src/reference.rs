@@ -80,12 +80,13 @@ pub mod model {
 /// bit for bit.
 pub mod cpu {
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
+    pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};
     pub use crate::cpu::extract::exact_facing::{coplanar, exact_facing};
     pub use crate::cpu::extract::extraction::extract_by;
-    pub use crate::cpu::extract::facing::{facing, facing_into, is_finite};
+    pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;

@@ -1,7 +1,8 @@
-//! The parts that the twins share: threads, the determinant, its filter, its exact sign.
+//! The parts that the twins share: threads, positions, the determinant, its filter, its exact sign.
 
 pub(crate) mod determinant;
 pub(crate) mod exact_sign;
 pub(crate) mod filter;
 pub(crate) mod fixed_sign;
 pub(crate) mod parallel;
+pub(crate) mod positions;

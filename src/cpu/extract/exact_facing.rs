@@ -1,8 +1,8 @@
 //! Exact facing: decides in integers what the filter leaves undecided, and in fixed point where the numbers fit.
 
-use super::facing::{is_finite, position};
 use crate::cpu::common::exact_sign::exact_sign;
 use crate::cpu::common::fixed_sign::FixedFace;
+use crate::cpu::common::positions::{is_finite, position};
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 

@@ -5,6 +5,7 @@ use super::exact_facing::ExactFace;
 use crate::cpu::common::determinant::{cross_product, difference, local_form, local_mask, normal, plane_mask};
 use crate::cpu::common::filter;
 use crate::cpu::common::parallel::Threads;
+use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::LightBatch;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
@@ -183,11 +184,6 @@ impl Run<'_> {
     }
 }
 
-/// Whether all three coordinates are finite.
-pub fn is_finite(position: [f32; 3]) -> bool {
-    position.iter().all(|c| c.is_finite())
-}
-
 /// The largest absolute coordinate, or infinity if a coordinate is infinite. NaNs are ignored.
 fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     let larger = |a: f32, b: f32| if b > a { b } else { a };
@@ -204,11 +200,6 @@ fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
         largest.into_iter().chain(rest.iter().map(|c| c.abs())).fold(0.0, larger)
     });
     runs.into_iter().fold(0.0, larger)
-}
-
-/// The position of a vertex, or NaN if there is none.
-pub(crate) fn position(positions: &[[f32; 3]], vertex: u32) -> [f32; 3] {
-    positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3])
 }
 
 /// A face and the positions of its corners.

@@ -1,7 +1,7 @@
 //! Shadow boxes: boxes around clusters of 32 faces, and around groups of 32 clusters.
 
 use crate::cpu::common::parallel::Threads;
-use crate::cpu::extract::facing::{is_finite, position};
+use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::FaceCluster;
 use crate::mesh::is_degenerate;
 

@@ -4,7 +4,7 @@ use super::exact_shadow_depth::exactly_between;
 use super::shadow_boxes::{CLUSTER, shadow_boxes};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
-use crate::cpu::extract::facing::{is_finite, position};
+use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::FaceCluster;
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
 use crate::mesh::is_degenerate;

@@ -1,6 +1,6 @@
 //! Bounds: the box of a caster's finite faces, and whether it has other faces.
 
-use crate::cpu::extract::facing::is_finite;
+use crate::cpu::common::positions::is_finite;
 use crate::mesh::is_degenerate;
 
 /// The bits of a float as an integer with the same order as the floats.

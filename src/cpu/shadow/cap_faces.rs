@@ -8,7 +8,7 @@ use super::shadow::{
 };
 use super::sides::{End, side, side_clipped, spans_side};
 use super::zp_plus_2005::frustum_to_clip;
-use crate::cpu::extract::facing::{is_finite, position};
+use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::{ShadowLight, ShadowView};
 use crate::mesh::is_degenerate;
 

@@ -2,7 +2,7 @@
 
 use super::casting::{LISTS, cap_class, casts};
 use super::pyramid::misses_pyramid;
-use crate::cpu::extract::facing::is_finite;
+use crate::cpu::common::positions::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 

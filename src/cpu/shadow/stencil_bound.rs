@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::cpu::extract::facing::is_finite;
+use crate::cpu::common::positions::is_finite;
 use crate::layout::ShadowLight;
 use crate::shadow::{CAST_EVERY, CAST_NOTHING};
 
