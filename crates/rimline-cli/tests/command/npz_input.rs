@@ -123,9 +123,9 @@ fn bad_archives() -> Outcome {
         run.expect(1, parts).map_err(|error| format!("{parts:?}: {error}"))?;
         run.expect(1, &["model.npz"])?;
     }
-    for (bytes, what) in [(vec![], "empty"), (b"PK\x03\x04".to_vec(), "cut"), (vec![7; 5000], "no archive")] {
+    for (bytes, what) in [(vec![], "it is empty"), (b"PK\x03\x04".to_vec(), "ZIP"), (vec![7; 5000], "ZIP")] {
         let (run, _) = extract(&bytes)?;
-        run.expect(1, &["model.npz", "ZIP"]).map_err(|error| format!("{what}: {error}"))?;
+        run.expect(1, &["model.npz", what]).map_err(|error| format!("{what}: {error}"))?;
     }
     // A byte of data that does not go with its checksum.
     let mut damaged = tetrahedron();

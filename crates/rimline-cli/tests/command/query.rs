@@ -125,7 +125,7 @@ fn bad_points() -> Outcome {
         (write_zip(&[array("points", "<f4", "False", "(4000000000, 3)", &[0; 12])]), &["`points`", "48000000"]),
         (write_zip(&[short]), &["`points`", "188", "150"]),
         (vec![1; 300], &["ZIP"]),
-        (vec![], &["ZIP"]),
+        (vec![], &["it is empty"]),
     ];
     for (points, parts) in cases {
         let (run, _) = query(folder.path(), &points, &["--light", "dir:0,1,0", "--device", "cpu"])?;
