@@ -260,8 +260,9 @@ fn with_writer(file: &str, run: impl FnOnce() -> Run) -> Result<Run, String> {
         move || drop(fs::File::options().write(true).open(file))
     });
     let ended = run();
-    // Lets the writer end if nobody read.
-    drop(fs::File::options().read(true).write(true).open(file).map_err(text)?);
+    // Lets the writer end if nobody read, also one that has not come to open the pipe yet.
+    let both_ends = fs::File::options().read(true).write(true).open(file).map_err(text)?;
     writer.join().map_err(|_| "the writer panicked")?;
+    drop(both_ends);
     Ok(ended)
 }
