@@ -4,10 +4,11 @@ use gltf::json::animation::Property;
 
 use super::curve::Curve;
 use super::document::{ChannelTarget, Document, Transform};
+use super::error::GltfError;
 use super::formats;
+use super::info::AnimationInfo;
 use super::reader::Reader;
 use super::transforms::unit;
-use super::{AnimationInfo, GltfError};
 
 /// The curves of an animation.
 #[derive(Debug)]

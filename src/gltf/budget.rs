@@ -2,8 +2,8 @@
 
 use std::cell::Cell;
 
-use super::GltfError;
 use super::document::Node;
+use super::error::GltfError;
 use super::placement::Placement;
 use crate::model::{Geometry, Influences, Instance, InstancePose};
 

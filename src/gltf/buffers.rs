@@ -9,9 +9,10 @@ use percent_encoding::percent_decode_str;
 
 use super::budget::Budget;
 use super::document::{Buffer, Document};
+use super::error::GltfError;
+use super::files;
 use super::files::Folder;
 use super::json::shorten;
-use super::{GltfError, files};
 
 /// Some exporters omit the padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

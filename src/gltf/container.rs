@@ -3,7 +3,7 @@
 //! `gltf::binary::Glb` is not used. It subtracts without checking, takes chunks beyond the length that the header
 //! states, and refuses chunk types that readers must ignore.
 
-use super::GltfError;
+use super::error::GltfError;
 
 const MAGIC: &[u8] = b"glTF";
 const HEADER_BYTES: usize = 12;

@@ -158,7 +158,7 @@ pub(super) struct ChannelTarget {
 #[derive(Debug)]
 pub(super) struct PunctualLight {
     pub(super) name: Option<String>,
-    pub(super) kind: super::SceneLightKind,
+    pub(super) kind: super::scene_light::SceneLightKind,
     pub(super) color: [f32; 3],
     pub(super) intensity: f32,
     pub(super) range: Option<f32>,

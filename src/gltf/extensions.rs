@@ -1,6 +1,6 @@
 //! The required extensions that a file may have.
 
-use super::GltfError;
+use super::error::GltfError;
 use super::json::{Json, shorten};
 
 /// Extensions for compressed buffer views. The loader reads such a file if the plain data is there too.

@@ -6,8 +6,8 @@ use std::path::{Component, Path, PathBuf};
 
 use percent_encoding::percent_decode_str;
 
-use super::GltfError;
 use super::budget::Budget;
+use super::error::GltfError;
 use super::json::shorten;
 
 /// Where to look for the files that a glTF names.

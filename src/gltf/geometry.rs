@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::GltfError;
 use super::document::{InfluenceSet, Mesh, Primitive};
+use super::error::GltfError;
 use super::extensions;
 use super::reader::Reader;
 use super::triangles::{self, Place};

@@ -2,8 +2,8 @@
 
 use glam::DAffine3;
 
-use super::GltfError;
 use super::document::Document;
+use super::error::GltfError;
 
 /// The forest that the nodes of a document form.
 #[derive(Debug)]

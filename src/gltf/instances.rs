@@ -3,14 +3,15 @@
 use glam::{DAffine3, DVec3};
 
 use super::document::{Document, Instancing, Node, Trs};
+use super::error::GltfError;
 use super::formats;
 use super::geometry::{self, Merged};
 use super::graph::Graph;
 use super::placement::{Frame, Placement};
 use super::reader::Reader;
+use super::scene_light::SceneLight;
 use super::skin::LoadedSkin;
 use super::transforms::unit;
-use super::{GltfError, SceneLight};
 use crate::mesh::{Weld, WeldCounts};
 use crate::model::{Geometry, Instance, Model};
 

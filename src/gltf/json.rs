@@ -2,7 +2,7 @@
 
 use gltf::json::Value;
 
-use super::GltfError;
+use super::error::GltfError;
 
 /// A JSON object and its path.
 #[derive(Clone, Debug)]

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use gltf::json::Value;
 use gltf::json::accessor::{ComponentType, Type};
 
-use super::GltfError;
 use super::budget::Budget;
 use super::document::{Accessor, Buffer, Document, Sparse, View};
+use super::error::GltfError;
 use super::json::{Json, whole, wrong};
 use super::lengths::Lengths;
 use super::{extensions, parse_mesh, parse_scene};

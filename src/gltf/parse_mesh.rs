@@ -2,8 +2,8 @@
 
 use gltf::json::mesh::Mode;
 
-use super::GltfError;
 use super::document::{InfluenceSet, Mesh, Primitive, Skin};
+use super::error::GltfError;
 use super::json::Json;
 use super::lengths::Lengths;
 

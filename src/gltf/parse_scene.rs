@@ -6,10 +6,11 @@ use glam::{DQuat, DVec3};
 use gltf::json::animation::{Interpolation, Property};
 
 use super::document::{Animation, ChannelTarget, Instancing, Node, PunctualLight, Sampler, Transform, Trs};
+use super::error::GltfError;
 use super::json::Json;
 use super::lengths::Lengths;
+use super::scene_light::SceneLightKind;
 use super::transforms::{affine, unit};
-use super::{GltfError, SceneLightKind};
 
 pub(super) fn node(json: &Json<'_>, lengths: Lengths) -> Result<Node, GltfError> {
     let light = match json.extension("KHR_lights_punctual")? {

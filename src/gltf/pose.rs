@@ -1,23 +1,17 @@
 //! Poses and lights at one time.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
-use glam::{DAffine3, DQuat, DVec3};
-use gltf::json::animation::Property;
+use glam::DAffine3;
 
-use super::animation::Channel;
+use super::asset::Asset;
 use super::document::Transform;
+use super::error::AnimationError;
+use super::node_state::{State, apply, rows};
 use super::placement::{Frame, Placement};
-use super::{AnimationError, Asset, SceneLight, SceneLightKind, SpotCone};
+use super::scene_light::{SceneLight, SceneLightKind, SpotCone};
 use crate::light::Light;
-use crate::model::{Geometry, Influences, InstancePose, Matrix3x4, ModelError, Pose};
-
-/// World matrices and morph weights of the nodes at one time.
-struct State {
-    world: Vec<DAffine3>,
-    /// Only for nodes whose weights an animation moves.
-    weights: HashMap<usize, Vec<f64>>,
-}
+use crate::model::{Geometry, InstancePose, ModelError, Pose};
 
 impl Asset {
     /// The state of the model at a time of one animation, in seconds. Without an animation it is the state of the file,
@@ -145,38 +139,6 @@ impl Asset {
             None => vec![0.0; mesh.targets],
         }
     }
-}
-
-/// Sets the property that a channel moves.
-fn apply(channel: &Channel, time: f64, transforms: &mut [Transform], weights: &mut HashMap<usize, Vec<f64>>) {
-    let value = channel.curve.sample(time, channel.property == Property::Rotation);
-    if channel.property == Property::MorphTargetWeights {
-        weights.insert(channel.node, value);
-        return;
-    }
-    // Loading refused channels of nodes with a matrix.
-    let Transform::Trs(trs) = &mut transforms[channel.node] else {
-        return;
-    };
-    match (channel.property, &value[..]) {
-        (Property::Translation, &[x, y, z]) => trs.translation = DVec3::new(x, y, z),
-        (Property::Scale, &[x, y, z]) => trs.scale = DVec3::new(x, y, z),
-        (Property::Rotation, &[x, y, z, w]) => trs.rotation = DQuat::from_xyzw(x, y, z, w),
-        _ => {}
-    }
-}
-
-/// The rows of the matrix, rounded to `f32`.
-fn rows(matrix: &DAffine3) -> Matrix3x4 {
-    let DAffine3 { matrix3, translation } = matrix;
-    [0, 1, 2]
-        .map(|row| [matrix3.x_axis[row], matrix3.y_axis[row], matrix3.z_axis[row], translation[row]].map(|c| c as f32))
-}
-
-/// The joints that the vertices of a geometry follow. A rigid geometry has none.
-pub(super) fn used_joints(geometry: &Geometry) -> Vec<u32> {
-    let joints = geometry.influences().map_or(&[][..], Influences::joints);
-    joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 #[cfg(test)]

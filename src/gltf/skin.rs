@@ -2,8 +2,8 @@
 
 use glam::DAffine3;
 
-use super::GltfError;
 use super::document::Skin;
+use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
 use super::transforms::affine;

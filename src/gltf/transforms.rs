@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat4, DQuat};
 
-use super::GltfError;
+use super::error::GltfError;
 
 /// A quaternion scaled to length 1, or `None` if its length is zero or not finite.
 pub(super) fn unit(rotation: [f64; 4]) -> Option<DQuat> {

@@ -3,8 +3,8 @@
 use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Mode;
 
-use super::GltfError;
 use super::document::Primitive;
+use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
 

@@ -1,7 +1,7 @@
 //! A primitive's vertices: positions, morph offsets, joints.
 
-use super::GltfError;
 use super::document::Primitive;
+use super::error::GltfError;
 use super::formats;
 use super::reader::Reader;
 

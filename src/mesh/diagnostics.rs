@@ -1,8 +1,9 @@
 //! What a user wants to know about a mesh: whether it is closed and, if it is not, where it is open.
 
-use super::{Edge, EdgeCounts, EdgeKind, Mesh, is_degenerate};
+use super::faces::Mesh;
+use super::topology::{Edge, EdgeCounts, EdgeKind, is_degenerate};
 
-/// The result of [`Mesh::diagnose`].
+/// What [`MeshDiagnostics::of`] finds out about a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshDiagnostics {
     /// The number of parts that share no vertex with each other. Degenerate faces do not count.
@@ -22,26 +23,24 @@ pub struct MeshDiagnostics {
 }
 
 impl MeshDiagnostics {
+    /// Examines a mesh. `edge_limit` is the largest number of edges in [`Self::listed_edges`]. It takes about as long as
+    /// sorting the faces.
+    pub fn of(mesh: &Mesh, edge_limit: usize) -> Self {
+        let is_listed = |edge: &Edge| edge.kind != EdgeKind::Consistent;
+        Self {
+            components: components(mesh.vertex_count() as usize, mesh.faces()),
+            edges: mesh.edges().counts(),
+            non_manifold_edges: non_manifold_edges(mesh.edges().vertices()),
+            degenerate_faces: mesh.degenerate_faces(),
+            duplicate_faces: duplicate_faces(mesh.faces()),
+            listed_edges: mesh.edges().iter().filter(is_listed).take(edge_limit).collect(),
+        }
+    }
+
     /// Whether every record is of kind [`EdgeKind::Consistent`]. A mesh with only degenerate faces has no records, so
     /// it counts as closed.
     pub fn is_closed(&self) -> bool {
         self.edges.boundary == 0 && self.edges.inconsistent == 0
-    }
-}
-
-impl Mesh {
-    /// Examines the mesh. `edge_limit` is the largest number of edges in [`MeshDiagnostics::listed_edges`]. It takes
-    /// about as long as sorting the faces.
-    pub fn diagnose(&self, edge_limit: usize) -> MeshDiagnostics {
-        let is_listed = |edge: &Edge| edge.kind != EdgeKind::Consistent;
-        MeshDiagnostics {
-            components: components(self.vertex_count() as usize, self.faces()),
-            edges: self.edges().counts(),
-            non_manifold_edges: non_manifold_edges(self.edges().vertices()),
-            degenerate_faces: self.degenerate_faces(),
-            duplicate_faces: duplicate_faces(self.faces()),
-            listed_edges: self.edges().iter().filter(is_listed).take(edge_limit).collect(),
-        }
     }
 }
 
@@ -102,7 +101,7 @@ mod tests {
     use super::*;
 
     fn diagnose(vertices: usize, faces: &[[u32; 3]]) -> MeshDiagnostics {
-        Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range").diagnose(2)
+        MeshDiagnostics::of(&Mesh::from_faces(vertices, faces.to_vec()).expect("indices are in range"), 2)
     }
 
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];

@@ -3,8 +3,6 @@
 //! Stable counting sorts order the half-edges by their two vertices, so the time is linear. A run of equal vertex pairs
 //! holds all faces at one edge, lowest face first. It is split into records of at most two faces.
 
-use super::is_degenerate;
-
 /// How the two faces of an edge record traverse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
@@ -291,4 +289,9 @@ fn pair_run(run: &[Entry], mates: &mut [u32]) {
             }
         }
     }
+}
+
+/// Whether a face names a vertex twice.
+pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
 }

@@ -65,7 +65,7 @@ mod oracle {
     }
 }
 
-use rimline::mesh::{Edge, EdgeCounts, EdgeKind};
+use rimline::mesh::{Edge, EdgeCounts, EdgeKind, MeshDiagnostics};
 use rimline::{Mesh, MeshError};
 use rimline_measure::shapes::{self, Shape};
 
@@ -243,9 +243,9 @@ fn edges_that_both_faces_traverse_alike_are_not_closed() {
     // A face and the same again: every edge has two faces, none of them consistent.
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [0, 1, 2]]).expect("a mesh");
     assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 3, ..EdgeCounts::default() });
-    assert!(!mesh.is_closed() && !mesh.diagnose(0).is_closed());
+    assert!(!mesh.is_closed() && !MeshDiagnostics::of(&mesh, 0).is_closed());
     let mesh = Mesh::from_faces(3, vec![[0, 1, 2], [2, 1, 0]]).expect("a mesh");
-    assert!(mesh.is_closed() && mesh.diagnose(0).is_closed());
+    assert!(mesh.is_closed() && MeshDiagnostics::of(&mesh, 0).is_closed());
 }
 
 #[test]

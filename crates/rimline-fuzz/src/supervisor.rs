@@ -131,6 +131,8 @@ fn spawn(options: &Options, first: u64) -> Result<Child, String> {
         command.args(["--case", &only.to_string()]);
     }
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command.spawn().map_err(|error| format!("cannot start a worker: {error}"))
 }
 
@@ -165,6 +167,9 @@ fn complaints(child: &mut Child) -> Receiver<String> {
 }
 
 fn end(child: &mut Child) {
+    // With what it started: a command that goes on would write into the files of the cases that follow.
+    #[cfg(unix)]
+    let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).stderr(Stdio::null()).status();
     // It may have ended by itself meanwhile.
     let _ = child.kill();
     let _ = child.wait();

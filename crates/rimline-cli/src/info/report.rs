@@ -41,7 +41,7 @@ impl MeshReport {
 
     /// `positions` has one for each of the mesh's vertices.
     pub(super) fn of_mesh(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
-        let diagnostics = mesh.diagnose(LISTED_EDGES);
+        let diagnostics = MeshDiagnostics::of(mesh, LISTED_EDGES);
         let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
         Self {
             vertices: mesh.weld_counts(),

@@ -1,0 +1,187 @@
+//! A loaded file, and what it tells of itself.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use gltf::json::Value;
+
+use super::animation::{self, LoadedAnimation};
+use super::budget::Budget;
+use super::document::{self, Document};
+use super::error::GltfError;
+use super::files::{self, Folder};
+use super::graph::Graph;
+use super::info::{AnimationInfo, MeshInfo, SkinInfo, SkippedPrimitives};
+use super::instances::{self, Built};
+use super::options::LoadOptions;
+use super::reader::Reader;
+use super::skin::{self, LoadedSkin};
+use super::{buffers, container, named_files, parse};
+use crate::mesh::WeldCounts;
+use crate::model::{Geometry, Influences, Model};
+
+/// A glTF file that is loaded: its model, and the data for its poses and lights.
+///
+/// The memory of loading, of the model's mesh and of its poses has a bound: see [`LoadOptions::memory_limit`].
+///
+/// ```no_run
+/// use rimline::gltf::Asset;
+/// use rimline::mesh::Weld;
+///
+/// let asset = Asset::open("fox.glb", Weld::Data)?;
+/// let pose = asset.pose(asset.animation_index("Run"), 0.5)?;
+/// let mesh = asset.model().mesh(&pose)?;
+/// println!("{} edge records, closed: {}", mesh.edges().len(), mesh.is_closed());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Asset {
+    /// The document without buffers, views and accessors, which are no longer needed.
+    pub(super) document: Document,
+    pub(super) graph: Graph,
+    pub(super) skins: Vec<LoadedSkin>,
+    pub(super) animations: Vec<LoadedAnimation>,
+    pub(super) animation_infos: Vec<AnimationInfo>,
+    pub(super) skin_infos: Vec<SkinInfo>,
+    pub(super) mesh_infos: Vec<MeshInfo>,
+    pub(super) skipped: SkippedPrimitives,
+    pub(super) built: Built,
+    /// The joints that each geometry uses, ascending.
+    pub(super) used_joints: Vec<Vec<u32>>,
+    pub(super) named_files: Vec<PathBuf>,
+}
+
+impl Asset {
+    /// Loads a .gltf or .glb file; its content tells which. Buffers that it names are looked for in its folder. A
+    /// [`Weld`](crate::mesh::Weld) can be given as options; the other options are then the defaults.
+    ///
+    /// # Errors
+    /// [`GltfError`] if a file cannot be read, its content is damaged or not supported, or it takes more memory than
+    /// the options allow.
+    pub fn open(path: impl AsRef<Path>, options: impl Into<LoadOptions>) -> Result<Self, GltfError> {
+        let (path, options) = (path.as_ref(), options.into());
+        let budget = Budget::new(options.memory_limit);
+        let bytes = files::read(path, u64::MAX, &budget)?;
+        Self::load(&bytes, path.parent(), options, &budget)
+    }
+
+    /// Loads the content of a .gltf or .glb file. Buffers that it names are looked for in `base_dir`.
+    ///
+    /// # Errors
+    /// [`GltfError`] if the content is damaged or not supported, names files and there is no `base_dir`, or takes more
+    /// memory than the options allow.
+    pub fn from_slice(
+        bytes: &[u8],
+        base_dir: Option<&Path>,
+        options: impl Into<LoadOptions>,
+    ) -> Result<Self, GltfError> {
+        let options = options.into();
+        Self::load(bytes, base_dir, options, &Budget::new(options.memory_limit))
+    }
+
+    fn load(bytes: &[u8], base: Option<&Path>, options: LoadOptions, budget: &Budget) -> Result<Self, GltfError> {
+        let (json, binary) = container::split(bytes)?;
+        // A byte order mark is not allowed, but harmless.
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        budget.charge_json(json)?;
+        let value: Value = gltf::json::deserialize::from_slice(json).map_err(GltfError::Json)?;
+        let mut document = parse::document(&value, budget)?;
+        let named_files = named_files::find(&value, base);
+        drop(value);
+        let graph = Graph::new(&document)?;
+        let folder = Folder { path: base, allow_outside: options.allow_outside };
+        let buffers = buffers::load(&document, binary, folder, budget)?;
+        let reader = Reader::new(&document, &buffers, budget);
+        let skins = skin::load(&reader)?;
+        let built = instances::build(&reader, &graph, &skins, options.weld)?;
+        instances::Draft::charge_lights(&reader, &graph)?;
+        let (animations, animation_infos) = animation::load(&reader)?;
+        let skipped = SkippedPrimitives::count(&document);
+        skipped.warn();
+        document.buffers = Vec::new();
+        document.views = Vec::new();
+        document.accessors = Vec::new();
+        Ok(Self {
+            skin_infos: skin_infos(&document),
+            mesh_infos: mesh_infos(&document, &built),
+            used_joints: built.model.geometries().iter().map(used_joints).collect(),
+            document,
+            graph,
+            skins,
+            animations,
+            animation_infos,
+            skipped,
+            built,
+            named_files,
+        })
+    }
+
+    /// The files that the glTF names by relative URIs, whether they were read or not: buffers, textures, files of
+    /// extensions. They need not exist. The list is empty without a folder to look in.
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
+    }
+
+    /// The model: the geometries of every mesh and the instances of the chosen scene. Only geometries with faces have
+    /// instances.
+    pub fn model(&self) -> &Model {
+        &self.built.model
+    }
+
+    /// What welding did to the geometry with this index, or `None` past the end.
+    pub fn weld_counts(&self, geometry: usize) -> Option<WeldCounts> {
+        self.built.weld_counts.get(geometry).copied()
+    }
+
+    /// The file's meshes, in its order.
+    pub fn meshes(&self) -> &[MeshInfo] {
+        &self.mesh_infos
+    }
+
+    /// The file's skins, in its order.
+    pub fn skins(&self) -> &[SkinInfo] {
+        &self.skin_infos
+    }
+
+    /// The file's animations, in its order.
+    pub fn animations(&self) -> &[AnimationInfo] {
+        &self.animation_infos
+    }
+
+    /// The index of the first animation with this name. If there is none, the name is read as an index.
+    pub fn animation_index(&self, name_or_index: &str) -> Option<usize> {
+        let named = |info: &AnimationInfo| info.name.as_deref() == Some(name_or_index);
+        let number = || name_or_index.parse().ok().filter(|&index| index < self.animation_infos.len());
+        self.animation_infos.iter().position(named).or_else(number)
+    }
+
+    /// The primitives that were not loaded.
+    pub fn skipped(&self) -> SkippedPrimitives {
+        self.skipped
+    }
+}
+
+fn skin_infos(document: &Document) -> Vec<SkinInfo> {
+    let info = |skin: &document::Skin| SkinInfo { name: skin.name.clone(), joints: skin.joints.len() };
+    document.skins.iter().map(info).collect()
+}
+
+fn mesh_infos(document: &Document, built: &Built) -> Vec<MeshInfo> {
+    let info = |mesh: &document::Mesh| MeshInfo {
+        name: mesh.name.clone(),
+        primitives: mesh.primitives.len(),
+        morph_targets: mesh.targets,
+        geometries: Vec::new(),
+    };
+    let mut infos: Vec<MeshInfo> = document.meshes.iter().map(info).collect();
+    for (geometry, &mesh) in built.meshes.iter().enumerate() {
+        infos[mesh].geometries.push(geometry);
+    }
+    infos
+}
+
+/// The joints that the vertices of a geometry follow. A rigid geometry has none.
+fn used_joints(geometry: &Geometry) -> Vec<u32> {
+    let joints = geometry.influences().map_or(&[][..], Influences::joints);
+    joints.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
+}
