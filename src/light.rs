@@ -202,4 +202,28 @@ mod tests {
         assert_eq!(check_shadow_lights(&[point; 3], 2), Err(LightError::TooMany { count: 3, limit: 2 }));
         assert_eq!(check_shadow_lights(&[], 2), Ok(()));
     }
+
+    #[test]
+    fn room_is_for_one_light_to_the_most() {
+        for (count, expected) in [
+            (0, Err(LightError::NoRoom)),
+            (1, Ok(())),
+            (MAX_LIGHTS, Ok(())),
+            (MAX_LIGHTS + 1, Err(LightError::TooMany { count: MAX_LIGHTS + 1, limit: MAX_LIGHTS })),
+        ] {
+            assert_eq!(check_room(count), expected);
+        }
+    }
+
+    #[test]
+    fn transforms_without_an_inverse_give_no_light() {
+        let scale = |[x, y, z]: [f64; 3]| [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z], [0.0; 3]];
+        let light = Light::point([1.0, 2.0, 4.0]);
+        let halved = light.to_mesh_space(&scale([2.0; 3])).expect("a scale has an inverse");
+        assert_eq!(halved.to_array(), [0.5, 1.0, 2.0, 1.0]);
+        // The determinant is 0, infinite, or not a number.
+        for singular in [[1.0, 0.0, 1.0], [1e200, 1e200, 1.0], [f64::NAN, 1.0, 1.0]] {
+            assert_eq!(light.to_mesh_space(&scale(singular)), None);
+        }
+    }
 }
