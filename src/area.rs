@@ -193,6 +193,35 @@ mod tests {
         }
     }
 
+    /// The square's map onto the disc fills it evenly, by angle and by distance, and keeps neighbours.
+    #[test]
+    fn the_disc_is_filled_evenly_and_without_seams() {
+        const STEPS: usize = 240;
+        let at = |x: usize, y: usize| disc(DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / STEPS as f64);
+        let mut sectors = [[0_usize; 24]; 4];
+        let mut farthest = 0.0_f64;
+        for x in 0..STEPS {
+            for y in 0..STEPS {
+                let place = at(x, y);
+                let turn = (place.y.atan2(place.x) / TAU).rem_euclid(1.0);
+                // Rings of equal area.
+                sectors[(4.0 * place.length_squared()) as usize][(24.0 * turn) as usize] += 1;
+                if x > 0 {
+                    farthest = farthest.max(place.distance(at(x - 1, y)));
+                }
+                if y > 0 {
+                    farthest = farthest.max(place.distance(at(x, y - 1)));
+                }
+            }
+        }
+        let even = STEPS * STEPS / (4 * 24);
+        for &found in sectors.as_flattened() {
+            assert!(found.abs_diff(even) < even / 10, "{found} places in a part for {even}: {sectors:?}");
+        }
+        // A step is 2 / STEPS in the square, and the map turns and stretches it by no more than 1.6.
+        assert!(farthest < 3.2 / STEPS as f64, "neighbours are {farthest} apart");
+    }
+
     #[test]
     fn samples_lie_within_their_shapes_and_fill_them() {
         let count = 32;
