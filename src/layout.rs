@@ -361,19 +361,19 @@ shared_structs! {
 impl LightBatch {
     /// The batch of up to 32 `lights`.
     pub fn new(lights: &[crate::Light], position_offset: u32, position_stride: u32) -> Self {
-        let mut word = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
+        let mut batch = Self { count: lights.len() as u32, live: live_bits(lights.len()), ..Self::zeroed() };
         for slot in 0..32 {
             let Some(light) = lights.get(slot).or(lights.last()) else { break };
             let given = light.to_array();
             let scaled = ScaledLight::new(given);
             let [x, y, z, w] = scaled.light.map(f32::abs);
             let w = w.max(scaled.inexact_w);
-            word.lights[slot] = scaled.light;
-            word.light_bits[slot] = given.map(f32::to_bits);
-            word.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
-            word.reach = [word.reach[0].max(x).max(y).max(z), word.reach[1].max(w)];
+            batch.lights[slot] = scaled.light;
+            batch.light_bits[slot] = given.map(f32::to_bits);
+            batch.inexact_w[slot / 4][slot % 4] = scaled.inexact_w;
+            batch.reach = [batch.reach[0].max(x).max(y).max(z), batch.reach[1].max(w)];
         }
-        Self { position_offset, position_stride, ..word }
+        Self { position_offset, position_stride, ..batch }
     }
 }
 

@@ -1,7 +1,7 @@
 // Edges: computes the silhouette and winding mask of each edge record from the facing masks of its faces. It writes the
 // masks, appends silhouette edges to the lists of the lights in no particular order, or does both.
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(2) var<storage, read> facing_0: array<u32>;
 @group(0) @binding(3) var<storage, read> facing_1: array<u32>;
@@ -33,11 +33,11 @@ fn edges(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   let faces = edge_faces[edge];
   let winding = facing_mask(faces.x & ~INCONSISTENT);
-  var silhouette = word.live;
+  var silhouette = batch.live;
   if (faces.y != NO_FACE) {
     silhouette = winding ^ facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
-      silhouette = ~silhouette & word.live;
+      silhouette = ~silhouette & batch.live;
     }
   }
   emit(edge, silhouette, winding);

@@ -2,7 +2,7 @@
 // most signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"). Integers decide the rest, because no compiler can
 // round, fuse or flush them: in fixed point where the numbers fit, else for every finite f32 ("Exact facing").
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
@@ -20,7 +20,7 @@ struct Face {
 // The bits of facing lights and those of undecided lights.
 struct Decision {
   facing: u32,
-  doubt: u32,
+  undecided: u32,
 }
 
 // Bits of facing lights, and of those in the face's plane.
@@ -32,7 +32,7 @@ struct Signs {
 // Decides lights by f32 if the bound of the light allows it.
 fn filter_lights(face: Face) -> Decision {
   let largest = largest_magnitude(face.a, face.b, face.c);
-  var decision = Decision(0u, word.live);
+  var decision = Decision(0u, batch.live);
   if (largest >= LARGE) {
     return decision;
   }
@@ -47,17 +47,17 @@ fn filter_lights(face: Face) -> Decision {
     abs(u.x) * abs(v.y) + abs(u.y) * abs(v.x),
   );
   let underflow = underflow_bound(bitcast<f32>(largest));
-  for (var rest = word.live; rest != 0u; rest &= rest - 1u) {
+  for (var rest = batch.live; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
-    let l = word.lights[light];
+    let l = batch.lights[light];
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
     // The error of w a counts only if w is not a power of two, or is tiny.
-    let sizes = abs(to_light) + word.inexact_w[light / 4u][light % 4u] * abs(a);
+    let sizes = abs(to_light) + batch.inexact_w[light / 4u][light % 4u] * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);
     if (abs(d) > bound) {
-      decision.doubt &= ~(1u << light);
+      decision.undecided &= ~(1u << light);
       decision.facing |= select(0u, 1u, d > 0.0) << light;
     }
   }
@@ -66,24 +66,24 @@ fn filter_lights(face: Face) -> Decision {
 
 // The bits of the undecided lights, by integers. There are two loops, because some GPUs execute a branch once for each
 // turn of the loop around it, whether any face needs it or not.
-fn settle(doubt: u32, face: Face) -> Signs {
+fn settle(undecided: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
   var signs = Signs(0u, 0u);
   var beyond_fixed = 0u;
-  for (var rest = doubt; rest != 0u; rest &= rest - 1u) {
+  for (var rest = undecided; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
-    let sign = fixed_sign(fixed, word.light_bits[light]);
+    let sign = fixed_sign(fixed, batch.light_bits[light]);
     signs.facing |= select(0u, 1u, sign == 1) << light;
     signs.coplanar |= select(0u, 1u, sign == 0) << light;
     beyond_fixed |= select(0u, 1u, sign == 2) << light;
   }
   for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
-    let sign = exact_sign(face.a, face.b, face.c, word.light_bits[light]);
+    let sign = exact_sign(face.a, face.b, face.c, batch.light_bits[light]);
     signs.facing |= select(0u, 1u, sign > 0) << light;
     signs.coplanar |= select(0u, 1u, sign == 0) << light;
   }
-  atomicAdd(&record.statistics.undecided_pairs, countOneBits(doubt));
+  atomicAdd(&record.statistics.undecided_pairs, countOneBits(undecided));
   if (signs.coplanar != 0u) {
     atomicAdd(&record.statistics.exact_zeros, countOneBits(signs.coplanar));
   }
@@ -94,9 +94,9 @@ fn settle(doubt: u32, face: Face) -> Signs {
 fn decide(index: u32) -> Signs {
   var face: Face;
   face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
-  face.a = position_bits(face.corners.x, word.position_offset, word.position_stride);
-  face.b = position_bits(face.corners.y, word.position_offset, word.position_stride);
-  face.c = position_bits(face.corners.z, word.position_offset, word.position_stride);
+  face.a = position_bits(face.corners.x, batch.position_offset, batch.position_stride);
+  face.b = position_bits(face.corners.y, batch.position_offset, batch.position_stride);
+  face.c = position_bits(face.corners.z, batch.position_offset, batch.position_stride);
   if (largest_magnitude(face.a, face.b, face.c) >= INFINITE) {
     if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
@@ -108,8 +108,8 @@ fn decide(index: u32) -> Signs {
   }
   let decision = filter_lights(face);
   var signs = Signs(0u, 0u);
-  if (decision.doubt != 0u) {
-    signs = settle(decision.doubt, face);
+  if (decision.undecided != 0u) {
+    signs = settle(decision.undecided, face);
   }
   signs.facing |= decision.facing;
   return signs;

@@ -2,7 +2,7 @@
 // side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
 // whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
@@ -14,9 +14,9 @@ override EXACT: bool = true;
 // The determinant for one light of the batch.
 fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
   if (PLANE) {
-    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(word.light_bits[light]));
+    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(batch.light_bits[light]));
   }
-  return local_form(n, a, word.lights[light]);
+  return local_form(n, a, batch.lights[light]);
 }
 
 // The bits of all lights, and the smallest absolute determinant.
@@ -29,7 +29,7 @@ struct Signs {
 // repeat the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
-  for (var light = 0u; light < word.count; light += 4u) {
+  for (var light = 0u; light < batch.count; light += 4u) {
     let d = vec4<f32>(
       determinant(n, a, light),
       determinant(n, a, light + 1u),
@@ -43,7 +43,7 @@ fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
       signs.smallest = min(signs.smallest, min(min(size.x, size.y), min(size.z, size.w)));
     }
   }
-  signs.mask &= word.live;
+  signs.mask &= batch.live;
   return signs;
 }
 
@@ -61,9 +61,9 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
     return;
   }
   let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  let a_bits = position_bits(corners.x, word.position_offset, word.position_stride);
-  let b_bits = position_bits(corners.y, word.position_offset, word.position_stride);
-  let c_bits = position_bits(corners.z, word.position_offset, word.position_stride);
+  let a_bits = position_bits(corners.x, batch.position_offset, batch.position_stride);
+  let b_bits = position_bits(corners.y, batch.position_offset, batch.position_stride);
+  let c_bits = position_bits(corners.z, batch.position_offset, batch.position_stride);
   let a = bitcast<vec3<f32>>(a_bits);
   let u = bitcast<vec3<f32>>(b_bits) - a;
   let v = bitcast<vec3<f32>>(c_bits) - a;
@@ -72,7 +72,7 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if (EXACT) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
     facing_masks[face] = signs.mask;
-    let bound = face_bound(size, bitcast<f32>(magnitude), word.reach);
+    let bound = face_bound(size, bitcast<f32>(magnitude), batch.reach);
     // A large magnitude also covers numbers that are not finite.
     if (signs.smallest <= bound || magnitude >= LARGE) {
       list(face);

@@ -2,13 +2,13 @@
 // gathers four positions and tests both faces against every light. It uses the plane equations, as published, or the
 // local form. A face's side is decided again at each of its edges, so loops may fail to close.
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 // (a, b, c, d): face 0 is (a, b, c); face 1 is (b, a, d), or (a, b, d) where bit 31 of a is set; no face 1: d is NO_FACE.
 @group(0) @binding(6) var<storage, read> edge_corners: array<vec4<u32>>;
 
 fn position(vertex: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(position_bits(vertex, word.position_offset, word.position_stride));
+  return bitcast<vec3<f32>>(position_bits(vertex, batch.position_offset, batch.position_stride));
 }
 
 // The values of a face that all lights share.
@@ -23,20 +23,20 @@ fn side_of(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Side {
 
 fn is_in_front(side: Side, light: u32) -> bool {
   if (PLANE) {
-    return plane_form(side.plane, bitcast<vec4<f32>>(word.light_bits[light])) > 0.0;
+    return plane_form(side.plane, bitcast<vec4<f32>>(batch.light_bits[light])) > 0.0;
   }
-  return local_form(side.plane.xyz, side.a, word.lights[light]) > 0.0;
+  return local_form(side.plane.xyz, side.a, batch.lights[light]) > 0.0;
 }
 
 fn mask_of(side: Side) -> u32 {
   var mask = 0u;
-  for (var light = 0u; light < word.count; light += 4u) {
+  for (var light = 0u; light < batch.count; light += 4u) {
     mask |= select(0u, 1u, is_in_front(side, light)) << light;
     mask |= select(0u, 2u, is_in_front(side, light + 1u)) << light;
     mask |= select(0u, 4u, is_in_front(side, light + 2u)) << light;
     mask |= select(0u, 8u, is_in_front(side, light + 3u)) << light;
   }
-  return mask & word.live;
+  return mask & batch.live;
 }
 
 @compute @workgroup_size(256)
@@ -49,11 +49,11 @@ fn per_edge(@builtin(global_invocation_id) id: vec3<u32>) {
   let a = position(corners.x & ~INCONSISTENT);
   let b = position(corners.y);
   let winding = mask_of(side_of(a, b, position(corners.z)));
-  var silhouette = word.live;
+  var silhouette = batch.live;
   if (corners.w != NO_FACE) {
     let d = position(corners.w);
     if ((corners.x & INCONSISTENT) != 0u) {
-      silhouette = ~(winding ^ mask_of(side_of(a, b, d))) & word.live;
+      silhouette = ~(winding ^ mask_of(side_of(a, b, d))) & batch.live;
     } else {
       silhouette = winding ^ mask_of(side_of(b, a, d));
     }

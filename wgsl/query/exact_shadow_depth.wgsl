@@ -61,16 +61,16 @@ fn noted_face(noted: UndecidedFaces, at: u32) -> u32 {
 @compute @workgroup_size(64)
 fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let pair = id.x;
-  if (pair >= chunk.count * word.count) {
+  if (pair >= chunk.count * batch.count) {
     return;
   }
   let noted = undecided_pairs.pairs[pair];
-  if (noted.count > MOST_DOUBTS) {
+  if (noted.count > MOST_UNDECIDED) {
     return;
   }
   let query = query_of(pair);
   for (var at = 0u; at < noted.count; at++) {
-    if (exactly_between(face_of(noted_face(noted, at)), query.p_bits, word.light_bits[query.light])) {
+    if (exactly_between(face_of(noted_face(noted, at)), query.p_bits, batch.light_bits[query.light])) {
       atomicAdd(&depths[query.at], 1);
     }
   }
@@ -101,7 +101,7 @@ fn exact_shadow_depth_recount(
     }
     let face = face_of(at);
     var decision = decide(segment, face);
-    if (decision == IN_DOUBT && exactly_between(face, segment.p_bits, word.light_bits[segment.light])) {
+    if (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light])) {
       decision = BETWEEN;
     }
     if (decision == BETWEEN) {

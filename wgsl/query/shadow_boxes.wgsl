@@ -1,7 +1,7 @@
 // Shadow boxes: computes boxes around clusters of 32 faces and groups of 32 clusters. One workgroup takes one group.
 // Floats are compared as integers of the same order, so that no device can flush or round them.
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> range: FaceRange;
 @group(0) @binding(6) var<storage, read_write> clusters: array<FaceCluster>;
 
@@ -44,9 +44,9 @@ fn around_face(cluster: u32, face: u32) -> Keys {
     clusters[cluster].corners[3u * face + 1u],
     clusters[cluster].corners[3u * face + 2u],
   );
-  let a = position_bits(corners.x, word.position_offset, word.position_stride);
-  let b = position_bits(corners.y, word.position_offset, word.position_stride);
-  let c = position_bits(corners.z, word.position_offset, word.position_stride);
+  let a = position_bits(corners.x, batch.position_offset, batch.position_stride);
+  let b = position_bits(corners.y, batch.position_offset, batch.position_stride);
+  let c = position_bits(corners.z, batch.position_offset, batch.position_stride);
   let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
   if (is_degenerate || !is_finite(a) || !is_finite(b) || !is_finite(c)) {
     return empty();

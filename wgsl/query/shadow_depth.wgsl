@@ -2,16 +2,16 @@
 // light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
 // exact_shadow_depth.wgsl counts it again.
 
-var<private> doubt: UndecidedFaces;
+var<private> undecided: UndecidedFaces;
 
 fn note(face: u32) {
-  switch (doubt.count) {
-    case 0u: { doubt.face_0 = face; }
-    case 1u: { doubt.face_1 = face; }
-    case 2u: { doubt.face_2 = face; }
+  switch (undecided.count) {
+    case 0u: { undecided.face_0 = face; }
+    case 1u: { undecided.face_1 = face; }
+    case 2u: { undecided.face_2 = face; }
     default: {}
   }
-  doubt.count++;
+  undecided.count++;
 }
 
 // The number of faces of a cluster that lie between.
@@ -44,7 +44,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> u32 {
     let decision = decide(segment, face);
     if (decision == BETWEEN) {
       count++;
-    } else if (decision == IN_DOUBT) {
+    } else if (decision == UNDECIDED) {
       note(CLUSTER * cluster + at);
     }
   }
@@ -61,7 +61,7 @@ fn count_range(segment: Segment) -> u32 {
     for (var cluster = group; cluster < min(group + CLUSTER, range.end); cluster++) {
       count += count_cluster(segment, cluster);
     }
-    if (doubt.count > MOST_DOUBTS) {
+    if (undecided.count > MOST_UNDECIDED) {
       break;
     }
   }
@@ -76,14 +76,14 @@ fn list(pair: u32) {
 @compute @workgroup_size(64)
 fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let pair = id.x;
-  if (pair >= chunk.count * word.count) {
+  if (pair >= chunk.count * batch.count) {
     return;
   }
   let query = query_of(pair);
   var counted = 0;
   if (is_finite(query.p_bits)) {
     counted = i32(count_range(segment_of(query)));
-    if (doubt.count > MOST_DOUBTS) {
+    if (undecided.count > MOST_UNDECIDED) {
       counted = 0;
       list(pair);
     }
@@ -94,8 +94,8 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     counted = -1;
   }
   atomicStore(&depths[query.at], counted);
-  undecided_pairs.pairs[pair].count = doubt.count;
-  undecided_pairs.pairs[pair].face_0 = doubt.face_0;
-  undecided_pairs.pairs[pair].face_1 = doubt.face_1;
-  undecided_pairs.pairs[pair].face_2 = doubt.face_2;
+  undecided_pairs.pairs[pair].count = undecided.count;
+  undecided_pairs.pairs[pair].face_0 = undecided.face_0;
+  undecided_pairs.pairs[pair].face_1 = undecided.face_1;
+  undecided_pairs.pairs[pair].face_2 = undecided.face_2;
 }

@@ -2,7 +2,7 @@
 // it. NUMERICS.md, "Shadow depth".
 
 // The largest number of undecided faces that are noted for a pair of point and light.
-const MOST_DOUBTS: u32 = 3u;
+const MOST_UNDECIDED: u32 = 3u;
 
 // The sign of d = det[u, v, t], given |u|1 |v|1 and the largest |t|. It is 0 if the sign is not certain.
 fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
@@ -34,15 +34,15 @@ fn face_of(index: u32) -> Face {
     clusters[cluster].corners[first + 1u],
     clusters[cluster].corners[first + 2u],
   );
-  face.a = position_bits(face.corners.x, word.position_offset, word.position_stride);
-  face.b = position_bits(face.corners.y, word.position_offset, word.position_stride);
-  face.c = position_bits(face.corners.z, word.position_offset, word.position_stride);
+  face.a = position_bits(face.corners.x, batch.position_offset, batch.position_stride);
+  face.b = position_bits(face.corners.y, batch.position_offset, batch.position_stride);
+  face.c = position_bits(face.corners.z, batch.position_offset, batch.position_stride);
   return face;
 }
 
 const NOT_BETWEEN: u32 = 0u;
 const BETWEEN: u32 = 1u;
-const IN_DOUBT: u32 = 2u;
+const UNDECIDED: u32 = 2u;
 
 // The sides of the line against the three edges, as f32 computes them.
 fn edge_determinants(segment: Segment, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
@@ -80,9 +80,9 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   let uv = sum_of_sizes(u) * sum_of_sizes(v);
   let t = segment.p - a;
   let point_side = certain_sign(n.x * t.x + n.y * t.y + n.z * t.z, uv, largest_of(t), underflow);
-  let light = word.lights[segment.light];
+  let light = batch.lights[segment.light];
   let s = light.xyz - light.w * a;
-  let inexact_w = word.inexact_w[segment.light / 4u][segment.light % 4u];
+  let inexact_w = batch.inexact_w[segment.light / 4u][segment.light % 4u];
   let s_size = largest_of(abs(s) + inexact_w * abs(a));
   let light_side = certain_sign(n.x * s.x + n.y * s.y + n.z * s.z, uv, s_size, underflow);
   if (point_side * light_side > 0) {
@@ -91,7 +91,7 @@ fn decide_by_bounds(segment: Segment, face: Face, largest: u32) -> u32 {
   if (point_side * light_side < 0 && highest == lowest && highest == light_side) {
     return BETWEEN;
   }
-  return IN_DOUBT;
+  return UNDECIDED;
 }
 
 // The bits of 1.0.
@@ -104,7 +104,7 @@ fn is_coplanar(segment: Segment, face: Face) -> bool {
     return true;
   }
   let flat = (face.a == face.b) & (face.a == face.c);
-  let light = word.light_bits[segment.light];
+  let light = batch.light_bits[segment.light];
   let is_level = (light.xyz & vec3<u32>(0x7fffffffu)) == vec3<u32>(0u);
   let light_at = select(vec3<bool>(false), is_level, (light.w & 0x7fffffffu) == 0u) |
     select(vec3<bool>(false), light.xyz == face.a, light.w == ONE);
@@ -118,11 +118,11 @@ fn decide(segment: Segment, face: Face) -> u32 {
   if (is_degenerate || largest >= INFINITE) {
     return NOT_BETWEEN;
   }
-  var decision = IN_DOUBT;
+  var decision = UNDECIDED;
   if (segment.is_certain && largest < LARGE) {
     decision = decide_by_bounds(segment, face, max(largest, segment.largest));
   }
-  if (decision == IN_DOUBT && is_coplanar(segment, face)) {
+  if (decision == UNDECIDED && is_coplanar(segment, face)) {
     return NOT_BETWEEN;
   }
   return decision;

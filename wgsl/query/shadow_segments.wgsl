@@ -1,7 +1,7 @@
 // Segments from points to lights, and tests whether they miss a box. Both stages of the shadow depth query use it.
 // NUMERICS.md, "Shadow depth".
 
-@group(0) @binding(0) var<uniform> word: LightBatch;
+@group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: PointChunk;
 @group(0) @binding(6) var<uniform> range: FaceRange;
 @group(0) @binding(7) var<storage, read> clusters: array<FaceCluster>;
@@ -41,8 +41,8 @@ struct Query {
 }
 
 fn query_of(index: u32) -> Query {
-  let point = index / word.count;
-  let light = index % word.count;
+  let point = index / batch.count;
+  let light = index % batch.count;
   let from_word = chunk.offset + point * chunk.stride;
   let bits = vec3<u32>(points[from_word], points[from_word + 1u], points[from_word + 2u]);
   return Query(point * chunk.lights + chunk.first_light + light, bits, light);
@@ -50,8 +50,8 @@ fn query_of(index: u32) -> Query {
 
 fn segment_of(query: Query) -> Segment {
   let p = bitcast<vec3<f32>>(query.p_bits);
-  let light = word.lights[query.light];
-  let inexact_w = word.inexact_w[query.light / 4u][query.light % 4u];
+  let light = batch.lights[query.light];
+  let inexact_w = batch.inexact_w[query.light / 4u][query.light % 4u];
   let d = light.xyz - light.w * p;
   let sizes = abs(d) + inexact_w * abs(p);
   let largest = largest_magnitude(query.p_bits, query.p_bits, query.p_bits);
@@ -75,7 +75,7 @@ fn misses(segment: Segment, low_bits: vec4<u32>, high_bits: vec4<u32>) -> bool {
   let low = bitcast<vec3<f32>>(low_bits.xyz);
   let high = bitcast<vec3<f32>>(high_bits.xyz);
   // The box is before both ends or beyond both.
-  let light = word.lights[segment.light];
+  let light = batch.lights[segment.light];
   let to_low = low - segment.p;
   let to_high = high - segment.p;
   let light_low = light.w * low;

@@ -29,16 +29,16 @@ fn plane_form(n: [f32; 3], e: f32, [x, y, z, w]: [f32; 4]) -> f32 {
 }
 
 /// One bit for each light, set if the light is in front of the face by the local form.
-pub(crate) fn local_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
+pub(crate) fn local_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], light_batch: &LightBatch) -> u32 {
     let n = normal(a, b, c);
-    let lights = word.lights.iter().take(word.count as usize).enumerate();
+    let lights = light_batch.lights.iter().take(light_batch.count as usize).enumerate();
     lights.fold(0, |mask, (bit, &light)| mask | u32::from(local_form(n, a, light) > 0.0) << bit)
 }
 
 /// One bit for each light, set if the light is in front of the face by the plane form.
-pub(crate) fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], word: &LightBatch) -> u32 {
+pub(crate) fn plane_mask(a: [f32; 3], b: [f32; 3], c: [f32; 3], light_batch: &LightBatch) -> u32 {
     let n = normal(a, b, c);
     let e = -(n[0] * a[0] + n[1] * a[1] + n[2] * a[2]);
-    let lights = word.light_bits.iter().take(word.count as usize).enumerate();
+    let lights = light_batch.light_bits.iter().take(light_batch.count as usize).enumerate();
     lights.fold(0, |mask, (bit, light)| mask | u32::from(plane_form(n, e, light.map(f32::from_bits)) > 0.0) << bit)
 }

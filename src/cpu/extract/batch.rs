@@ -22,7 +22,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// Takes at most [`LANES`] faces. Unused places hold the first vertex three times.
     #[inline]
-    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], word: &LightBatch) -> Self {
+    pub(crate) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], light_batch: &LightBatch) -> Self {
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, face) in faces.iter().take(LANES).enumerate() {
             for (corner, &vertex) in corners.iter_mut().zip(face) {
@@ -36,7 +36,7 @@ impl Batch {
         let [u, v] = [difference(b, a), difference(c, a)];
         let n = [cross(&u, &v, 1, 2), cross(&u, &v, 2, 0), cross(&u, &v, 0, 1)];
         let (mut masks, mut smallest) = ([0; LANES], [f32::INFINITY; LANES]);
-        for (bit, &[x, y, z, w]) in word.lights.iter().take(word.count as usize).enumerate() {
+        for (bit, &[x, y, z, w]) in light_batch.lights.iter().take(light_batch.count as usize).enumerate() {
             for lane in 0..LANES {
                 let to_light = [x - w * a[0][lane], y - w * a[1][lane], z - w * a[2][lane]];
                 let d = n[0][lane] * to_light[0] + n[1][lane] * to_light[1] + n[2][lane] * to_light[2];
@@ -56,9 +56,9 @@ impl Batch {
     /// Which faces one bound makes certain. The WGSL uses the largest coordinate of the face. This uses that of the
     /// mesh, `largest`. So other faces may be certain, but the bits are the same.
     #[inline]
-    pub(crate) fn certain(&self, largest: f32, word: &LightBatch) -> [bool; LANES] {
+    pub(crate) fn certain(&self, largest: f32, light_batch: &LightBatch) -> [bool; LANES] {
         let is_possible = largest < filter::LARGE;
-        let (relative, least) = filter::face_bound(largest, word.reach);
+        let (relative, least) = filter::face_bound(largest, light_batch.reach);
         std::array::from_fn(|lane| is_possible && self.smallest[lane] > relative * self.sizes[lane] + least)
     }
 

@@ -59,8 +59,8 @@ fn fill<T: Send>(
     let counts = records.counts();
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
     let planes = planes.chunks_mut(records.len().max(1)).zip(facing.chunks(face_count.max(1)));
-    for (word, (plane, facing)) in planes.enumerate() {
-        let live = live_bits(light_count - 32 * word);
+    for (batch, (plane, facing)) in planes.enumerate() {
+        let live = live_bits(light_count - 32 * batch);
         threads.share(plane, |first, kept| {
             let records = kept.iter_mut().zip(&records.packed_faces()[first..]);
             if is_closed {

@@ -60,9 +60,9 @@ pub fn facing_into(
     let largest = largest_magnitude(positions, threads);
     let mut total = FacingStatistics::default();
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(faces.len().max(1))) {
-        let word = LightBatch::new(lights, 0, 3);
+        let light_batch = LightBatch::new(lights, 0, 3);
         let statistics = threads.share(plane, |first, masks| {
-            let run = Run { positions, faces: &faces[first..], word: &word, largest };
+            let run = Run { positions, faces: &faces[first..], light_batch: &light_batch, largest };
             match (predicate, lights.len()) {
                 (Predicate::Exact, 1) => run.fill_exactly_for_one_light(masks),
                 (Predicate::Exact, _) => run.fill_exactly(masks),
@@ -83,7 +83,7 @@ pub fn facing_into(
 struct Run<'a> {
     positions: &'a [[f32; 3]],
     faces: &'a [[u32; 3]],
-    word: &'a LightBatch,
+    light_batch: &'a LightBatch,
     /// The mesh's largest absolute coordinate.
     largest: f32,
 }
@@ -92,13 +92,13 @@ impl Run<'_> {
     fn fill_exactly(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
-            let batch = Batch::new(self.positions, faces, self.word);
-            let certain = batch.certain(self.largest, self.word);
+            let batch = Batch::new(self.positions, faces, self.light_batch);
+            let certain = batch.certain(self.largest, self.light_batch);
             for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
                 *mask = if certain[lane] {
                     batch.masks[lane]
                 } else {
-                    Face::new(self.positions, corners).decide(self.word, &mut statistics)
+                    Face::new(self.positions, corners).decide(self.light_batch, &mut statistics)
                 };
             }
         }
@@ -108,13 +108,13 @@ impl Run<'_> {
     fn fill_fast(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
         for (masks, faces) in masks.chunks_mut(LANES).zip(self.faces.chunks(LANES)) {
-            let batch = Batch::new(self.positions, faces, self.word);
+            let batch = Batch::new(self.positions, faces, self.light_batch);
             let finite = batch.finite();
             for (lane, (mask, &corners)) in masks.iter_mut().zip(faces).enumerate() {
                 *mask = if finite[lane] && !is_degenerate(corners) {
                     batch.masks[lane]
                 } else {
-                    Face::new(self.positions, corners).mask_by_f32(self.word, &mut statistics)
+                    Face::new(self.positions, corners).mask_by_f32(self.light_batch, &mut statistics)
                 };
             }
         }
@@ -123,14 +123,14 @@ impl Run<'_> {
 
     fn fill_fast_for_one_light(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
-        let light = self.word.lights[0];
+        let light = self.light_batch.lights[0];
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
             let n = normal(face.a, face.b, face.c);
             *mask = u32::from(local_form(n, face.a, light) > 0.0);
             // As in `Batch::finite`.
             if !(n[0] + n[1] + n[2]).is_finite() || is_degenerate(corners) {
-                *mask = face.mask_by_f32(self.word, &mut statistics);
+                *mask = face.mask_by_f32(self.light_batch, &mut statistics);
             }
         }
         statistics
@@ -141,7 +141,8 @@ impl Run<'_> {
         let mut statistics = FacingStatistics::default();
         for (mask, &corners) in masks.iter_mut().zip(self.faces) {
             let face = Face::new(self.positions, corners);
-            *mask = if face.may_face(&mut statistics) { plane_mask(face.a, face.b, face.c, self.word) } else { 0 };
+            *mask =
+                if face.may_face(&mut statistics) { plane_mask(face.a, face.b, face.c, self.light_batch) } else { 0 };
         }
         statistics
     }
@@ -149,8 +150,8 @@ impl Run<'_> {
     /// One light is common. Gathering faces for it costs more than deciding them at once.
     fn fill_exactly_for_one_light(&self, masks: &mut [u32]) -> FacingStatistics {
         let mut statistics = FacingStatistics::default();
-        let light = self.word.lights[0];
-        let (relative, least) = filter::face_bound(self.largest, self.word.reach);
+        let light = self.light_batch.lights[0];
+        let (relative, least) = filter::face_bound(self.largest, self.light_batch.reach);
         // |v|₁ is at most six times the largest coordinate, and |u|₁ at most its largest value in a batch. So loose a
         // bound leaves a few faces in a thousand to be decided again, and saves most of the bound's cost for the
         // others.
@@ -175,7 +176,7 @@ impl Run<'_> {
             if !determinants.iter().all(|&d| is_certain(d)) {
                 for ((mask, &corners), d) in masks.iter_mut().zip(faces).zip(determinants) {
                     if !is_certain(d) {
-                        *mask = Face::new(self.positions, corners).decide(self.word, &mut statistics);
+                        *mask = Face::new(self.positions, corners).decide(self.light_batch, &mut statistics);
                     }
                 }
             }
@@ -218,8 +219,8 @@ impl Face {
     }
 
     /// The bits that `f32` gives.
-    fn mask_by_f32(&self, word: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
-        if self.may_face(statistics) { local_mask(self.a, self.b, self.c, word) } else { 0 }
+    fn mask_by_f32(&self, light_batch: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
+        if self.may_face(statistics) { local_mask(self.a, self.b, self.c, light_batch) } else { 0 }
     }
 
     /// Whether the face can face a light: its vertices are finite and different. Counts faces with vertices that are
@@ -234,29 +235,29 @@ impl Face {
 
     /// The bits of a face that one bound leaves uncertain, as `wgsl/extract/exact_facing.wgsl` computes them.
     #[cold]
-    fn decide(&self, word: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
+    fn decide(&self, light_batch: &LightBatch, statistics: &mut FacingStatistics) -> u32 {
         if !self.may_face(statistics) {
             return 0;
         }
-        let Decision { mut facing, doubt } = self.filter_lights(word);
-        if doubt == 0 {
+        let Decision { mut facing, undecided } = self.filter_lights(light_batch);
+        if undecided == 0 {
             return facing;
         }
         let exact = ExactFace::new(self.a, self.b, self.c);
-        for light in bits(doubt) {
-            let sign = exact.sign(word.light_bits[light].map(f32::from_bits));
+        for light in bits(undecided) {
+            let sign = exact.sign(light_batch.light_bits[light].map(f32::from_bits));
             facing |= u32::from(sign > 0) << light;
             statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(sign == 0));
         }
-        statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(doubt.count_ones());
+        statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(undecided.count_ones());
         facing
     }
 
     /// Decides lights by `f32` if the bound of the light allows it.
-    fn filter_lights(&self, word: &LightBatch) -> Decision {
+    fn filter_lights(&self, light_batch: &LightBatch) -> Decision {
         let Self { a, b, c, .. } = *self;
         let largest = [a, b, c].iter().flatten().fold(0.0_f32, |largest, coordinate| largest.max(coordinate.abs()));
-        let mut decision = Decision { facing: 0, doubt: word.live };
+        let mut decision = Decision { facing: 0, undecided: light_batch.live };
         if largest >= filter::LARGE {
             return decision;
         }
@@ -265,15 +266,15 @@ impl Face {
         let [u, v] = [u.map(f32::abs), v.map(f32::abs)];
         let n_abs = [u[1] * v[2] + u[2] * v[1], u[2] * v[0] + u[0] * v[2], u[0] * v[1] + u[1] * v[0]];
         let underflow = filter::underflow_bound(largest);
-        for light in bits(word.live) {
-            let l = word.lights[light];
+        for light in bits(light_batch.live) {
+            let l = light_batch.lights[light];
             let d = local_form(n, a, l);
-            let inexact_w = word.inexact_w[light / 4][light % 4];
+            let inexact_w = light_batch.inexact_w[light / 4][light % 4];
             let sizes = [0, 1, 2].map(|axis| (l[axis] - l[3] * a[axis]).abs() + inexact_w * a[axis].abs());
             let bound = filter::RELATIVE * (n_abs[0] * sizes[0] + n_abs[1] * sizes[1] + n_abs[2] * sizes[2])
                 + underflow * (1.0 + sizes[0] + sizes[1] + sizes[2]);
             if d.abs() > bound {
-                decision.doubt &= !(1 << light);
+                decision.undecided &= !(1 << light);
                 decision.facing |= u32::from(d > 0.0) << light;
             }
         }
@@ -284,7 +285,7 @@ impl Face {
 /// The bits of facing lights and those of undecided lights.
 struct Decision {
     facing: u32,
-    doubt: u32,
+    undecided: u32,
 }
 
 /// The set bits, lowest first.

@@ -26,10 +26,10 @@ pub fn per_edge(
     let corners = edge_corners(mesh);
     let mut masks = vec![EdgeMasks { silhouette: 0, winding: 0 }; corners.len() * light::batches(lights.len())];
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(corners.len().max(1))) {
-        let word = LightBatch::new(lights, 0, 3);
+        let light_batch = LightBatch::new(lights, 0, 3);
         threads.share(plane, |first, masks| {
             for (masks, &corners) in masks.iter_mut().zip(&corners[first..]) {
-                *masks = edge_masks(positions, corners, &word, by_plane);
+                *masks = edge_masks(positions, corners, &light_batch, by_plane);
             }
         });
     }
@@ -55,15 +55,15 @@ pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
 }
 
 #[cfg(feature = "reference")]
-fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], word: &LightBatch, by_plane: bool) -> EdgeMasks {
+fn edge_masks(positions: &[[f32; 3]], [a, b, c, d]: [u32; 4], light_batch: &LightBatch, by_plane: bool) -> EdgeMasks {
     let position = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]);
-    let mask = |a, b, c| if by_plane { plane_mask(a, b, c, word) } else { local_mask(a, b, c, word) };
+    let mask = |a, b, c| if by_plane { plane_mask(a, b, c, light_batch) } else { local_mask(a, b, c, light_batch) };
     let is_inconsistent = a & INCONSISTENT_BIT != 0;
     let (a, b) = (position(a & !INCONSISTENT_BIT), position(b));
     let winding = mask(a, b, position(c));
     let silhouette = match d {
-        NO_FACE => word.live,
-        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & word.live,
+        NO_FACE => light_batch.live,
+        _ if is_inconsistent => !(winding ^ mask(a, b, position(d))) & light_batch.live,
         _ => winding ^ mask(b, a, position(d)),
     };
     EdgeMasks { silhouette, winding }

@@ -36,8 +36,8 @@ pub fn choose(
     lights: &mut [ShadowLight],
 ) -> Vec<[u32; 3]> {
     let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
-    for (word, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
-        for light in word {
+    for (batch, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
+        for light in batch {
             choose_light(shape, view, bounds, zeros, light);
             let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0 || light.excludes != 0;
             if light.casting != CAST_NOTHING && needs_caps {

@@ -17,7 +17,7 @@ pub(crate) struct Pass {
 #[derive(Clone, Debug)]
 pub(crate) struct Dispatch {
     /// The batch of 32 lights.
-    pub(crate) word: usize,
+    pub(crate) batch: usize,
     /// The range of faces or edges.
     pub(crate) items: Range<usize>,
     /// The offset of its `Chunk` in the table of chunks.
@@ -31,9 +31,9 @@ pub(crate) struct Dispatch {
 
 impl Dispatch {
     /// A dispatch with one invocation for each item, not bound yet.
-    pub(crate) fn over(word: usize, items: Range<usize>, chunk_offset: u32) -> Self {
+    pub(crate) fn over(batch: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
-        Self { word, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
+        Self { batch, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
     }
 
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
@@ -52,10 +52,10 @@ impl Pass {
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        words: Range<usize>,
+        batches: Range<usize>,
         timer: Option<&mut StageTimer>,
     ) {
-        self.record_with(encoder, |dispatch| words.contains(&dispatch.word), timer, None);
+        self.record_with(encoder, |dispatch| batches.contains(&dispatch.batch), timer, None);
     }
 
     /// Records one dispatch.

@@ -52,7 +52,7 @@ impl BindGroupBuilder<'_> {
     pub(crate) fn bind_positions(&self, pass: &mut Pass, positions: &wgpu::Buffer, bound: &BoundPositions) {
         for dispatch in &mut pass.dispatches {
             let mut resources =
-                vec![("word", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
+                vec![("batch", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
             resources.extend(bound.bindings(positions));
             if let Some(corners) = &self.buffers.edge_corners {
                 resources.push(("edge_corners", binding(corners, dispatch.bytes(16))));
@@ -60,18 +60,18 @@ impl BindGroupBuilder<'_> {
             } else {
                 resources.extend([
                     ("faces", binding(&self.buffers.faces, dispatch.bytes(12))),
-                    ("facing_masks", binding(&self.buffers.facing[dispatch.word], dispatch.bytes(4))),
+                    ("facing_masks", binding(&self.buffers.facing[dispatch.batch], dispatch.bytes(4))),
                     ("record", self.record()),
                 ]);
                 if pass.pipeline.label == EXACT_FACING.name {
-                    let coplanar = self.buffers.coplanar.get(dispatch.word).map_or_else(
+                    let coplanar = self.buffers.coplanar.get(dispatch.batch).map_or_else(
                         || self.buffers.unused.as_entire_binding(),
                         |masks| binding(masks, dispatch.bytes(4)),
                     );
                     resources.push(("coplanar_masks", coplanar));
                 }
             }
-            dispatch.offsets = Self::word_and_chunk(dispatch);
+            dispatch.offsets = Self::batch_and_chunk(dispatch);
             dispatch.group = Some(pass.pipeline.bind(self.device, &resources));
         }
     }
@@ -82,15 +82,15 @@ impl BindGroupBuilder<'_> {
         let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
         let pipeline = self.pipelines.compute(&EDGES, "edges", &constants);
         for dispatch in &mut dispatches {
-            let facing = &self.buffers.facing[dispatch.word];
+            let facing = &self.buffers.facing[dispatch.batch];
             let mut resources =
-                vec![("word", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
+                vec![("batch", entry::<LightBatch>(self.light_batches)), ("chunk", entry::<Chunk>(self.chunks))];
             let names = ["facing_0", "facing_1", "facing_2", "facing_3"];
             resources
                 .extend(names.into_iter().zip(windows.ranges.iter().map(|window| binding(facing, window.clone()))));
             resources.push(("edge_faces", binding(&self.buffers.edge_faces, dispatch.bytes(8))));
             resources.extend(self.emit_targets(dispatch));
-            dispatch.offsets = Self::word_and_chunk(dispatch);
+            dispatch.offsets = Self::batch_and_chunk(dispatch);
             dispatch.group = Some(pipeline.bind(self.device, &resources));
         }
         Pass { pipeline, dispatches }
@@ -102,20 +102,20 @@ impl BindGroupBuilder<'_> {
             let pipeline = self.pipelines.compute(&COMPACT, entry_point, &[]);
             let scans = entry_point == "compact_scan";
             // The scan goes over all blocks of a batch at once, with one workgroup for each light.
-            let of_word = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
-            let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_word).cloned().collect();
+            let of_batch = |dispatch: &&Dispatch| !scans || dispatch.items.start == 0;
+            let mut dispatches: Vec<_> = edge_dispatches.iter().filter(of_batch).cloned().collect();
             for dispatch in &mut dispatches {
                 let resources = [
                     ("chunk", entry::<Chunk>(self.chunks)),
                     ("masks", self.masks_of(dispatch)),
                     ("places", self.buffers.places.as_entire_binding()),
                     ("counts", self.buffers.counts.as_entire_binding()),
-                    ("list", self.buffers.lists[dispatch.word].as_entire_binding()),
+                    ("list", self.buffers.lists[dispatch.batch].as_entire_binding()),
                 ];
                 dispatch.offsets = vec![dispatch.chunk_offset];
                 dispatch.group = Some(pipeline.bind(self.device, &resources));
                 if scans {
-                    dispatch.workgroups = self.at_most_workgroups(self.shape.batch_lights(dispatch.word));
+                    dispatch.workgroups = self.at_most_workgroups(self.shape.batch_lights(dispatch.batch));
                 }
             }
             Pass { pipeline, dispatches }
@@ -151,21 +151,21 @@ impl BindGroupBuilder<'_> {
     /// Masks, counts and list, as `emit.wgsl` binds them.
     fn emit_targets(&self, dispatch: &Dispatch) -> [(&'static str, BindingResource<'_>); 3] {
         let unused = self.buffers.unused.as_entire_binding();
-        let list = self.buffers.lists.get(dispatch.word).map_or(unused, wgpu::Buffer::as_entire_binding);
+        let list = self.buffers.lists.get(dispatch.batch).map_or(unused, wgpu::Buffer::as_entire_binding);
         [("masks", self.masks_of(dispatch)), ("counts", self.buffers.counts.as_entire_binding()), ("list", list)]
     }
 
     /// The masks of the chunk: those of its batch, those that all batches share, or none.
     fn masks_of(&self, dispatch: &Dispatch) -> BindingResource<'_> {
-        match self.buffers.masks.get(dispatch.word).or(self.buffers.masks.first()) {
+        match self.buffers.masks.get(dispatch.batch).or(self.buffers.masks.first()) {
             Some(masks) => binding(masks, dispatch.bytes(size_of::<EdgeMasks>() as u64)),
             None => self.buffers.unused.as_entire_binding(),
         }
     }
 
     /// The dynamic offsets of a light batch and a chunk.
-    fn word_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
-        vec![dispatch.word as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset]
+    fn batch_and_chunk(dispatch: &Dispatch) -> Vec<u32> {
+        vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset]
     }
 }
 

@@ -29,8 +29,8 @@ pub(crate) struct Shape {
 impl Shape {
     pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> Result<Self, MemoryError> {
         let edges = mesh.edges().len();
-        let word = options.max_lights.min(32) as u64;
-        let fitting = u32::try_from(split.binding / (4 * word)).unwrap_or(u32::MAX);
+        let batch = options.max_lights.min(32) as u64;
+        let fitting = u32::try_from(split.binding / (4 * batch)).unwrap_or(u32::MAX);
         let capacity = match options.lists {
             None => 0,
             Some(lists) => match lists.capacity {
@@ -40,7 +40,7 @@ impl Shape {
             .clamp(1, edges.max(1) as u32),
         };
         if capacity > fitting {
-            let bytes = u64::from(capacity) * 4 * word;
+            let bytes = u64::from(capacity) * 4 * batch;
             return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding });
         }
         Ok(Self {
@@ -60,8 +60,8 @@ impl Shape {
     }
 
     /// The largest number of lights in a batch.
-    pub(crate) fn batch_lights(&self, word: usize) -> usize {
-        (self.max_lights - 32 * word).min(32)
+    pub(crate) fn batch_lights(&self, batch: usize) -> usize {
+        (self.max_lights - 32 * batch).min(32)
     }
 }
 
@@ -122,17 +122,17 @@ impl Buffers {
         split: &DispatchLimits,
         chunks: usize,
     ) -> Result<Self, MemoryError> {
-        let words = shape.batches();
+        let batches = shape.batches();
         let per_edge = options.method().is_per_edge();
         let ordered = options.lists.is_some_and(|lists| lists.ordered);
-        let mask_planes = if options.masks { words } else { usize::from(ordered) };
-        let list_bytes = |word: usize| u64::from(shape.capacity) * 4 * shape.batch_lights(word) as u64;
-        let lists = if options.lists.is_some() { words } else { 0 };
+        let mask_planes = if options.masks { batches } else { usize::from(ordered) };
+        let list_bytes = |batch: usize| u64::from(shape.capacity) * 4 * shape.batch_lights(batch) as u64;
+        let lists = if options.lists.is_some() { batches } else { 0 };
         let [edges, faces] = [shape.edges as u64, shape.faces as u64];
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
-        let coplanar = if lists > 0 && shape.undecided > 0 { words } else { 0 };
+        let coplanar = if lists > 0 && shape.undecided > 0 { batches } else { 0 };
         // These buffers are bound whole. All others are bound in chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -146,14 +146,14 @@ impl Buffers {
 
         let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
         wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
-        wanted.extend((0..if per_edge { 0 } else { words }).map(|_| ("facing masks", faces * 4)));
+        wanted.extend((0..if per_edge { 0 } else { batches }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<EdgeMasks>() as u64)));
-        wanted.extend((0..lists).map(|word| ("edge lists", list_bytes(word))));
+        wanted.extend((0..lists).map(|batch| ("edge lists", list_bytes(batch))));
         wanted.extend((0..coplanar).map(|_| ("masks of lights in a face's plane", faces * 4)));
         wanted.push(("undecided faces", record_bytes));
         wanted.extend(bound_whole);
-        wanted.push(("light words", (words * UniformTable::stride::<LightBatch>()) as u64));
-        wanted.push(("chunks", (words * chunks * UniformTable::stride::<Chunk>()) as u64));
+        wanted.push(("light batches", (batches * UniformTable::stride::<LightBatch>()) as u64));
+        wanted.push(("chunks", (batches * chunks * UniformTable::stride::<Chunk>()) as u64));
         let allocations: Vec<_> =
             wanted.iter().map(|&(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
         let bytes = check(&allocations, split.buffer, options.memory_limit)?;
@@ -166,14 +166,14 @@ impl Buffers {
             edge_faces: filled(device, "edge faces", bytemuck::cast_slice(mesh.edges().packed_faces()), storage),
             edge_corners: per_edge
                 .then(|| filled(device, "edge corners", bytemuck::cast_slice(&edge_corners(mesh)), storage)),
-            facing: (0..if per_edge { 0 } else { words })
+            facing: (0..if per_edge { 0 } else { batches })
                 .map(|_| buffer(device, "facing masks", faces * 4, result))
                 .collect(),
             coplanar: (0..coplanar).map(|_| buffer(device, "coplanar masks", faces * 4, result)).collect(),
             masks: (0..mask_planes)
                 .map(|_| buffer(device, "edge masks", edges * size_of::<EdgeMasks>() as u64, result))
                 .collect(),
-            lists: (0..lists).map(|word| buffer(device, "edge lists", list_bytes(word), result)).collect(),
+            lists: (0..lists).map(|batch| buffer(device, "edge lists", list_bytes(batch), result)).collect(),
             places: buffer(device, "places", places_bytes, storage),
             counts: buffer(device, "counts", lights * 4, result),
             draw_arguments: buffer(

@@ -83,7 +83,7 @@ impl Extractor {
         let chunks = chunk_table.into_buffer(device, "chunks");
         let mut light_table = UniformTable::default();
         (0..shape.batches()).for_each(|_| _ = light_table.push(&LightBatch::new(&[], 0, 3)));
-        let light_batches = light_table.into_buffer(device, "light words");
+        let light_batches = light_table.into_buffer(device, "light batches");
 
         let binder = BindGroupBuilder {
             pipelines: &pipelines,
@@ -145,11 +145,11 @@ impl Extractor {
         self.bind_positions(&place, &bound)?;
         let buffers = &self.shared.buffers;
 
-        let mut words = UniformTable::default();
+        let mut batches = UniformTable::default();
         for lights in lights.chunks(32) {
-            words.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
+            batches.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.shared.device(), encoder, &self.light_batches, words.bytes())?;
+        upload(self.shared.device(), encoder, &self.light_batches, batches.bytes())?;
         encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
         encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::batches(lights.len());
@@ -158,9 +158,9 @@ impl Extractor {
         }
         // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
         // batch of lights then goes through all stages alone.
-        let by_word = self.options.lists.is_some_and(|lists| lists.ordered);
-        let runs: Vec<Range<usize>> = if by_word {
-            (0..used).map(|word| word..word + 1).collect()
+        let by_batch = self.options.lists.is_some_and(|lists| lists.ordered);
+        let runs: Vec<Range<usize>> = if by_batch {
+            (0..used).map(|batch| batch..batch + 1).collect()
         } else {
             std::iter::once(0..used).filter(|run| !run.is_empty()).collect()
         };
@@ -189,11 +189,11 @@ impl Extractor {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         exact: &Pass,
-        words: Range<usize>,
+        batches: Range<usize>,
         mut timer: Option<&mut StageTimer>,
     ) {
         for (index, dispatch) in self.from_positions.dispatches.iter().enumerate() {
-            if words.contains(&dispatch.word) {
+            if batches.contains(&dispatch.batch) {
                 let undecided_count = RECORD_HEAD - 4;
                 encoder.clear_buffer(&self.shared.buffers.record, undecided_count, Some(4));
                 for pass in [&self.from_positions, exact] {
@@ -254,16 +254,16 @@ impl Extractor {
 /// A dispatch for each batch of lights and chunk of items.
 fn plan(shape: &Shape, chunks: &[Range<usize>], table: &mut UniformTable) -> Vec<Dispatch> {
     let mut dispatches = Vec::with_capacity(shape.batches() * chunks.len());
-    for word in 0..shape.batches() {
+    for batch in 0..shape.batches() {
         for items in chunks {
             let chunk_offset = table.push(&Chunk {
                 first: items.start as u32,
                 count: items.len() as u32,
-                first_light: 32 * word as u32,
+                first_light: 32 * batch as u32,
                 capacity: shape.capacity,
                 blocks: shape.blocks,
             });
-            dispatches.push(Dispatch::over(word, items.clone(), chunk_offset));
+            dispatches.push(Dispatch::over(batch, items.clone(), chunk_offset));
         }
     }
     dispatches

@@ -21,8 +21,8 @@ const MOST_GROUPS: u64 = 32;
 /// The number of points in a run is a multiple of this, so that the depths can be bound at its first point.
 const POINTS: u64 = 64;
 /// Bytes before the undecided pairs.
-const DOUBTS_HEAD: u64 = 8;
-const DOUBT: u64 = size_of::<UndecidedFaces>() as u64;
+const UNDECIDED_HEAD: u64 = 8;
+const UNDECIDED: u64 = size_of::<UndecidedFaces>() as u64;
 
 /// The runs of clusters that one binding and one dispatch of the boxes stage can hold.
 pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
@@ -36,14 +36,14 @@ pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<
 }
 
 /// The size of the undecided faces of `pairs` of point and light, in bytes.
-pub(super) fn doubt_bytes(pairs: u64) -> u64 {
-    DOUBTS_HEAD + pairs.max(1) * DOUBT
+pub(super) fn undecided_bytes(pairs: u64) -> u64 {
+    UNDECIDED_HEAD + pairs.max(1) * UNDECIDED
 }
 
 /// The largest number of pairs of point and light in a dispatch whose undecided faces fit one binding.
 pub(super) fn most_queries(split: &DispatchLimits, points: u32, lights: usize) -> u64 {
     let all = u64::from(points).next_multiple_of(POINTS) * lights.min(32) as u64;
-    all.min(MOST_QUERIES).min((split.binding - DOUBTS_HEAD) / DOUBT).min(split.workgroups * WORKGROUP)
+    all.min(MOST_QUERIES).min((split.binding - UNDECIDED_HEAD) / UNDECIDED).min(split.workgroups * WORKGROUP)
 }
 
 /// The runs of points for `lights` lights. `stride` is the bytes from one point to the next.
@@ -55,12 +55,12 @@ pub(super) fn point_chunks(
     stride: u64,
 ) -> Result<Vec<Range<u32>>, MemoryError> {
     let depths = 4 * lights as u64;
-    let by_doubts = queries / lights.min(32) as u64;
+    let by_undecided = queries / lights.min(32) as u64;
     // The binding may begin a little before the first point.
     let by_points = split.binding.saturating_sub(256) / stride;
-    let run = by_doubts.min(by_points).min(split.binding / depths) / POINTS * POINTS;
+    let run = by_undecided.min(by_points).min(split.binding / depths) / POINTS * POINTS;
     if run == 0 {
-        let bytes = POINTS * depths.max(stride).max(DOUBT * lights.min(32) as u64);
+        let bytes = POINTS * depths.max(stride).max(UNDECIDED * lights.min(32) as u64);
         return Err(MemoryError::Binding { what: "64 points", bytes, limit: split.binding });
     }
     Ok((0..points).step_by(run as usize).map(|first| first..first.saturating_add(run as u32).min(points)).collect())

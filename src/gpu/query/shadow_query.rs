@@ -7,7 +7,7 @@ use wgpu::BufferUsages;
 use super::errors::{ShadowQueryEncodeError, ShadowQueryError};
 use super::options::ShadowQueryOptions;
 use super::plan::{
-    CLUSTER, GROUP, cluster_chunks, doubt_bytes, most_queries, point_chunks, range_clusters, workgroups,
+    CLUSTER, GROUP, cluster_chunks, most_queries, point_chunks, range_clusters, undecided_bytes, workgroups,
 };
 use crate::cpu::query::shadow_boxes::clustered;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
@@ -106,8 +106,8 @@ impl ShadowQuery {
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
         let cluster_bytes = (clusters * size_of::<FaceCluster>()) as u64;
         let depth_bytes = u64::from(max_points) * max_lights as u64 * 4;
-        let doubt_bytes = doubt_bytes(most_queries);
-        let wanted = [("face clusters", cluster_bytes), ("depths", depth_bytes), ("doubts", doubt_bytes)];
+        let undecided_bytes = undecided_bytes(most_queries);
+        let wanted = [("face clusters", cluster_bytes), ("depths", depth_bytes), ("undecided pairs", undecided_bytes)];
         let bytes = check(
             &wanted.map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }),
             split.buffer,
@@ -119,7 +119,7 @@ impl ShadowQuery {
             [
                 filled(device, "face clusters", bytemuck::cast_slice(&contents), storage),
                 buffer(device, "depths", depth_bytes, storage),
-                buffer(device, "doubts", doubt_bytes, storage),
+                buffer(device, "undecided pairs", undecided_bytes, storage),
                 buffer(device, "recount dispatch", 12, storage | BufferUsages::INDIRECT),
             ]
         })?;
@@ -205,7 +205,7 @@ impl ShadowQuery {
         pass.set_pipeline(&self.passes.boxes.compute);
         for (clusters, &whole) in clusters.iter().zip(&tables.whole_ranges) {
             let mut resources =
-                vec![("word", entry::<LightBatch>(&tables.words)), ("range", entry::<FaceRange>(&tables.ranges))];
+                vec![("batch", entry::<LightBatch>(&tables.batches)), ("range", entry::<FaceRange>(&tables.ranges))];
             resources.extend(bound.bindings(positions.buffer));
             resources.push(("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))));
             pass.set_bind_group(0, &self.passes.boxes.bind(self.pipelines.device(), &resources), &[0, whole]);
@@ -217,7 +217,7 @@ impl ShadowQuery {
             self.pipelines.device(),
             &[
                 ("range", entry::<FaceRange>(&tables.ranges)),
-                ("undecided_pairs", binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries))),
+                ("undecided_pairs", binding(&self.undecided_pairs, 0..undecided_bytes(self.most_queries))),
                 ("dispatch", binding(&self.recount_dispatch, 0..12)),
             ],
         );
@@ -228,10 +228,10 @@ impl ShadowQuery {
                 let bind = |pipeline: &Pipeline| pipeline.bind(self.pipelines.device(), &resources);
                 let Passes { depth, exact, recount, .. } = &self.passes;
                 let groups = [(depth, bind(depth)), (exact, bind(exact)), (recount, bind(recount))];
-                for (word, lights) in (0_u64..).zip(lights.chunks(32)) {
+                for (batch, lights) in (0_u64..).zip(lights.chunks(32)) {
                     let pairs = chunk.len() as u64 * lights.len() as u64;
-                    let chunk_offset = tables.chunk_offset(word, points_at);
-                    let word_offset = word as u32 * UniformTable::stride::<LightBatch>() as u32;
+                    let chunk_offset = tables.chunk_offset(batch, points_at);
+                    let batch_offset = batch as u32 * UniformTable::stride::<LightBatch>() as u32;
                     for &range in ranges {
                         for (pipeline, group) in &groups {
                             if pipeline.label == recount.label {
@@ -240,7 +240,7 @@ impl ShadowQuery {
                                 pass.dispatch_workgroups(1, 1, 1);
                             }
                             pass.set_pipeline(&pipeline.compute);
-                            pass.set_bind_group(0, group, &[word_offset, chunk_offset, range]);
+                            pass.set_bind_group(0, group, &[batch_offset, chunk_offset, range]);
                             if pipeline.label == recount.label {
                                 pass.dispatch_workgroups_indirect(&self.recount_dispatch, 0);
                             } else {
@@ -268,14 +268,14 @@ impl ShadowQuery {
         let end = (first_byte + chunk.len() as u64 * points.stride).min(points.buffer.size());
         let depths = [chunk.start, chunk.end].map(|point| u64::from(point) * 4 * lights as u64);
         let mut resources =
-            vec![("word", entry::<LightBatch>(&tables.words)), ("chunk", entry::<PointChunk>(&tables.chunks))];
+            vec![("batch", entry::<LightBatch>(&tables.batches)), ("chunk", entry::<PointChunk>(&tables.chunks))];
         resources.extend(bound.bindings(positions.buffer));
         resources.extend([
             ("range", entry::<FaceRange>(&tables.ranges)),
             ("clusters", binding(&self.cluster_buffer, cluster_bytes(clusters))),
             ("points", binding(points.buffer, self.split.align_down(first_byte)..end)),
             ("depths", binding(&self.depths, depths[0]..depths[1])),
-            ("undecided_pairs", binding(&self.undecided_pairs, 0..doubt_bytes(self.most_queries))),
+            ("undecided_pairs", binding(&self.undecided_pairs, 0..undecided_bytes(self.most_queries))),
         ]);
         resources
     }
@@ -312,7 +312,7 @@ fn cluster_bytes(clusters: &Range<usize>) -> Range<u64> {
 
 /// The uniforms of one encode. They have their own buffers, so an encoder may hold several encodes.
 struct Tables {
-    words: wgpu::Buffer,
+    batches: wgpu::Buffer,
     chunks: wgpu::Buffer,
     ranges: wgpu::Buffer,
     point_chunks: u64,
@@ -331,10 +331,10 @@ impl Tables {
         lights: &[Light],
         range: usize,
     ) -> Self {
-        let mut words = UniformTable::default();
+        let mut batches = UniformTable::default();
         let mut chunk_table = UniformTable::default();
-        for (first_light, word) in (0..).step_by(32).zip(lights.chunks(32)) {
-            words.push(&LightBatch::new(word, bound.offset_words, bound.stride_words));
+        for (first_light, batch) in (0..).step_by(32).zip(lights.chunks(32)) {
+            batches.push(&LightBatch::new(batch, bound.offset_words, bound.stride_words));
             for chunk in chunks {
                 let first_byte = points.offset + u64::from(chunk.start) * points.stride;
                 chunk_table.push(&PointChunk {
@@ -359,7 +359,7 @@ impl Tables {
             })
             .collect();
         Self {
-            words: words.into_buffer(query.pipelines.device(), "light words"),
+            batches: batches.into_buffer(query.pipelines.device(), "light batches"),
             chunks: chunk_table.into_buffer(query.pipelines.device(), "point chunks"),
             ranges: ranges.into_buffer(query.pipelines.device(), "face ranges"),
             point_chunks: chunks.len() as u64,
@@ -369,7 +369,7 @@ impl Tables {
     }
 
     /// The dynamic offset for a run of points and a batch of lights.
-    fn chunk_offset(&self, word: u64, chunk: u64) -> u32 {
-        ((word * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
+    fn chunk_offset(&self, batch: u64, chunk: u64) -> u32 {
+        ((batch * self.point_chunks + chunk) * UniformTable::stride::<PointChunk>() as u64) as u32
     }
 }

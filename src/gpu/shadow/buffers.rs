@@ -68,15 +68,15 @@ impl Buffers {
     ) -> Result<Self, MemoryError> {
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let lights = extraction.max_lights as u64;
-        let words = extraction.batches();
-        let list_bytes = |word: usize| 4 * entries(cap_capacity as u64) * extraction.batch_lights(word) as u64;
+        let batches = extraction.batches();
+        let list_bytes = |batch: usize| 4 * entries(cap_capacity as u64) * extraction.batch_lights(batch) as u64;
         let widest = list_bytes(0);
         if padded(widest) > split.binding {
             let what = "lists of cap faces";
             return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
         }
-        let wanted: Vec<Allocation> = (0..words)
-            .map(|word| ("lists of cap faces", list_bytes(word)))
+        let wanted: Vec<Allocation> = (0..batches)
+            .map(|batch| ("lists of cap faces", list_bytes(batch)))
             .chain(per_light(extraction.max_lights))
             .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
             .collect();
@@ -94,9 +94,9 @@ impl Buffers {
             faces: source.buffers.faces.clone(),
             bounds: buffer(device, "caster bounds", 28, storage),
             lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
-            cap_dispatches: buffer(device, "cap dispatches", 12 * words as u64, storage | BufferUsages::INDIRECT),
+            cap_dispatches: buffer(device, "cap dispatches", 12 * batches as u64, storage | BufferUsages::INDIRECT),
             cap_counts: buffer(device, "cap counts", 4 * LISTS * lights, storage),
-            cap_lists: (0..words).map(|word| buffer(device, "cap faces", list_bytes(word), storage)).collect(),
+            cap_lists: (0..batches).map(|batch| buffer(device, "cap faces", list_bytes(batch), storage)).collect(),
             draws: buffer(
                 device,
                 "shadow draws",

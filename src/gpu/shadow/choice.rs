@@ -187,7 +187,7 @@ impl Choice {
         lights: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let words = crate::light::batches(lights);
+        let batches = crate::light::batches(lights);
         let Some(PositionGroups { bounds, zp_plus_2005_cases, stencil_bound, caps }) = &self.position_groups else {
             return;
         };
@@ -199,25 +199,25 @@ impl Choice {
         pass.set_bind_group(0, &self.choose_group, &[0, 0]);
         pass.dispatch_workgroups(groups.lights, 1, 1);
         drop(pass);
-        let first_light = |word: usize| (32 * word * UniformTable::stride::<ShadowDraw>()) as u32;
+        let first_light = |batch: usize| (32 * batch * UniformTable::stride::<ShadowDraw>()) as u32;
         if let Some(stage) = &self.zp_plus_2005_cases {
             let mut pass = begin(encoder, stage, timer.as_deref_mut());
-            for (word, group) in zp_plus_2005_cases.iter().enumerate().take(words) {
-                pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
-                pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
+            for (batch, group) in zp_plus_2005_cases.iter().enumerate().take(batches) {
+                pass.set_bind_group(0, group, &[0, 0, first_light(batch)]);
+                pass.dispatch_workgroups((lights - 32 * batch).min(32) as u32, 1, 1);
             }
         }
         if let Some(stage) = &self.stencil_bound {
             let mut pass = begin(encoder, stage, timer.as_deref_mut());
-            for (word, group) in stencil_bound.iter().enumerate().take(words) {
-                pass.set_bind_group(0, group, &[0, first_light(word)]);
-                pass.dispatch_workgroups((lights - 32 * word).min(32) as u32, 1, 1);
+            for (batch, group) in stencil_bound.iter().enumerate().take(batches) {
+                pass.set_bind_group(0, group, &[0, first_light(batch)]);
+                pass.dispatch_workgroups((lights - 32 * batch).min(32) as u32, 1, 1);
             }
         }
         let mut pass = begin(encoder, &self.caps, timer.as_deref_mut());
-        for (word, group) in caps.iter().enumerate().take(words) {
-            pass.set_bind_group(0, group, &[0, 0, first_light(word)]);
-            pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * word as u64);
+        for (batch, group) in caps.iter().enumerate().take(batches) {
+            pass.set_bind_group(0, group, &[0, 0, first_light(batch)]);
+            pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * batch as u64);
         }
         drop(pass);
         let mut pass = begin(encoder, &self.arguments, timer);

@@ -179,14 +179,14 @@ impl ShadowVolumes {
             ..self.shape
         };
         let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
-        let words = light::batches(lights.len());
+        let batches = light::batches(lights.len());
         let Shared { buffers, source, .. } = &*self.shared;
         let device = source.device();
         upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape))?;
         upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view))?;
         upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen))?;
         upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]))?;
-        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(words)))?;
+        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(batches)))?;
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
