@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::run::{folder, is_empty, rimline};
+use super::run::{folder, is_empty, rimline, with_signals};
 use super::schema::validate;
 use super::{Outcome, Test, ensure, plot_labels};
 
@@ -259,7 +259,7 @@ fn interrupted() -> Outcome {
 
     let folder = folder();
     let report = folder.path().join("report");
-    let mut run = Command::new(env!("CARGO_BIN_EXE_rimline"))
+    let mut run = with_signals(env!("CARGO_BIN_EXE_rimline"))
         .args(["bench", "--device", "cpu", "--report"])
         .arg(&report)
         .stdout(Stdio::null())

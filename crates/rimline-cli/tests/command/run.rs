@@ -1,7 +1,7 @@
 //! Running the command, and where the model files are.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use libtest_mimic::{Failed, Trial};
 
@@ -53,6 +53,20 @@ impl Run {
         self.expect(0, &[])?;
         serde_json::from_str(&self.stdout).map_err(|error| format!("{error} in: {}", self.stdout))
     }
+}
+
+/// A program that the usual signals end, also where whoever started the tests ignores them, as `nohup` and a shell's `&`
+/// do. Only some systems' `env` can restore them.
+pub(crate) fn with_signals(program: &str) -> Command {
+    const RESTORES: &str = "--default-signal=HUP,INT,TERM";
+    let mut trial = Command::new("env");
+    trial.args([RESTORES, "true"]).stdout(Stdio::null()).stderr(Stdio::null());
+    if trial.status().is_ok_and(|status| status.success()) {
+        let mut command = Command::new("env");
+        command.args([RESTORES, program]);
+        return command;
+    }
+    Command::new(program)
 }
 
 /// A folder for one test, removed with the value.

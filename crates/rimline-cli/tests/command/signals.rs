@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::run::folder;
+use super::run::{folder, with_signals};
 use super::{Outcome, Test, ensure};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -18,7 +18,7 @@ pub(crate) const TESTS: &[Test] = &[
 fn measured(script: &str, folder: &Path, meshes: &str, signals: &[&str]) -> Result<(i32, String), String> {
     let line =
         "exec \"$0\" bench --quick --device cpu --scenes none --lights 1 --rounds 3 --meshes \"$1\" --json \"$2\"";
-    let mut run = Command::new("sh")
+    let mut run = with_signals("sh")
         .args(["-c", &format!("{script} {line}"), env!("CARGO_BIN_EXE_rimline"), meshes])
         .arg(folder.join("out.json"))
         .stdout(Stdio::null())
