@@ -14,7 +14,7 @@ use crate::spec::{self, LightSpec};
 
 /// Silhouettes of triangle meshes, on the GPU.
 #[derive(Parser, Debug)]
-#[command(version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(name = "rimline", version, about, long_about = LONG_ABOUT, after_help = EXIT_CODES, max_term_width = 100)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

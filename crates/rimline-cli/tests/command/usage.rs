@@ -26,7 +26,9 @@ fn help() -> Outcome {
         run.expect(0, &[])?;
         ensure!(run.stdout.contains("Usage: rimline"), "{}", run.stdout);
     }
-    rimline(["--version"]).expect(0, &[])?;
+    let version = rimline(["--version"]);
+    version.expect(0, &[])?;
+    ensure!(version.stdout.starts_with("rimline "), "{} is not the command's name", version.stdout);
     rimline::<&str>([]).expect(2, &["Usage"])
 }
 
