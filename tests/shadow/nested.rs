@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("nothing_outside_an_inwards_cube_is_lit_from_within", inwards),
     ("lights_at_the_edge_of_the_box", at_the_box),
     ("lights_on_a_surface", on_surface),
+    ("lights_in_the_plane_of_many_faces", many_in_a_plane),
     ("lights_next_to_a_surface", off_surface),
 ];
 
@@ -274,6 +275,56 @@ fn on_surface() -> Result<(), String> {
         let traced = Traced::of(frame, number as u64);
         for counting in RIGHT {
             traced.check(&Renderer::new(&gpu), counting, true).map_err(|error| format!("frame {number}: {error}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// A cube whose sides are squares of two triangles each, so many along an edge.
+fn fine_cube(squares: u32) -> Shape {
+    let mut shape = Shape::default();
+    for side in 0..6 {
+        let (axis, is_high) = (side % 3, side < 3);
+        for square in 0..squares * squares {
+            let corner = |right: u32, up: u32| {
+                let at = |step: u32| 2.0 * step as f32 / squares as f32 - 1.0;
+                let mut corner = [0.0; 3];
+                corner[axis] = if is_high { 1.0 } else { -1.0 };
+                corner[(axis + 1) % 3] = at(square % squares + right);
+                corner[(axis + 2) % 3] = at(square / squares + up);
+                corner
+            };
+            let first = shape.positions.len() as u32;
+            shape.positions.extend([corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]);
+            let halves = [[first, first + 1, first + 2], [first, first + 2, first + 3]];
+            shape.faces.extend(halves.map(|[a, b, c]| if is_high { [a, b, c] } else { [a, c, b] }));
+        }
+    }
+    shape
+}
+
+/// More cap faces than excluded ones have room for, and as many excluded faces as fit their lists or more, for several lights.
+fn many_in_a_plane() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    // Excluded faces of a light: 2 for each square of one, two and no sides.
+    for (squares, overflows) in [(20, false), (24, true)] {
+        for place in [DVec3::new(3.0, 4.0, 5.0), DVec3::new(3.0, -3.0, 5.0)] {
+            let mut frame = nested(&mut Random::new(5));
+            frame.bodies[0] = Body::caster(fine_cube(squares));
+            frame.eye = Eye { place, forward: -place, near: 0.05, ..frame.eye };
+            frame.lights = [[0.31, 1.0, 0.23], [2.0, 3.0, 1.5], [0.2, 0.31, -1.0]].map(Light::point).to_vec();
+            let traced = Traced::of(frame, u64::from(squares));
+            for counting in RIGHT {
+                let what = |error| format!("{squares} squares, eye {place}: {error}");
+                let (_, counted) = traced.check(&Renderer::new(&gpu), counting, true).map_err(what)?;
+                let excludes: Vec<u32> = counted.chosen[0].iter().map(|light| light.excludes).collect();
+                if excludes != [1, 0, 1] {
+                    return Err(format!("{squares} squares: {excludes:?}"));
+                }
+                if (counted.statistics[0].overflowed_caps == 2) != overflows {
+                    return Err(format!("{squares} squares: {:?}", counted.statistics[0]));
+                }
+            }
         }
     }
     Ok(())

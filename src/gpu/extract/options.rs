@@ -18,7 +18,8 @@ pub struct ExtractorOptions {
     /// Keep the silhouette and winding masks of every edge record. They take 8 bytes for each edge and batch of 32
     /// lights.
     pub masks: bool,
-    /// The lists of silhouette edges. `None`: no lists.
+    /// The lists of silhouette edges. `None`: no lists. With lists, [`Predicate::Exact`] also keeps 4 bytes for each face
+    /// and batch of 32 lights. Shadow volumes read from them which faces have a light in their plane.
     pub lists: Option<ListOptions>,
     /// The largest device memory for the extractor, in bytes. It is checked before anything is allocated. `None`: no
     /// limit. wgpu does not tell the memory of a device, so only the device then finds that a mesh is too large. What

@@ -189,6 +189,46 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
+        name: "excluded faces: their lists are half as long",
+        changes: &[
+            ("wgsl/shadow/casting.wgsl", "EXCLUDED_CAPACITY: u32 = 1024u;", "EXCLUDED_CAPACITY: u32 = 512u;"),
+            ("src/cpu/shadow/casting.rs", "EXCLUDED_CAPACITY: u32 = 1024;", "EXCLUDED_CAPACITY: u32 = 512;"),
+        ],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "excluded faces: lights in their plane are not marked",
+        changes: &[
+            ("wgsl/extract/exact_facing.wgsl", "coplanar_masks[face] = signs.coplanar;", "coplanar_masks[face] = 0u;"),
+            (
+                "src/cpu/extract/exact_facing.rs",
+                "exact.sign(light.to_array()) == 0)",
+                "exact.sign(light.to_array()) == 2)",
+            ),
+        ],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "excluded faces: one side of three is taken back",
+        changes: &[
+            ("wgsl/shadow/shadow_arguments.wgsl", "3u * hole_faces", "hole_faces"),
+            ("src/cpu/shadow/shadow_arguments.rs", "{ 3 * hole_faces }", "{ hole_faces }"),
+        ],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "sides: an edge that the light is on has a side",
+        changes: &[
+            ("wgsl/shadow/side_vertices.wgsl", "if (light.excludes == 0u) {", "if (true) {"),
+            (
+                "src/cpu/shadow/sides.rs",
+                "if light.excludes == 0 || sizes.contains(&0.0) {\n        return light.excludes == 0;",
+                "if sizes.len() == 2 {\n        return true;",
+            ),
+        ],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
         name: "query: no margin in the test of boxes",
         changes: &[
             ("wgsl/query/shadow_segments.wgsl", "const MARGIN: f32 = 0x1p-18;", "const MARGIN: f32 = 0.0;"),
