@@ -263,10 +263,10 @@ shared_structs! {
         /// The end of the volume: a lower bound of the caster's distance from the light, divided by the range. 0: at
         /// infinity.
         end: f32,
-        /// 1: the caster has faces with a corner that is not finite, and so it has sides of holes.
-        holed: u32,
-        /// 1: the light may lie in faces of the caster, which are excluded then.
+        /// 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
         excludes: u32,
+        /// 0.
+        reserved: u32,
         /// Row x of the matrix of that frustum. It maps (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.
@@ -302,6 +302,14 @@ shared_structs! {
         cap_groups: u32,
         /// 1: volumes end at the range of their light.
         end_at_range: u32,
+        /// Entries that each list of sides has room for.
+        side_capacity: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// 0.
+        reserved_2: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -333,10 +341,6 @@ shared_structs! {
         far_front: DrawArguments,
         /// The same caps of the second list.
         far_back: DrawArguments,
-        /// Sides of holes, drawn with `plain` or `switched`.
-        holes: DrawArguments,
-        /// Sides of holes, clipped at the near plane, drawn with `clipped`.
-        clipped_holes: DrawArguments,
     }
 
     /// Statistics of an encode of shadow volumes. All but `count_bound` count lights.
@@ -349,6 +353,8 @@ shared_structs! {
         capped: u32,
         /// Lights with a list of cap faces that overflowed. Their draws go over all faces.
         overflowed_caps: u32,
+        /// Lights with a list of sides that overflowed. Their draws go over all edges.
+        overflowed_sides: u32,
         /// Lights whose volume ends at the light's range.
         ended: u32,
         /// An upper bound of all stencil counts of the caster, for any light. 0 unless it was asked for.

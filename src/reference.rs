@@ -84,7 +84,7 @@ pub mod cpu {
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};
-    pub use crate::cpu::extract::exact_facing::{coplanar, exact_facing};
+    pub use crate::cpu::extract::exact_facing::{exact_facing, excluded};
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
@@ -92,18 +92,18 @@ pub mod cpu {
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::shadow::bounds::bounds;
-    pub use crate::cpu::shadow::cap_faces::{
-        dark_cap, hole_edges, hole_side, hole_side_clipped, light_cap, near_cap, zp_plus_2005_cap,
-    };
+    pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, zp_plus_2005_cap};
     pub use crate::cpu::shadow::caps::caps;
-    pub use crate::cpu::shadow::casting::{LISTS, cap_class, casts, list_capacities};
+    pub use crate::cpu::shadow::casting::{LISTS, cap_class, casts};
     pub use crate::cpu::shadow::choose::choose;
+    pub use crate::cpu::shadow::list_sides::list_sides;
+    pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::shadow::{
         Corner, corner, direction_to_clip, extrusion, far_end, light_side, on_near_plane, parallel_to_near_plane,
         project_to_near_plane, to_clip,
     };
     pub use crate::cpu::shadow::shadow_arguments::shadow_arguments;
-    pub use crate::cpu::shadow::sides::{End, side, side_clipped, spans_side, zp_plus_2005_side};
+    pub use crate::cpu::shadow::sides::{End, side, side_clipped, zp_plus_2005_side};
     pub use crate::cpu::shadow::stencil_bound::stencil_bound;
     pub use crate::cpu::shadow::zp_plus_2005_cases::zp_plus_2005_cases;
     pub use crate::cpu::*;

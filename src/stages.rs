@@ -98,6 +98,12 @@ pub const SHADOW_ARGUMENTS: Stage = Stage {
     files: files!["common/common", "shadow/shadow", "shadow/casting", "shadow/shadow_arguments"],
     entry_points: &["shadow_arguments"],
 };
+/// Lists the edges whose sides are drawn.
+pub const LIST_SIDES: Stage = Stage {
+    name: "list_sides",
+    files: files!["common/common", "shadow/shadow", "shadow/multiplicity", "shadow/list_sides"],
+    entry_points: &["list_sides"],
+};
 
 /// Computes boxes around clusters of faces, for the shadow depth query.
 pub const SHADOW_BOXES: Stage = Stage {
@@ -143,7 +149,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 17] = [
+pub const STAGES: [Stage; 18] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -156,6 +162,7 @@ pub const STAGES: [Stage; 17] = [
     ZP_PLUS_2005_CASES,
     STENCIL_BOUND,
     CAPS,
+    LIST_SIDES,
     SHADOW_ARGUMENTS,
     SHADOW_BOXES,
     SHADOW_DEPTH,
@@ -163,7 +170,7 @@ pub const STAGES: [Stage; 17] = [
     EXACT_SHADOW_DEPTH,
 ];
 
-/// Vertex shaders of the sides of shadow volumes. [`crate::gpu::include_wgsl`] on group 1 comes after them.
+/// Vertex shaders of the sides of shadow volumes.
 pub const SIDES: Stage = Stage {
     name: "sides",
     files: files![
@@ -171,6 +178,8 @@ pub const SIDES: Stage = Stage {
         "shadow/shadow",
         "shadow/polygon",
         "shadow/zp_plus_2005",
+        "shadow/caster",
+        "shadow/multiplicity",
         "shadow/side_vertices",
         "shadow/sides"
     ],
@@ -184,12 +193,11 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/shadow",
         "shadow/polygon",
         "shadow/zp_plus_2005",
-        "shadow/side_vertices",
         "shadow/casting",
         "shadow/caster",
         "shadow/cap_faces"
     ],
-    entry_points: &["light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap", "hole_side", "hole_side_clipped"],
+    entry_points: &["light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],
 };
 
 /// WGSL that is not a stage: files that callers include or replace.

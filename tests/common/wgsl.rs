@@ -114,7 +114,6 @@ fn twin(stage: &Stage) -> Result<PathBuf, String> {
 fn composed_stage(stage: &Stage) -> String {
     match *stage {
         DEFORM => rimline::reference::stages::plain_deform_wgsl(),
-        SIDES => format!("{}\n{}", stage.wgsl(), rimline::gpu::include_wgsl(1)),
         _ => stage.wgsl(),
     }
 }

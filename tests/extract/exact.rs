@@ -43,11 +43,11 @@ fn check(
     let found = extract(gpu, positions, mesh, lights, options)?;
     println!("{what}: {:?}", found.statistics);
     same(&format!("{what}, GPU"), &found.facing, &right)?;
-    let in_plane = oracle::coplanar(positions, mesh.faces(), lights);
-    let twin = cpu::coplanar(positions, mesh.faces(), lights);
-    same(&format!("{what}, lights in planes, twin"), &twin, &in_plane)?;
-    same(&format!("{what}, lights in planes, GPU"), &found.coplanar, &in_plane)?;
-    for (mut wrong, right) in [(found.facing, right), (found.coplanar, in_plane)] {
+    let in_plane = oracle::excluded(positions, mesh.faces(), lights);
+    let twin = cpu::excluded(positions, mesh.faces(), lights);
+    same(&format!("{what}, excluded, twin"), &twin, &in_plane)?;
+    same(&format!("{what}, excluded, GPU"), &found.excluded, &in_plane)?;
+    for (mut wrong, right) in [(found.facing, right), (found.excluded, in_plane)] {
         wrong[mesh.faces().len() / 2] ^= 1;
         must_fail("a flipped bit", &same(what, &wrong, &right))?;
     }
@@ -257,7 +257,7 @@ fn every_class() -> Result<(), String> {
                 (0..).zip(masks).map(|(face, mask)| mask >> (face % LIGHTS) & 1 != 0).collect()
             };
             same(&format!("{what}, GPU"), &own(&found.facing), &right)?;
-            same(&format!("{what}, lights in planes"), &own(&found.coplanar), &zero)?;
+            same(&format!("{what}, excluded"), &own(&found.excluded), &zero)?;
             if !negative_control {
                 negative_control = true;
                 let face = random.below(FACES);

@@ -4,6 +4,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, ListOptions, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
     ShadowVolumes,
 };
+use rimline::mesh::NO_FACE;
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{EdgeMasks, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use rimline::reference::shadow::{
@@ -58,6 +59,8 @@ struct Twins {
     statistics: ShadowStatistics,
     /// Lights that ZP+ as published left to z-fail.
     switched: usize,
+    /// Lights with sides that excluded faces make.
+    by_exclusion: usize,
 }
 
 /// The silhouettes of a caster, light by light.
@@ -70,10 +73,6 @@ struct Silhouettes<'a> {
 }
 
 impl Silhouettes<'_> {
-    fn count(&self, light: usize) -> u32 {
-        self.list(light).count
-    }
-
     fn list(&self, light: usize) -> cpu::CompactedList {
         let edges = self.mesh.edges().len();
         cpu::compact(&self.masks[light / 32 * edges..][..edges], light as u32 % 32, usize::MAX)
@@ -103,7 +102,7 @@ impl Silhouettes<'_> {
             };
             [axis(f32::min, low), axis(f32::max, high)]
         });
-        let is_boundary = |edge: u32| self.mesh.edges().packed_faces()[edge as usize][1] == rimline::mesh::NO_FACE;
+        let is_boundary = |edge: u32| self.mesh.edges().packed_faces()[edge as usize][1] == NO_FACE;
         let edges = self.listed(index).into_iter().map(|edge| (self.ends(edge), is_boundary(edge)));
         cpu::stencil_bound(light, corners, self.mesh.faces().len() as u32, edges)
     }
@@ -117,9 +116,9 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     let silhouettes = Silhouettes { mesh, positions, masks, capacity: shape.capacity };
     let view = shadow::view(&scene.camera).map_err(text)?;
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-    let coplanar = cpu::coplanar(positions, mesh.faces(), plain);
-    let has_coplanar = coplanar.iter().any(|&mask| mask != 0);
-    cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), has_coplanar, &mut lights);
+    let excluded = cpu::excluded(positions, mesh.faces(), plain);
+    let has_excluded = excluded.iter().any(|&mask| mask != 0);
+    cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
     let mut switched = 0;
     for (number, light) in lights.iter_mut().enumerate() {
         let is_published = light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PLUS_2005;
@@ -129,17 +128,25 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
             switched += 1;
         }
     }
-    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &coplanar, &lights);
-    let caps: Vec<_> = caps.iter().map(|lists| [0, 1, 2].map(|list| lists[list].len() as u32)).collect();
-    let counts: Vec<_> = (0..LIGHTS).map(|light| silhouettes.count(light)).collect();
-    let (draws, mut statistics) = cpu::shadow_arguments(shape, &counts, &caps, &lights);
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+    let counts = |lists: &[Vec<u32>; 2]| [lists[0].len() as u32, lists[1].len() as u32];
+    let caps: Vec<_> = caps.iter().map(counts).collect();
+    let sides = cpu::list_sides(mesh.edges().packed_faces(), &facing, &excluded, mesh.faces().len(), &lights);
+    // An edge between an excluded face and another, which is a side of weight 1 though no boundary.
+    let by_exclusion = sides.iter().zip(&lights).filter(|([singles, _], light)| {
+        let is_inner = |entry: &u32| mesh.edges().packed_faces()[(entry & !cpu::WINDING) as usize][1] != NO_FACE;
+        light.casting == CAST_EVERY && singles.iter().any(is_inner)
+    });
+    let by_exclusion = by_exclusion.count();
+    let sides: Vec<_> = sides.iter().map(counts).collect();
+    let (draws, mut statistics) = cpu::shadow_arguments(shape, &sides, &caps, &lights);
     if bounds_counts {
         let bounds: Vec<u32> =
             lights.iter().enumerate().map(|(number, light)| silhouettes.bound(number, light)).collect();
         statistics.count_bound = bounds.iter().copied().max().unwrap_or(0);
         statistics.may_wrap = bounds.iter().filter(|&&bound| bound > 255).count() as u32;
     }
-    Ok(Twins { lights, draws, statistics, switched })
+    Ok(Twins { lights, draws, statistics, switched, by_exclusion })
 }
 
 /// In each counting method, with lists that fit or overflow.
@@ -149,7 +156,8 @@ fn chain() -> Result<(), String> {
     let seed = 104;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let (mut overflowed, mut doubled, mut switched, mut ended, mut bounded, mut excluded) = (0, 0, 0, 0, 0, 0);
+    let (mut overflowed, mut doubled, mut switched, mut ended, mut bounded, mut excluded, mut overflowed_sides) =
+        (0, 0, 0, 0, 0, 0, 0);
     for (counting, code) in METHODS {
         for number in 0..6 {
             let mut scene = scene(&mut random, number, LIGHTS);
@@ -192,6 +200,7 @@ fn chain() -> Result<(), String> {
                 skip_unseen: u32::from(options.skip_unseen),
                 end_at_range: u32::from(options.end_at_range),
                 capacity: extractor.results().capacity,
+                side_capacity: extractor.results().capacity,
                 cap_capacity: options.cap_capacity.unwrap_or(default.min(shape.faces)),
                 ..shape
             };
@@ -208,16 +217,16 @@ fn chain() -> Result<(), String> {
             ended += twins.statistics.ended;
             bounded += u32::from(twins.statistics.count_bound > 0);
             switched += twins.switched;
-            excluded +=
-                twins.draws.iter().filter(|d| d.holes.instance_count + d.clipped_holes.instance_count > 0).count();
+            excluded += twins.by_exclusion;
+            overflowed_sides += twins.statistics.overflowed_sides;
             doubled += twins.lights.iter().filter(|light| light.casting == CAST_EVERY).count();
         }
     }
     println!(
         "{overflowed} lights with lists that overflow, {doubled} with every face, {switched} switched, {ended} ended, \
-         {bounded} scenes with a bound, {excluded} lights with sides of excluded faces"
+         {bounded} scenes with a bound, {excluded} lights with sides of excluded faces, {overflowed_sides} with lists of sides that overflow"
     );
-    if overflowed.min(ended).min(bounded) == 0 || doubled.min(switched).min(excluded) == 0 {
+    if overflowed.min(ended).min(bounded).min(overflowed_sides) == 0 || doubled.min(switched).min(excluded) == 0 {
         return Err("too few of a kind".to_owned());
     }
     Ok(())

@@ -156,13 +156,12 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
         ..bytemuck::Zeroable::zeroed()
     };
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-    let coplanar = cpu::coplanar(positions, mesh.faces(), &scene.lights);
-    let has_coplanar = coplanar.iter().any(|&mask| mask != 0);
-    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_coplanar, &mut lights);
+    let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
+    let has_excluded = excluded.iter().any(|&mask| mask != 0);
+    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
     let plain = &scene.lights;
     let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &coplanar, &lights);
-    let caps = caps.into_iter().map(|[front, back, _]| [front, back]).collect();
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
     Chosen { view, lights, facing, caps, is_closed }
 }
 

@@ -1,15 +1,12 @@
 //! The vertices of clipped sides and near caps on the GPU, against their CPU twins.
 
 use glam::Vec4;
-use rimline::gpu::include_wgsl;
-use rimline::mesh::EdgeKind;
+use rimline::Predicate;
 use rimline::reference::cpu::{self, End, Threads};
-use rimline::reference::layout::{RimlineInfo, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow::{self, CAST_EVERY, CAST_NOTHING, COUNT_ZP_PLUS};
+use rimline::reference::layout::{ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
-use rimline::{Light, Predicate};
 
-use crate::stages::spoil;
 use rimline_measure::device::Gpu;
 use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
@@ -17,8 +14,7 @@ use rimline_measure::random::Random;
 use rimline_measure::scenes::{Scene, scene};
 use rimline_measure::{is_long, must_fail, same};
 
-pub(crate) const TESTS: &[Test] =
-    &[("clipped_vertices_equal_their_twins", clipped), ("sides_of_holes_equal_their_twins", holes)];
+pub(crate) const TESTS: &[Test] = &[("clipped_vertices_equal_their_twins", clipped)];
 
 /// A module of vertex shaders with its entry points made functions, and a compute shader that calls one of them for each
 /// of an instance's vertices.
@@ -89,8 +85,8 @@ pub(crate) struct Drawn<'a> {
     pub(crate) index: usize,
     /// Of the light's word.
     pub(crate) facing: &'a [u32],
-    /// Lights in a face's plane, likewise.
-    pub(crate) coplanar: &'a [u32],
+    /// Lights for which a face is excluded, likewise.
+    pub(crate) excluded: &'a [u32],
 }
 
 impl Drawn<'_> {
@@ -104,7 +100,7 @@ impl Drawn<'_> {
 
     /// Whether the face is left out for the light.
     fn excludes(&self, face: usize) -> bool {
-        self.light().excludes != 0 && self.coplanar[face] >> (self.index % 32) & 1 != 0
+        self.light().excludes != 0 && self.excluded[face] >> (self.index % 32) & 1 != 0
     }
 
     fn frame(&self, gpu: &Gpu) -> [wgpu::Buffer; 4] {
@@ -116,57 +112,58 @@ impl Drawn<'_> {
     /// Sides as the GPU has them and as the twin has, from a list that fits or from all edges.
     fn sides(&self, gpu: &Gpu, stage: &Dispatch, overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
         let (_, positions, mesh) = &self.scene.caster;
-        let bit = self.index as u32 % 32;
-        let masks = cpu::edges(mesh.edges(), self.facing, mesh.faces().len(), 32, Threads::ONE);
-        let list = cpu::compact(&masks, bit, usize::MAX);
-        let capacity = if overflows { list.count.saturating_sub(1) } else { list.count };
-        let is_doubled = self.light().casting == CAST_EVERY;
-        let edges = if overflows && list.count > 0 { mesh.edges().len() } else { list.entries.len() };
-        let instances = edges * (1 + usize::from(is_doubled));
-        let first_light = self.index as u32 / 32 * 32;
-        let info = RimlineInfo {
-            edges: mesh.edges().len() as u32,
-            capacity,
-            first_light,
-            lights: 32,
-            position_offset: 0,
-            position_stride: 3,
+        let bit = self.index % 32;
+        let lights = self.lights[self.index / 32 * 32..].iter().take(32).copied().collect::<Vec<_>>();
+        let packed = mesh.edges().packed_faces();
+        let lists = cpu::list_sides(packed, self.facing, self.excluded, mesh.faces().len(), &lights);
+        let [singles, doubles] = &lists[bit];
+        let count = singles.len() + doubles.len();
+        let capacity = if overflows { count.saturating_sub(1) } else { count };
+        let mut sides = vec![0_u32; 64 + 32 * capacity + 1];
+        (sides[2 * bit], sides[2 * bit + 1]) = (singles.len() as u32, doubles.len() as u32);
+        if !overflows {
+            let from_behind = doubles.iter().rev();
+            let entries: Vec<u32> = singles.iter().chain(from_behind).copied().collect();
+            sides[64 + bit * capacity..][..capacity].copy_from_slice(&entries);
+        }
+        // Each instance: the edge, and which of its sides; a list that is empty does not overflow.
+        let instances: Vec<(u32, u32)> = if overflows && count > 0 {
+            (0..2 * mesh.edges().len() as u32).map(|instance| (instance / 2, instance % 2)).collect()
+        } else {
+            let twice = doubles.iter().flat_map(|&entry| [(entry, 0), (entry, 1)]);
+            let listed = singles.iter().map(|&entry| (entry, 0)).chain(twice);
+            listed.map(|(entry, number)| (entry & !cpu::WINDING, number)).collect()
         };
-        let mut counts = vec![0; self.lights.len()];
-        counts[self.index] = list.count;
-        let mut lists = vec![0; 32 * capacity as usize];
-        lists[bit as usize * capacity as usize..][..capacity as usize]
-            .copy_from_slice(&list.entries[..capacity as usize]);
         let vertices: Vec<[u32; 2]> = mesh.edges().iter().map(|edge| edge.vertices).collect();
-        let faces: Vec<[u32; 2]> = mesh.edges().packed_faces().to_vec();
-        let results = [
-            uniform(gpu, &info),
+        let data = [
             gpu.storage(positions),
             gpu.storage(&vertices),
-            gpu.storage(&faces),
+            gpu.storage(packed),
             gpu.storage(self.facing),
-            gpu.storage(&lists),
-            gpu.storage(&counts),
+            gpu.storage(self.excluded),
+            gpu.storage(&sides),
         ];
-        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances]);
+        let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances.len()]);
+        let shape = &uniform(gpu, &ShadowShape { side_capacity: capacity as u32, ..self.shape });
         let [_, view, draw, lights] = &self.frame(gpu);
-        let results: Vec<_> = (0..).zip(&results).collect();
-        let groups = [&[(1, view), (2, draw), (3, lights)][..], &results, &[(0, &found)]];
-        stage.run_bound(gpu, &groups, (5 * instances).div_ceil(64) as u32)?;
+        let data: Vec<_> = (0..).zip(&data).collect();
+        let groups = [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &data, &[(0, &found)]];
+        stage.run_bound(gpu, &groups, (5 * instances.len()).div_ceil(64) as u32)?;
         let mut expected = Vec::new();
-        for instance in 0..instances {
-            let place = if is_doubled { instance / 2 } else { instance };
-            let record = if overflows { place } else { (list.entries[place] & !cpu::WINDING) as usize };
-            let edge = mesh.edges().get(record).ok_or("no such edge")?;
-            let is_drawn = masks[record].silhouette >> bit & 1 != 0
-                && !(is_doubled && instance % 2 == 1 && edge.kind == EdgeKind::Boundary);
-            let [a, b] = edge.vertices;
-            let ends = if masks[record].winding >> bit & 1 != 0 { [b, a] } else { [a, b] };
+        for (record, number) in instances {
+            let [a, b] = mesh.edges().get(record as usize).ok_or("no such edge")?.vertices;
+            let entry = |list: &[u32]| list.iter().find(|&&entry| entry & !cpu::WINDING == record).copied();
+            let (weight, entry) = match (entry(singles), entry(doubles)) {
+                (_, Some(entry)) => (2, entry),
+                (Some(entry), None) => (1, entry),
+                (None, None) => (0, record),
+            };
+            let ends = if entry >= cpu::WINDING { [b, a] } else { [a, b] };
             let ends = ends.map(|vertex| self.end(vertex));
             let polygon = cpu::side_clipped(&self.view, self.light(), ends);
-            expected.extend(strip(if is_drawn && cpu::spans_side(self.light(), ends) { &polygon } else { &[] }));
+            expected.extend(strip(if weight > number { &polygon } else { &[] }));
         }
-        Ok([gpu.read(&found, 5 * instances)?, expected])
+        Ok([gpu.read(&found, expected.len())?, expected])
     }
 
     /// Caps of one class, likewise.
@@ -181,9 +178,9 @@ impl Drawn<'_> {
         let instances = if overflows { mesh.faces().len() } else { listed.len() };
         let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
         let bit = self.index % 32;
-        let mut counts = vec![0; 3 * self.lights.len()];
-        counts[3 * self.index] = listed.len() as u32;
-        let stride: u32 = cpu::list_capacities(cap_capacity).into_iter().sum();
+        let mut counts = vec![0; cpu::LISTS * self.lights.len()];
+        counts[cpu::LISTS * self.index] = listed.len() as u32;
+        let stride = cpu::LISTS as u32 * cap_capacity;
         let mut lists = vec![0; 32 * stride as usize + 1];
         lists[bit * stride as usize..][..cap_capacity as usize].copy_from_slice(&listed[..cap_capacity as usize]);
         let [_, view, draw, lights] = &self.frame(gpu);
@@ -194,7 +191,7 @@ impl Drawn<'_> {
             gpu.storage(self.facing),
             gpu.storage(&counts),
             gpu.storage(&lists),
-            gpu.storage(self.coplanar),
+            gpu.storage(self.excluded),
         ];
         let vertices = cap.vertices * instances;
         let found = gpu.storage(&vec![[0.0_f32; 4]; vertices]);
@@ -225,130 +222,12 @@ impl Drawn<'_> {
     }
 }
 
-/// Which faces the sides of holes are drawn of.
-#[derive(Clone, Copy, PartialEq)]
-enum Holes {
-    /// The list of excluded faces.
-    Listed,
-    /// All of them, since some are not finite.
-    Holed,
-    /// All of them, since the list overflowed.
-    Overflowed,
-}
-
-/// The sides of holes of a caster, of `vertices` each: as the GPU has them, and by `twin`.
-fn hole_sides(
-    gpu: &Gpu,
-    drawn: &Drawn<'_>,
-    stage: &Dispatch,
-    holes: Holes,
-    vertices: usize,
-    twin: impl Fn([End; 2]) -> Vec<[u32; 4]>,
-) -> Result<[Vec<[u32; 4]>; 2], String> {
-    let (_, positions, mesh) = &drawn.scene.caster;
-    let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-    let excluded: Vec<u32> = all.iter().copied().filter(|&face| drawn.excludes(face as usize)).collect();
-    let of = if holes == Holes::Listed { &excluded } else { &all };
-    let cap_capacity = if holes == Holes::Overflowed { excluded.len() as u32 - 1 } else { excluded.len() as u32 };
-    let mut counts = vec![0; 3 * drawn.lights.len()];
-    counts[3 * drawn.index + 2] = excluded.len() as u32;
-    let [front, back, _] = cpu::list_capacities(cap_capacity);
-    let stride: u32 = cpu::list_capacities(cap_capacity).into_iter().sum();
-    let mut lists = vec![0; drawn.lights.len() * stride as usize + 1];
-    lists[(drawn.index as u32 * stride + front + back) as usize..][..cap_capacity as usize]
-        .copy_from_slice(&excluded[..cap_capacity as usize]);
-    let [_, view, draw, lights] = &drawn.frame(gpu);
-    let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..drawn.shape });
-    let invocations = 3 * vertices * of.len();
-    let found = gpu.storage(&vec![[0.0_f32; 4]; invocations.max(1)]);
-    let caps = [
-        gpu.storage(positions),
-        gpu.storage(mesh.faces()),
-        gpu.storage(&counts),
-        gpu.storage(&lists),
-        gpu.storage(drawn.coplanar),
-    ];
-    let caps: Vec<_> = [0, 1, 3, 4, 5].into_iter().zip(&caps).collect();
-    let groups = [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &caps, &[(0, &found)]];
-    stage.run_bound(gpu, &groups, invocations.div_ceil(64) as u32)?;
-    let mut expected = Vec::new();
-    for &face in of {
-        let [a, b, c] = mesh.faces()[face as usize];
-        let edges = cpu::hole_edges(drawn.light(), positions, [a, b, c], drawn.excludes(face as usize));
-        for ends in [[a, b], [b, c], [c, a]] {
-            let edge = edges.iter().find(|edge| edge.map(|(vertex, _)| vertex) == ends);
-            expected.extend(edge.map_or_else(|| vec![bits(None); vertices], |&edge| twin(edge)));
-        }
-    }
-    Ok([gpu.read(&found, invocations)?, expected])
-}
-
-/// Casters with vertices that are not finite, and with excluded faces.
-fn holes() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
-    let seed = 106;
-    println!("seed {seed}");
-    let mut random = Random::new(seed);
-    let stage = |entry_point, vertices| Dispatch::new(gpu, &probe(&CAP_FACES.wgsl(), entry_point, vertices), "probe");
-    let [plain, clipped] = [stage("hole_side", 5), stage("hole_side_clipped", 6)];
-    let (mut sides, mut drawn_of) = (0, [0; 3]);
-    for number in 0..if is_long() { 300 } else { 24 } {
-        let mut scene = scene(&mut random, number, 8);
-        // On vertices, where edges have no side, and between two.
-        for (index, light) in scene.lights.iter_mut().enumerate().take(5) {
-            let [a, b, _] = scene.caster.2.faces()[random.below(scene.caster.2.faces().len())];
-            let [a, b] = [a, if index < 3 { a } else { b }].map(|vertex| scene.caster.1[vertex as usize]);
-            *light = Light::point(std::array::from_fn(|axis| f32::midpoint(a[axis], b[axis])));
-        }
-        spoil(&mut random, &mut scene.caster.1, 6);
-        let view = shadow::view(&scene.camera).map_err(|error| error.to_string())?;
-        let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-        for light in &mut lights {
-            (light.holed, light.excludes) = [(1, 0), (1, 1), (0, 1), (0, 1)][random.below(4)];
-        }
-        let mesh = &scene.caster.2;
-        let coplanar: Vec<u32> =
-            mesh.faces().iter().map(|_| if random.below(6) == 0 { random.below(256) as u32 } else { 0 }).collect();
-        for index in 0..lights.len() {
-            let shape = ShadowShape { position_stride: 3, ..bytemuck::Zeroable::zeroed() };
-            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing: &[], coplanar: &coplanar };
-            let light = drawn.light();
-            let excluded = (0..coplanar.len()).filter(|&face| drawn.excludes(face)).count();
-            let holes = match (light.holed, excluded) {
-                (1, _) => Holes::Holed,
-                (_, 1..) if random.below(2) == 0 => Holes::Overflowed,
-                _ => Holes::Listed,
-            };
-            drawn_of[holes as usize] += usize::from(excluded > 0);
-            let [found, expected] = hole_sides(gpu, &drawn, &plain, holes, 5, |ends| {
-                cpu::hole_side(&view, light, ends).iter().map(|vertex| bits(Some(vertex))).collect()
-            })?;
-            sides += expected.chunks(5).filter(|side| side[0] != bits(None)).count();
-            same(&format!("{}, light {index} {light:?}", scene.name), &found, &expected)?;
-            let [mut found, expected] = hole_sides(gpu, &drawn, &clipped, holes, 6, |ends| {
-                let mut polygon = cpu::hole_side_clipped(&view, light, ends);
-                polygon.reverse();
-                let strip = strip(&polygon);
-                [&strip[..1], &strip].concat()
-            })?;
-            same(&format!("{}, light {index} {light:?}, clipped", scene.name), &found, &expected)?;
-            if let Some(vertex) = found.iter_mut().find(|vertex| vertex[0] != 0) {
-                vertex[0] ^= 1;
-                must_fail("a moved vertex", &same(&scene.name, &found, &expected))?;
-            }
-        }
-    }
-    println!("{sides} sides of holes; of a list, of all and of all after an overflow: {drawn_of:?} lights");
-    if sides < 1000 || drawn_of.into_iter().any(|lights| lights < 10) { Err("too few".to_owned()) } else { Ok(()) }
-}
-
 fn clipped() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 105;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let side =
-        Dispatch::new(gpu, &probe(&format!("{}\n{}", SIDES.wgsl(), include_wgsl(1)), "side_clipped", 5), "probe");
+    let side = Dispatch::new(gpu, &probe(&SIDES.wgsl(), "side_clipped", 5), "probe");
     let cap = Cap::near(gpu);
     let (mut sides, mut caps) = (0, 0);
     for number in 0..if is_long() { 600 } else { 24 } {
@@ -368,15 +247,15 @@ fn clipped() -> Result<(), String> {
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
         // What a mask says of a face has nothing to do with where the light is.
         cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), true, &mut lights);
-        let coplanar: Vec<u32> = (0..2 * mesh.faces().len()).map(|_| 1 << random.below(64).min(31)).collect();
+        let excluded: Vec<u32> = (0..2 * mesh.faces().len()).map(|_| 1 << random.below(64).min(31)).collect();
         let plain = &scene.lights;
         let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &coplanar, &lights);
+        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
         for _ in 0..6 {
             let index = random.below(36);
             let plane = |masks: &'_ [u32]| masks[index / 32 * mesh.faces().len()..][..mesh.faces().len()].to_vec();
-            let (facing, coplanar) = (&plane(&facing), &plane(&coplanar));
-            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing, coplanar };
+            let (facing, excluded) = (&plane(&facing), &plane(&excluded));
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing, excluded };
             if drawn.light().casting == CAST_NOTHING {
                 continue;
             }

@@ -106,16 +106,16 @@ fn compare(
         ..bytemuck::Zeroable::zeroed()
     };
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
-    let coplanar = cpu::coplanar(positions, mesh.faces(), &scene.lights);
-    let has_coplanar = coplanar.iter().any(|&mask| mask != 0);
-    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_coplanar, &mut lights);
+    let excluded = cpu::excluded(positions, mesh.faces(), &scene.lights);
+    let has_excluded = excluded.iter().any(|&mask| mask != 0);
+    cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
     let plain = &scene.lights;
     let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-    let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &coplanar, &lights);
+    let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
     for &index in indices {
         let plane = index / 32 * mesh.faces().len()..(index / 32 + 1) * mesh.faces().len();
-        let (facing, coplanar) = (&facing[plane.clone()], &coplanar[plane]);
-        let drawn = Drawn { scene, view, shape, lights: &lights, index, facing, coplanar };
+        let (facing, excluded) = (&facing[plane.clone()], &excluded[plane]);
+        let drawn = Drawn { scene, view, shape, lights: &lights, index, facing, excluded };
         if drawn.light().casting == CAST_NOTHING {
             continue;
         }

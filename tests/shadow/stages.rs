@@ -1,11 +1,14 @@
 //! The stages that choose and list for shadow volumes, each against its CPU twin.
 
+use std::collections::BTreeMap;
+
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
 use rimline::reference::shadow::{
-    self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
+    self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
+    COUNT_ZP_PLUS_2005,
 };
-use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS};
+use rimline::reference::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS};
 use rimline::{Light, Mesh, Predicate};
 
 use rimline_measure::cases::topologies;
@@ -20,6 +23,7 @@ use rimline_measure::{is_long, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("bounds_equal_their_twin", bounds),
     ("choose_and_caps_equal_their_twins", choose_and_caps),
+    ("sides_equal_their_twin_and_close_what_casts", list_sides),
     ("shadow_arguments_equal_their_twin", shadow_arguments),
 ];
 
@@ -49,6 +53,10 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize, (position_offset, position_strid
         position_stride,
         cap_groups: 3,
         end_at_range: 0,
+        side_capacity: 1000,
+        reserved_0: 0,
+        reserved_1: 0,
+        reserved_2: 0,
     }
 }
 
@@ -100,7 +108,7 @@ struct Staged {
     given: Vec<ShadowLight>,
     facing: Vec<u32>,
     /// Any masks: what they say has nothing to do with where the lights are.
-    coplanar: Vec<u32>,
+    excluded: Vec<u32>,
     positions: wgpu::Buffer,
     faces: wgpu::Buffer,
     bounds: [u32; 7],
@@ -132,7 +140,7 @@ impl Staged {
             view,
             given: scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect(),
             facing: cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE),
-            coplanar: (0..mesh.faces().len() * lights.div_ceil(32)).map(|_| 1 << random.below(64).min(31)).collect(),
+            excluded: (0..mesh.faces().len() * lights.div_ceil(32)).map(|_| 1 << random.below(64).min(31)).collect(),
             positions: placed(gpu, positions, place),
             faces: gpu.storage(mesh.faces()),
             bounds: cpu::bounds(positions, mesh.faces()),
@@ -163,25 +171,17 @@ impl Staged {
         let shape = uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
         let (view, chosen) = (uniform(gpu, &self.view), gpu.storage(lights));
         let mut lists = Vec::new();
-        for (word, planes) in self.facing.chunks(faces).zip(self.coplanar.chunks(faces)).enumerate() {
+        for (word, planes) in self.facing.chunks(faces).zip(self.excluded.chunks(faces)).enumerate() {
             let (light, first_light) = (32 * word as u32, 32 * word as u32);
             let draw = uniform(gpu, &ShadowDraw { light, first_light, reserved_0: 0, reserved_1: 0 });
             let count = (lights.len() - 32 * word).min(32);
-            let capacities = cpu::list_capacities(cap_capacity).map(|capacity| capacity as usize);
-            let stride: usize = capacities.iter().sum();
-            let list = gpu.storage(&vec![u32::MAX; count * stride]);
-            let (facing, coplanar) = (gpu.storage(planes.0), gpu.storage(planes.1));
+            let list = gpu.storage(&vec![u32::MAX; count * cpu::LISTS * cap_capacity as usize]);
+            let (facing, excluded) = (gpu.storage(planes.0), gpu.storage(planes.1));
             let given = [&shape, &view, &draw, &self.positions, &self.faces, &facing, &chosen];
-            let buffers = [&given[..], &[&counts, &list, &coplanar]].concat();
+            let buffers = [&given[..], &[&counts, &list, &excluded]].concat();
             stage.run(gpu, &buffers, 3)?;
             let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
-            for mut rest in list.chunks(stride).take(count) {
-                for capacity in capacities {
-                    let (list, others) = rest.split_at(capacity);
-                    lists.push(list.to_vec());
-                    rest = others;
-                }
-            }
+            lists.extend(list.chunks(cap_capacity as usize).take(cpu::LISTS * count).map(<[u32]>::to_vec));
         }
         let counts: Vec<u32> = gpu.read(&counts, cpu::LISTS * lights.len())?;
         for (list, &count) in lists.iter_mut().zip(&counts) {
@@ -208,9 +208,10 @@ fn choose_and_caps() -> Result<(), String> {
         let twin_dispatches = cpu::choose(&staged.shape, &staged.view, staged.bounds, zeros > 0, &mut twins);
         same(&format!("{name}, lights"), &found, &twins)?;
         same(&format!("{name}, dispatches"), &dispatches, twin_dispatches.as_flattened())?;
-        let (facing, coplanar) = (&staged.facing, &staged.coplanar);
-        let twin_lists = cpu::caps(&staged.view, positions, mesh.faces(), facing, coplanar, &twins);
-        excluded += twin_lists.iter().filter(|[_, _, excluded]| !excluded.is_empty()).count();
+        let (facing, excluded_masks) = (&staged.facing, &staged.excluded);
+        let twin_lists = cpu::caps(&staged.view, positions, mesh.faces(), facing, excluded_masks, &twins);
+        let all = cpu::caps(&staged.view, positions, mesh.faces(), facing, &vec![0; excluded_masks.len()], &twins);
+        excluded += twin_lists.iter().zip(&all).filter(|(lists, all)| lists != all).count();
         let twin_lists: Vec<_> = twin_lists.into_iter().flatten().collect();
         let twin_counts: Vec<_> = twin_lists.iter().map(|list| list.len() as u32).collect();
         let (counts, mut lists) = staged.caps(gpu, &caps, &found, staged.shape.faces)?;
@@ -235,6 +236,141 @@ fn choose_and_caps() -> Result<(), String> {
     if listed.min(skipped).min(z_pass).min(excluded) < 20 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
+/// What casts of a face for a light: 0 or ±1, where averted or all faces cast, from nothing but the masks.
+fn share(light: &ShadowLight, facing: bool, excluded: bool) -> i32 {
+    match (light.casting, facing) {
+        _ if excluded && light.excludes == 1 => 0,
+        (CAST_EVERY, true) => 1,
+        (CAST_EVERY | CAST_AVERTED, false) => -1,
+        _ => 0,
+    }
+}
+
+/// Edges from their lower vertex to their higher one, and what is summed there.
+type Sums = Vec<([u32; 2], i32)>;
+
+/// The sum over directed edges of what their faces cast, each edge from its lower vertex to its higher one: those that are
+/// not 0. Edges of the boundary of what casts are left, however faces meet there.
+fn boundary(faces: &[[u32; 3]], share: impl Fn(usize) -> i32) -> Sums {
+    let mut sums = BTreeMap::new();
+    for (face, &[a, b, c]) in faces.iter().enumerate().filter(|(_, [a, b, c])| a != b && b != c && c != a) {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            *sums.entry([from.min(to), from.max(to)]).or_insert(0) +=
+                if from < to { share(face) } else { -share(face) };
+        }
+    }
+    sums.into_iter().filter(|(_, sum)| *sum != 0).collect()
+}
+
+/// The same sums from lists of sides.
+fn listed_boundary(mesh: &Mesh, [singles, doubles]: &[Vec<u32>; 2]) -> Sums {
+    let mut sums = BTreeMap::new();
+    for (weight, entry) in singles.iter().map(|entry| (1, entry)).chain(doubles.iter().map(|entry| (2, entry))) {
+        let [from, to] = mesh.edges().vertices()[(entry & !cpu::WINDING) as usize];
+        let along = if entry & cpu::WINDING != 0 { weight } else { -weight };
+        *sums.entry([from.min(to), from.max(to)]).or_insert(0) += if from < to { along } else { -along };
+    }
+    sums.into_iter().filter(|(_, sum)| *sum != 0).collect()
+}
+
+/// With lists that fit and overflow, silhouettes that are listed and not, and faces excluded at random: the same lists as
+/// the twin's, and they bound what casts.
+fn list_sides() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 108;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let stage = Dispatch::stage(gpu, &LIST_SIDES);
+    let (mut entries, mut by_exclusion, mut short) = (0, 0, 0);
+    for (name, _, mesh) in topologies() {
+        let (faces, packed) = (mesh.faces().len(), mesh.edges().packed_faces());
+        for round in 0..if is_long() { 40 } else { 4 } {
+            let count: usize = [70, 33, 32, 1][round % 4];
+            let masks = |random: &mut Random, rare: bool| -> Vec<u32> {
+                let mask =
+                    |_| random.below(1 << 32) as u32 & if rare { random.below(1 << 32) as u32 } else { u32::MAX };
+                (0..faces * count.div_ceil(32)).map(mask).collect()
+            };
+            let (facing, excluded) = (masks(&mut random, false), masks(&mut random, round % 2 == 0));
+            let counts = mesh.edges().counts();
+            let casting = if counts.boundary + counts.inconsistent == 0 { 3 } else { 2 };
+            let lights: Vec<_> = (0..count)
+                .map(|_| ShadowLight {
+                    casting: [CAST_NOTHING, CAST_EVERY, CAST_AVERTED][random.below(casting)],
+                    excludes: random.below(2) as u32,
+                    ..bytemuck::Zeroable::zeroed()
+                })
+                .collect();
+            let silhouettes = cpu::edges(mesh.edges(), &facing, faces, count, Threads::ONE);
+            let silhouettes: Vec<_> = (0..count)
+                .map(|light| {
+                    let plane = &silhouettes[light / 32 * packed.len()..][..packed.len()];
+                    cpu::compact(plane, light as u32 % 32, usize::MAX)
+                })
+                .collect();
+            let twin = cpu::list_sides(packed, &facing, &excluded, faces, &lights);
+            for (light, lists) in twin.iter().enumerate() {
+                let bit = |masks: &[u32], face: usize| masks[light / 32 * faces + face] >> (light % 32) & 1 != 0;
+                let of = |face| share(&lights[light], bit(&facing, face), bit(&excluded, face));
+                same(&format!("{name}, light {light}"), &listed_boundary(&mesh, lists), &boundary(mesh.faces(), of))?;
+                let mut wrong = lists.clone();
+                if let Some(entry) = wrong.iter_mut().flatten().next() {
+                    *entry ^= cpu::WINDING;
+                    by_exclusion += usize::from(lights[light].excludes == 1 && lights[light].casting == CAST_EVERY);
+                    must_fail(
+                        "a turned side",
+                        &same(&name, &listed_boundary(&mesh, &wrong), &boundary(mesh.faces(), of)),
+                    )?;
+                }
+            }
+            let most = |lists: &[Vec<u32>; 2]| lists[0].len() + lists[1].len();
+            let longest = twin.iter().map(most).max().unwrap_or(0).max(1);
+            let capacity = [longest, longest.div_ceil(2)][random.below(2)];
+            let room = [packed.len(), 5][random.below(2)];
+            let shape =
+                ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count, PLACES[0]) };
+            let counts: Vec<u32> = silhouettes.iter().map(|list| list.count).collect();
+            let (shape, counts, chosen) = (uniform(gpu, &shape), gpu.storage(&counts), gpu.storage(&lights));
+            let edge_faces = gpu.storage(packed);
+            for (batch, twin) in twin.chunks(32).enumerate() {
+                let light = 32 * batch as u32;
+                let draw = uniform(gpu, &ShadowDraw { light, first_light: light, reserved_0: 0, reserved_1: 0 });
+                let mut raw = vec![u32::MAX; 32 * room];
+                for (list, raw) in silhouettes[32 * batch..].iter().zip(raw.chunks_mut(room)) {
+                    // What a list that overflowed has of its edges says nothing.
+                    let listed = list.entries.len().min(room);
+                    raw[..listed].copy_from_slice(&list.entries[..listed]);
+                }
+                let plane = |masks: &[u32]| gpu.storage(&masks[batch * faces..][..faces]);
+                let (raw, facing, excluded) = (gpu.storage(&raw), plane(&facing), plane(&excluded));
+                let sides = gpu.storage(&vec![0_u32; 64 + 32 * capacity]);
+                let buffers = [&shape, &draw, &counts, &raw, &edge_faces, &facing, &excluded, &chosen, &sides];
+                stage.run_over(gpu, &buffers, [1 + round as u32 % 3, twin.len() as u32])?;
+                let sides: Vec<u32> = gpu.read(&sides, usize::MAX)?;
+                for (light, (lists, twin)) in sides[64..].chunks(capacity).zip(twin).enumerate() {
+                    let what = format!("{name}, round {round}, batch {batch}, light {light}");
+                    let counts = &sides[2 * light..][..2];
+                    same(&format!("{what}, counts"), counts, &[twin[0].len() as u32, twin[1].len() as u32])?;
+                    if most(twin) > capacity {
+                        short += 1;
+                        continue;
+                    }
+                    let [singles, doubles] = [&lists[..twin[0].len()], &lists[capacity - twin[1].len()..]];
+                    let by_edge = |list: &[u32]| {
+                        let mut list = list.to_vec();
+                        list.sort_by_key(|entry| entry & !cpu::WINDING);
+                        list
+                    };
+                    same(&what, &[by_edge(singles), by_edge(doubles)], twin)?;
+                    entries += most(twin);
+                }
+            }
+        }
+    }
+    println!("{entries} sides, {by_exclusion} lists of every face with some excluded, {short} lists too short");
+    if entries.min(by_exclusion).min(short) < 100 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
 fn shadow_arguments() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 103;
@@ -251,26 +387,26 @@ fn shadow_arguments() -> Result<(), String> {
                 casting: random.below(3) as u32,
                 counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PLUS_2005][random.below(4)],
                 end: [0.0, 0.5][random.below(2)],
-                holed: random.below(2) as u32,
                 ..bytemuck::Zeroable::zeroed()
             })
             .collect();
         let mut number = || [0, 0, 1, 49, 50, 51, 999, 1000, 1001, 5000][random.below(10)];
-        let silhouettes: Vec<u32> = (0..count).map(|_| number()).collect();
-        let caps: Vec<[u32; cpu::LISTS]> = (0..count).map(|_| [number(), number(), number()]).collect();
+        let sides: Vec<[u32; 2]> = (0..count).map(|_| [number(), number()]).collect();
+        let caps: Vec<[u32; cpu::LISTS]> = (0..count).map(|_| [number(), number()]).collect();
         let draws = gpu.storage(&vec![u32::MAX; size_of::<ShadowDraws>() / 4 * count]);
         let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
-        let buffers = [
-            &uniform(gpu, &shape),
-            &gpu.storage(&silhouettes),
-            &gpu.storage(&caps),
-            &gpu.storage(&lights),
-            &draws,
-            &statistics,
-        ];
-        stage.run(gpu, &buffers, 1 + round as u32 % 3)?;
+        let (shape_buffer, caps_buffer, lights_buffer) =
+            (uniform(gpu, &shape), gpu.storage(&caps), gpu.storage(&lights));
+        for (batch, sides) in (0..).zip(sides.chunks(32)) {
+            let draw = ShadowDraw { light: 32 * batch, first_light: 32 * batch, reserved_0: 0, reserved_1: 0 };
+            let mut counts = [[7_u32; 2]; 32];
+            counts[..sides.len()].copy_from_slice(sides);
+            let (draw, counts) = (uniform(gpu, &draw), gpu.storage(&counts));
+            let buffers = [&shape_buffer, &draw, &counts, &caps_buffer, &lights_buffer, &draws, &statistics];
+            stage.run(gpu, &buffers, 1)?;
+        }
         let mut found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
-        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &silhouettes, &caps, &lights);
+        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &sides, &caps, &lights);
         same(&format!("round {round}, draws"), &found, &twins)?;
         same(&format!("round {round}, statistics"), &gpu.read(&statistics, 1)?, &[twin_statistics])?;
         found[0].back.instance_count ^= 1;

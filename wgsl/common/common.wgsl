@@ -168,9 +168,6 @@ struct ShadowDraws {
   // Light and dark caps of these sides. With z-pass, the dark caps of volumes that end.
   far_front: DrawArguments,
   far_back: DrawArguments,
-  // Sides of holes, drawn beside `plain` or `switched`, and beside `clipped`.
-  holes: DrawArguments,
-  clipped_holes: DrawArguments,
 }
 
 struct ShadowStatistics {
@@ -182,6 +179,8 @@ struct ShadowStatistics {
   capped: atomic<u32>,
   // Lights with a list of cap faces that overflowed.
   overflowed_caps: atomic<u32>,
+  // Lights with a list of sides that overflowed.
+  overflowed_sides: atomic<u32>,
   // Lights whose volume ends at their range.
   ended: atomic<u32>,
   // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.

@@ -7,8 +7,9 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
-// For each face the lights that lie in its plane: their determinant is zero. Without lists there is room for none.
-@group(0) @binding(9) var<storage, read_write> coplanar_masks: array<u32>;
+// For each face the lights for which it is excluded: those in its plane, whose determinant is zero, and all if a vertex is
+// not finite. Without lists there is room for none.
+@group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 
 struct Face {
   corners: vec3<u32>,
@@ -23,10 +24,10 @@ struct Decision {
   undecided: u32,
 }
 
-// Bits of facing lights, and of those in the face's plane.
+// Bits of facing lights, and of those for which the face is excluded.
 struct Signs {
   facing: u32,
-  coplanar: u32,
+  excluded: u32,
 }
 
 // Decides lights by f32 if the bound of the light allows it.
@@ -74,18 +75,18 @@ fn settle(undecided: u32, face: Face) -> Signs {
     let light = firstTrailingBit(rest);
     let sign = fixed_sign(fixed, batch.light_bits[light]);
     signs.facing |= select(0u, 1u, sign == 1) << light;
-    signs.coplanar |= select(0u, 1u, sign == 0) << light;
+    signs.excluded |= select(0u, 1u, sign == 0) << light;
     beyond_fixed |= select(0u, 1u, sign == 2) << light;
   }
   for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let sign = exact_sign(face.a, face.b, face.c, batch.light_bits[light]);
     signs.facing |= select(0u, 1u, sign > 0) << light;
-    signs.coplanar |= select(0u, 1u, sign == 0) << light;
+    signs.excluded |= select(0u, 1u, sign == 0) << light;
   }
   atomicAdd(&record.statistics.undecided_pairs, countOneBits(undecided));
-  if (signs.coplanar != 0u) {
-    atomicAdd(&record.statistics.exact_zeros, countOneBits(signs.coplanar));
+  if (signs.excluded != 0u) {
+    atomicAdd(&record.statistics.exact_zeros, countOneBits(signs.excluded));
   }
   return signs;
 }
@@ -101,7 +102,7 @@ fn decide(index: u32) -> Signs {
     if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    return Signs(0u, 0u);
+    return Signs(0u, batch.live);
   }
   if (face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x) {
     return Signs(0u, 0u);
@@ -129,8 +130,8 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     }
     let signs = decide(face);
     facing_masks[face] = signs.facing;
-    if (face < arrayLength(&coplanar_masks)) {
-      coplanar_masks[face] = signs.coplanar;
+    if (face < arrayLength(&excluded_masks)) {
+      excluded_masks[face] = signs.excluded;
     }
   }
 }

@@ -7,6 +7,8 @@
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
+// As in exact_facing.wgsl, which writes it if signs are exact.
+@group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
 
 // If false, signs are those that f32 gives.
 override EXACT: bool = true;
@@ -79,6 +81,9 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
     }
   } else if (magnitude >= INFINITE) {
     facing_masks[face] = 0u;
+    if (face < arrayLength(&excluded_masks)) {
+      excluded_masks[face] = batch.live;
+    }
     if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }

@@ -1,4 +1,4 @@
-// Cap faces: computes the vertices of caps and of the sides of holes. A light cap is a face at its place. A dark cap is
+// Cap faces: computes the vertices of caps. A light cap is a face at its place. A dark cap is
 // the face at the far end of the volume. A near cap is the part of a face between the light and the near plane,
 // projected from the light onto that plane.
 
@@ -11,7 +11,7 @@
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
 @group(1) @binding(3) var<storage, read> cap_counts: array<u32>;
 @group(1) @binding(4) var<storage, read> cap_list: array<u32>;
-@group(1) @binding(5) var<storage, read> coplanar_masks: array<u32>;
+@group(1) @binding(5) var<storage, read> excluded_masks: array<u32>;
 
 // The list of cap faces that is drawn.
 override CAP_CLASS: u32 = 0u;
@@ -25,24 +25,16 @@ struct CapFace {
   corners: vec3<u32>,
 }
 
-// Whether the face has the light in its plane, and so casts nothing.
+// Whether the face counts nowhere: the light is in its plane.
 fn is_excluded(light: ShadowLight, face: u32) -> bool {
-  return light.excludes != 0u && ((coplanar_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
-}
-
-fn list_overflowed(kind: u32) -> bool {
-  return cap_counts[LISTS * draw.light + kind] > list_capacity(kind, shape.cap_capacity);
-}
-
-fn listed(kind: u32, place: u32) -> u32 {
-  return cap_list[list_begin(draw.light - draw.first_light, kind, shape.cap_capacity) + place];
+  return light.excludes != 0u && ((excluded_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
 }
 
 fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
-  let overflowed = list_overflowed(CAP_CLASS);
+  let overflowed = cap_counts[LISTS * draw.light + CAP_CLASS] > shape.cap_capacity;
   var face = instance;
   if (!overflowed) {
-    face = listed(CAP_CLASS, instance);
+    face = cap_list[list_begin(draw.light - draw.first_light, CAP_CLASS, shape.cap_capacity) + instance];
   }
   let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
   var valid = true;
@@ -157,56 +149,6 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
     return CapVertex(NOTHING);
   }
   return CapVertex(frustum_to_clip(view, light, caster_position(face.corners[vertex])));
-}
-
-// An edge of a face that casts nothing, in the face's order.
-struct HoleEdge {
-  valid: bool,
-  first: u32,
-  second: u32,
-}
-
-// An instance is an edge of a face: of a face with one corner that is not finite the edge between the others, of an
-// excluded face each of the three but those at the light. Where every face may be a hole, faces are not listed.
-fn hole_edge(light: ShadowLight, instance: u32) -> HoleEdge {
-  var face = instance / 3u;
-  if (light.holed == 0u && !list_overflowed(EXCLUDED)) {
-    face = listed(EXCLUDED, face);
-  }
-  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  let number = instance % 3u;
-  let first = corners[number];
-  let second = corners[(number + 1u) % 3u];
-  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-  let ends_are_finite = is_finite(caster_position(first)) && is_finite(caster_position(second));
-  let third_is_finite = is_finite(caster_position(corners[(number + 2u) % 3u]));
-  let valid = !is_degenerate && ends_are_finite && (!third_is_finite || is_excluded(light, face)) &&
-    spans_side(light, caster_position(first), caster_position(second));
-  return HoleEdge(valid, first, second);
-}
-
-// A hole casts nothing, yet counts as averted in the silhouettes: its own sides take that back. Each has the vertices of
-// the side that the edge may have in their list, its first one twice, so that the strip is turned over.
-@vertex fn hole_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let light = shadow_lights[draw.light];
-  let edge = hole_edge(light, instance);
-  if (!edge.valid) {
-    return CapVertex(NOTHING);
-  }
-  let place = max(vertex, 1u) - 1u;
-  return CapVertex(side_vertex(light, caster_position(edge.first), caster_position(edge.second), place));
-}
-
-@vertex fn hole_side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let light = shadow_lights[draw.light];
-  let edge = hole_edge(light, instance);
-  if (!edge.valid) {
-    return CapVertex(NOTHING);
-  }
-  let first = caster_position(edge.first);
-  let second = caster_position(edge.second);
-  let place = max(vertex, 1u) - 1u;
-  return CapVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, place));
 }
 
 // For passes with colour attachments, which are not changed.

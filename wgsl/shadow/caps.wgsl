@@ -1,7 +1,6 @@
 // Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail, the
-// published ZP+, and where volumes end at the range, every face that casts. Each light has three lists: of faces whose cap
-// counts up on its front, of faces whose cap counts up on its back, and of excluded faces, which hold the light in their
-// plane, cast nothing and have no caps.
+// published ZP+, and where volumes end at the range, every face that casts. Each light has two lists: of faces whose cap
+// counts up on its front, and of faces whose cap counts up on its back. Excluded faces have no caps.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> view: ShadowView;
@@ -13,7 +12,7 @@
 @group(0) @binding(6) var<storage, read> shadow_lights: array<ShadowLight>;
 @group(0) @binding(7) var<storage, read_write> cap_counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> cap_list: array<u32>;
-@group(0) @binding(9) var<storage, read> coplanar_masks: array<u32>;
+@group(0) @binding(9) var<storage, read> excluded_masks: array<u32>;
 
 // Whether all three corners are outside one of the pyramid's planes.
 fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
@@ -27,18 +26,14 @@ fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) 
 
 fn append(index: u32, kind: u32, face: u32) {
   let place = atomicAdd(&cap_counts[LISTS * (draw.first_light + index) + kind], 1u);
-  if (place < list_capacity(kind, shape.cap_capacity)) {
+  if (place < shape.cap_capacity) {
     cap_list[list_begin(index, kind, shape.cap_capacity) + place] = face;
   }
 }
 
-fn list_for(index: u32, face: u32, facing: bool, coplanar: bool, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
+fn list_for(index: u32, face: u32, facing: bool, excluded: bool, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
   let light = shadow_lights[draw.first_light + index];
-  if (!casts(light, facing)) {
-    return;
-  }
-  if (light.excludes != 0u && coplanar) {
-    append(index, EXCLUDED, face);
+  if (!casts(light, facing) || (light.excludes != 0u && excluded)) {
     return;
   }
   if ((light.counting == COUNT_Z_PASS && light.end == 0.0) || (light.counting == COUNT_ZP_PLUS && misses_pyramid(light, a, b, c))) {
@@ -57,10 +52,10 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
     if (!is_degenerate && is_finite(a) && is_finite(b) && is_finite(c)) {
       let mask = facing_masks[face];
-      let coplanar = coplanar_masks[face];
+      let excluded = excluded_masks[face];
       let lights = min(shape.lights - draw.first_light, 32u);
       for (var light = 0u; light < lights; light++) {
-        list_for(light, face, ((mask >> light) & 1u) != 0u, ((coplanar >> light) & 1u) != 0u, a, b, c);
+        list_for(light, face, ((mask >> light) & 1u) != 0u, ((excluded >> light) & 1u) != 0u, a, b, c);
       }
     }
   }

@@ -4,20 +4,12 @@ fn casts(light: ShadowLight, facing: bool) -> bool {
   return light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing);
 }
 
-// A light has three lists of faces: those of both cap classes, and the excluded ones.
-const LISTS: u32 = 3u;
-const EXCLUDED: u32 = 2u;
-// Excluded faces are few: a light is in few planes.
-const EXCLUDED_CAPACITY: u32 = 1024u;
-
-// Entries that a list has room for, where lists of cap faces have room for `capacity`.
-fn list_capacity(kind: u32, capacity: u32) -> u32 {
-  return select(capacity, min(capacity, EXCLUDED_CAPACITY), kind == EXCLUDED);
-}
+// A light has a list of cap faces for each class.
+const LISTS: u32 = 2u;
 
 // Where a list begins; the light is counted from the first of its batch.
 fn list_begin(light: u32, kind: u32, capacity: u32) -> u32 {
-  return light * (2u * capacity + list_capacity(EXCLUDED, capacity)) + kind * capacity;
+  return (LISTS * light + kind) * capacity;
 }
 
 // 0 if the cap counts up where its front is seen, 1 if it does where its back is seen. With ZP+ caps lie on the near

@@ -131,24 +131,23 @@ fn choose_light(index: u32) {
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
-  light.holed = 0u;
   light.excludes = 0u;
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let is_empty = box[0] > box[3];
   if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
-    light.holed = box[6];
+    let has_holes = box[6] != 0u;
     let light_is_inside = light_meets(light, low, high);
-    light.excludes = select(0u, 1u, light_is_inside && extraction_statistics[3] != 0u);
+    light.excludes = select(0u, 1u, has_holes || (light_is_inside && extraction_statistics[3] != 0u));
     // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(low, high) && !light_is_inside;
-    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && light.holed == 0u && is_outside);
+    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !has_holes && is_outside);
     light.counting = shape.counting;
     if (shape.counting == COUNT_ZP_PLUS_2005) {
       light.frustum_near = frustum_near(light, low, high);
-      // What was published knows neither holes nor excluded faces.
-      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.holed != 0u || light.excludes != 0u);
+      // What was published knows no excluded faces.
+      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u);
     }
     if (shape.counting == COUNT_AUTO) {
       light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
@@ -159,7 +158,7 @@ fn choose_light(index: u32) {
   if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
     light.end = min(distance_below(light, low, high) / light.range, 1.0);
   }
-  let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0 || light.excludes != 0u;
+  let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0;
   if (light.casting != CAST_NOTHING && needs_caps) {
     cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
   }

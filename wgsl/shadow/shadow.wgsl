@@ -38,10 +38,9 @@ struct ShadowLight {
   // The end of the volume: the caster's distance over the range. Every far vertex, (position - light) / end from the
   // light, is then out of range. 0: at infinity.
   end: f32,
-  // 1: the caster has faces that are not finite, and so it has sides of holes.
-  holed: u32,
-  // 1: the light may lie in faces of the caster, which are excluded then.
+  // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
   excludes: u32,
+  reserved: u32,
   // Rows x, y and w of the matrix of that frustum. It maps (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
@@ -69,6 +68,11 @@ struct ShadowShape {
   cap_groups: u32,
   // 1: volumes end at the range of their light.
   end_at_range: u32,
+  // Entries that each list of sides has room for.
+  side_capacity: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+  reserved_2: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.

@@ -1,34 +1,6 @@
 // Computes the vertices of a side, as it is and clipped at the near plane. A side is the quad from an edge away from
 // the light.
 
-// A light so near to an edge is on it, by the size of the coordinates.
-const ON_EDGE: f32 = 0x1p-22;
-
-fn largest_of(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
-// False where the light lies on the edge, between its ends or at one of them: then its far vertices are opposite to each
-// other, or one has no direction, and the side has no extent, only what rounding makes of it. Both faces at the edge are
-// excluded there. NUMERICS.md, "A light exactly on a face".
-fn spans_side(light: ShadowLight, first: vec3<f32>, second: vec3<f32>) -> bool {
-  if (light.excludes == 0u) {
-    return true;
-  }
-  let a = extrusion(light, first);
-  let b = extrusion(light, second);
-  let a_size = largest_of(a);
-  let b_size = largest_of(b);
-  if (a_size == 0.0 || b_size == 0.0) {
-    return false;
-  }
-  let p = a / a_size;
-  let q = b / b_size;
-  let across = vec3<f32>(p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x);
-  let size = largest_of(light.light.w * abs(first) + light.light.w * abs(second) + abs(light.light.xyz));
-  return largest_of(across) > ON_EDGE * (size / a_size + size / b_size) || dot_3(p, q) > 0.0;
-}
-
 // A strip of four vertices: the first and the second, then their far vertices.
 fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
   let position = select(first, second, (vertex & 1u) != 0u);

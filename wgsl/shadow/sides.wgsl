@@ -1,11 +1,17 @@
-// Sides: draws the quads from silhouette edges away from the light, by an indirect draw of their list. `side` leaves
-// clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has equal
-// bits. `zp_plus_2005_side` is the side as published in 2005.
+// Sides: draws the quads from edges away from the light, by an indirect draw of the list that `list_sides` made. `side`
+// leaves clipping to the hardware. `side_clipped` clips at the near plane itself, so that the seam with the near cap has
+// equal bits. `zp_plus_2005_side` is the side as published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<storage, read> view: ShadowView;
 @group(0) @binding(2) var<uniform> draw: ShadowDraw;
 @group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(1) @binding(0) var<storage, read> positions: array<u32>;
+@group(1) @binding(1) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(1) @binding(2) var<storage, read> edge_faces: array<vec2<u32>>;
+@group(1) @binding(3) var<storage, read> facing_masks: array<u32>;
+@group(1) @binding(4) var<storage, read> excluded_masks: array<u32>;
+@group(1) @binding(5) var<storage, read> sides: array<u32>;
 
 struct SideVertex {
   @invariant @builtin(position) clip: vec4<f32>,
@@ -14,25 +20,36 @@ struct SideVertex {
 // The ends of a side's edge. The quad (first, second, second far, first far) is counter-clockwise from outside.
 struct SideEdge {
   valid: bool,
-  first: u32,
-  second: u32,
+  ends: vec2<u32>,
 }
 
+// An instance is a side. Those of weight 2 are two instances each, after all of weight 1. If the list overflowed, every
+// edge is two instances.
 fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
-  // Weight 2: every edge is drawn twice, except boundaries.
-  let doubled = light.casting == CAST_EVERY;
-  let edge = rimline_silhouette(draw.light - draw.first_light, select(instance, instance >> 1u, doubled));
-  let again = doubled && (instance & 1u) != 0u && edge.kind == 2u;
-  return SideEdge(
-    edge.valid && !again, select(edge.a, edge.b, edge.winding), select(edge.b, edge.a, edge.winding));
+  let bit = draw.light - draw.first_light;
+  let singles = sides[2u * bit];
+  let overflowed = singles + sides[2u * bit + 1u] > shape.side_capacity;
+  var entry = 0u;
+  var valid = true;
+  if (overflowed) {
+    entry = instance >> 1u;
+    let side = side_at(light, bit, entry);
+    valid = side.weight > (instance & 1u);
+    entry |= select(0u, WINDING, side.winding);
+  } else {
+    let place = select(shape.side_capacity - 1u - ((instance - singles) >> 1u), instance, instance < singles);
+    entry = sides[side_begin(bit, shape.side_capacity) + place];
+  }
+  let ends = edge_vertices[entry & ~WINDING];
+  return SideEdge(valid, select(ends, ends.yx, entry >= WINDING));
 }
 
 @vertex fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
   let light = shadow_lights[draw.light];
   let edge = side_edge(light, instance);
-  let first = rimline_position(edge.first);
-  let second = rimline_position(edge.second);
-  if (!edge.valid || !is_finite(first) || !is_finite(second) || !spans_side(light, first, second)) {
+  let first = caster_position(edge.ends.x);
+  let second = caster_position(edge.ends.y);
+  if (!edge.valid) {
     return SideVertex(NOTHING);
   }
   return SideVertex(side_vertex(light, first, second, vertex));
@@ -41,12 +58,12 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
 @vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
   let light = shadow_lights[draw.light];
   let edge = side_edge(light, instance);
-  let first = rimline_position(edge.first);
-  let second = rimline_position(edge.second);
-  if (!edge.valid || !is_finite(first) || !is_finite(second) || !spans_side(light, first, second)) {
+  let first = caster_position(edge.ends.x);
+  let second = caster_position(edge.ends.y);
+  if (!edge.valid) {
     return SideVertex(NOTHING);
   }
-  return SideVertex(clipped_side_vertex(light, first, second, edge.first < edge.second, vertex));
+  return SideVertex(clipped_side_vertex(light, first, second, edge.ends.x < edge.ends.y, vertex));
 }
 
 // Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads
@@ -55,9 +72,9 @@ fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
 @vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
   let light = shadow_lights[draw.light];
   let edge = side_edge(light, instance / 3u);
-  let first = rimline_position(edge.first);
-  let second = rimline_position(edge.second);
-  if (!edge.valid || !is_finite(first) || !is_finite(second)) {
+  let first = caster_position(edge.ends.x);
+  let second = caster_position(edge.ends.y);
+  if (!edge.valid) {
     return SideVertex(NOTHING);
   }
   let cuts_edge = is_cut(view, to_clip(view, first)) != is_cut(view, to_clip(view, second));

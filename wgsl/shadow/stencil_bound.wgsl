@@ -78,8 +78,8 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let low = unordered(vec3<u32>(box[0], box[1], box[2]));
   let high = unordered(vec3<u32>(box[3], box[4], box[5]));
   let by = pencil(light, low, high);
-  // No list has the sides of holes.
-  let has_pencil = any(by.forward != vec3<f32>(0.0)) && light.holed == 0u;
+  // Silhouettes do not tell of excluded faces.
+  let has_pencil = any(by.forward != vec3<f32>(0.0)) && light.excludes == 0u;
   var first = half_plane(by, low);
   var last = first;
   for (var corner = 1u; corner < 8u; corner++) {

@@ -29,12 +29,21 @@ impl Dispatch {
 
     /// Runs with a group of buffers bound from 0 on.
     pub fn run(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: u32) -> Result<(), String> {
+        self.run_over(gpu, buffers, [workgroups, 1])
+    }
+
+    /// The same, for workgroups along x and y.
+    pub fn run_over(&self, gpu: &Gpu, buffers: &[&wgpu::Buffer], workgroups: [u32; 2]) -> Result<(), String> {
         let bound: Vec<_> = (0..).zip(buffers.iter().copied()).collect();
-        self.run_bound(gpu, &[&bound], workgroups)
+        self.run_groups(gpu, &[&bound], workgroups)
     }
 
     /// Runs with the groups' buffers bound where each says.
     pub fn run_bound(&self, gpu: &Gpu, groups: &[&[(u32, &wgpu::Buffer)]], workgroups: u32) -> Result<(), String> {
+        self.run_groups(gpu, groups, [workgroups, 1])
+    }
+
+    fn run_groups(&self, gpu: &Gpu, groups: &[&[(u32, &wgpu::Buffer)]], workgroups: [u32; 2]) -> Result<(), String> {
         let bind = |(group, buffers): (u32, &&[(u32, &wgpu::Buffer)])| {
             let entries: Vec<_> = buffers
                 .iter()
@@ -56,7 +65,7 @@ impl Dispatch {
             for (number, group) in (0..).zip(&groups) {
                 pass.set_bind_group(number, group, &[]);
             }
-            pass.dispatch_workgroups(workgroups, 1, 1);
+            pass.dispatch_workgroups(workgroups[0], workgroups[1], 1);
             Ok(())
         })
     }

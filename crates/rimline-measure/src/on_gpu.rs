@@ -14,7 +14,7 @@ use crate::shapes::{self, Shape};
 pub struct Found {
     pub facing: Vec<u32>,
     /// Empty without lists.
-    pub coplanar: Vec<u32>,
+    pub excluded: Vec<u32>,
     pub masks: Vec<EdgeMasks>,
     pub lists: Vec<Vec<u32>>,
     pub counts: Vec<u32>,
@@ -42,7 +42,7 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
     let results = extractor.results();
     let mut found = Found {
         facing: Vec::new(),
-        coplanar: Vec::new(),
+        excluded: Vec::new(),
         masks: Vec::new(),
         lists: Vec::new(),
         counts: gpu.read(results.counts, max_lights)?,
@@ -52,8 +52,8 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
     for plane in results.facing {
         found.facing.extend(gpu.read::<u32>(plane, mesh.faces().len())?);
     }
-    for plane in extractor.coplanar_masks() {
-        found.coplanar.extend(gpu.read::<u32>(plane, mesh.faces().len())?);
+    for plane in extractor.excluded_masks() {
+        found.excluded.extend(gpu.read::<u32>(plane, mesh.faces().len())?);
     }
     for plane in results.masks {
         found.masks.extend(gpu.read::<EdgeMasks>(plane, mesh.edges().len())?);
@@ -95,7 +95,7 @@ pub fn repeated_torus(rings: u32, segments: u32, repeated: usize) -> Shape {
 /// Whether two extractions found the same, the order of unordered lists apart.
 pub fn compare(what: &str, found: &Found, expected: &Found, capacity: u32, ordered: bool) -> Result<(), String> {
     same(&format!("{what}, facing"), &found.facing, &expected.facing)?;
-    same(&format!("{what}, lights in planes"), &found.coplanar, &expected.coplanar)?;
+    same(&format!("{what}, excluded"), &found.excluded, &expected.excluded)?;
     same(&format!("{what}, masks"), &found.masks, &expected.masks)?;
     same(&format!("{what}, counts"), &found.counts, &expected.counts)?;
     same(&format!("{what}, draws"), &found.draws, &expected.draws)?;

@@ -84,9 +84,15 @@ pub fn facing(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> V
     masks(positions, faces, lights, |sign| sign > 0)
 }
 
-/// Masks of the lights that lie in a face's plane, likewise.
-pub fn coplanar(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
-    masks(positions, faces, lights, |sign| sign == 0)
+/// Masks of the lights for which a face is excluded, likewise: those in its plane, and all where it is not finite.
+pub fn excluded(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+    let mut found = masks(positions, faces, lights, |sign| sign == 0);
+    let is_finite = |face: &[u32; 3]| face.iter().all(|&v| positions[v as usize].iter().all(|c| c.is_finite()));
+    for (lights, masks) in lights.chunks(32).zip(found.chunks_mut(faces.len().max(1))) {
+        let all = (0..lights.len()).fold(0, |all, bit| all | 1 << bit);
+        masks.iter_mut().zip(faces).filter(|(_, face)| !is_finite(face)).for_each(|(mask, _)| *mask = all);
+    }
+    found
 }
 
 fn masks(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light], is_set: fn(i32) -> bool) -> Vec<u32> {

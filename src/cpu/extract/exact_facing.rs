@@ -3,6 +3,7 @@
 use crate::cpu::common::exact_sign::exact_sign;
 use crate::cpu::common::fixed_sign::FixedFace;
 use crate::cpu::common::positions::{is_finite, position};
+use crate::layout::live_bits;
 use crate::light::Light;
 use crate::mesh::is_degenerate;
 
@@ -11,12 +12,15 @@ pub fn exact_facing(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i
     ExactFace::new(a, b, c).sign(light)
 }
 
-/// For each face the lights that lie in its plane: ⌈N/32⌉ planes of one `u32` a face, as facing masks are. Faces that name a
-/// vertex twice or have a corner that is not finite have none.
-pub fn coplanar(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
+/// For each face the lights for which it is excluded: those in its plane, and all lights if it has a corner that is not
+/// finite. ⌈N/32⌉ planes of one `u32` a face, as facing masks are. Other faces that name a vertex twice have none.
+pub fn excluded(positions: &[[f32; 3]], faces: &[[u32; 3]], lights: &[Light]) -> Vec<u32> {
     let mask = |face: &[u32; 3], lights: &[Light]| {
         let [a, b, c] = face.map(|vertex| position(positions, vertex));
-        if is_degenerate(*face) || ![a, b, c].into_iter().all(is_finite) {
+        if ![a, b, c].into_iter().all(is_finite) {
+            return live_bits(lights.len());
+        }
+        if is_degenerate(*face) {
             return 0;
         }
         let exact = ExactFace::new(a, b, c);

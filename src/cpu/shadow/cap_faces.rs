@@ -1,4 +1,4 @@
-//! Cap faces: the vertices of light caps, dark caps, near caps and sides of holes.
+//! Cap faces: the vertices of light caps, dark caps and near caps.
 
 use glam::{Vec2, Vec4, Vec4Swizzles};
 
@@ -6,11 +6,9 @@ use super::shadow::{
     corner, direction_to_clip, dot_3, extrusion, far_end, is_orthographic, light_side, near_plane, on_near_plane,
     parallel_to_near_plane, project_to_near_plane, to_clip,
 };
-use super::sides::{End, side, side_clipped, spans_side};
+use super::sides::End;
 use super::zp_plus_2005::frustum_to_clip;
-use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::{ShadowLight, ShadowView};
-use crate::mesh::is_degenerate;
 
 /// The vertices of a face at its place, in clip space.
 pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
@@ -76,37 +74,4 @@ pub fn near_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<V
 /// The near cap of ZP+ as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
 pub fn zp_plus_2005_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| frustum_to_clip(view, light, position))
-}
-
-/// The edges, in the order of the face, whose sides take back a face that casts nothing but counts as averted among the
-/// silhouettes. A face with one corner that is not finite has the edge between the others. An excluded face has all
-/// three, except those at the light.
-pub fn hole_edges(light: &ShadowLight, positions: &[[f32; 3]], face: [u32; 3], is_excluded: bool) -> Vec<[End; 2]> {
-    let [a, b, c] = face.map(|vertex| (vertex, position(positions, vertex)));
-    if is_degenerate(face) {
-        return Vec::new();
-    }
-    let mut edges = match [a, b, c].map(|(_, position)| is_finite(position)) {
-        [false, true, true] => vec![[b, c]],
-        [true, false, true] => vec![[c, a]],
-        [true, true, false] => vec![[a, b]],
-        [true, true, true] if is_excluded => vec![[a, b], [b, c], [c, a]],
-        _ => Vec::new(),
-    };
-    edges.retain(|&ends| spans_side(light, ends));
-    edges
-}
-
-/// The side of a hole from the ends of one of its [`hole_edges`], in clip space. It is the strip of [`side`], turned over.
-pub fn hole_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Vec4; 5] {
-    let [first, second, first_far, second_far] = side(view, light, ends);
-    [first, first, second, first_far, second_far]
-}
-
-/// The polygon that remains of the side of a hole after clipping at the near plane. It is that of [`side_clipped`] in
-/// reverse order.
-pub fn hole_side_clipped(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> Vec<Vec4> {
-    let mut polygon = side_clipped(view, light, ends);
-    polygon.reverse();
-    polygon
 }

@@ -6,16 +6,16 @@ use crate::cpu::common::positions::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 
-/// Three lists of faces for each light, in the order of the faces: those whose cap counts up on its front, those whose
-/// cap counts up on its back, and excluded faces. `facing` has ⌈N/32⌉ planes of facing masks. `coplanar` has as many
-/// planes of [`coplanar`](crate::cpu::extract::exact_facing::coplanar) masks. The lists leave out faces that name a
-/// vertex twice, or have a missing corner or one that is not finite.
+/// Two lists of faces for each light, in the order of the faces: those whose cap counts up on its front, and those whose
+/// cap counts up on its back. `facing` has ⌈N/32⌉ planes of facing masks. `excluded` has as many planes of
+/// [`excluded`](crate::cpu::extract::exact_facing::excluded) masks. The lists leave out excluded faces, and those that
+/// name a vertex twice, or have a missing corner or one that is not finite.
 pub fn caps(
     view: &ShadowView,
     positions: &[[f32; 3]],
     faces: &[[u32; 3]],
     facing: &[u32],
-    coplanar: &[u32],
+    excluded: &[u32],
     lights: &[ShadowLight],
 ) -> Vec<[Vec<u32>; LISTS]> {
     let mut lists = vec![[const { Vec::new() }; LISTS]; lights.len()];
@@ -25,21 +25,20 @@ pub fn caps(
         if a == b || b == c || c == a || !corners.iter().all(|&corner| is_finite(corner)) {
             continue;
         }
-        let planes = facing.chunks(faces.len()).zip(coplanar.chunks(faces.len()));
+        let planes = facing.chunks(faces.len()).zip(excluded.chunks(faces.len()));
         for ((lights, lists), planes) in lights.chunks(32).zip(lists.chunks_mut(32)).zip(planes) {
             let mask = |plane: &[u32]| plane.get(number as usize).copied().unwrap_or(0);
-            let (facing, coplanar) = (mask(planes.0), mask(planes.1));
+            let (facing, excluded) = (mask(planes.0), mask(planes.1));
             for ((bit, light), lists) in (0..).zip(lights).zip(lists) {
-                let [facing, coplanar] = [facing, coplanar].map(|mask| mask >> bit & 1 != 0);
+                let [facing, excluded] = [facing, excluded].map(|mask| mask >> bit & 1 != 0);
                 let is_needed = match light.counting {
                     COUNT_Z_PASS => light.end != 0.0,
                     COUNT_ZP_PLUS => !misses_pyramid(view, light, &corners),
                     _ => true,
                 };
-                let [front, back, excluded] = lists;
-                if casts(light, facing) && coplanar && light.excludes != 0 {
-                    excluded.push(number);
-                } else if casts(light, facing) && is_needed {
+                let [front, back] = lists;
+                let casts = casts(light, facing) && !(excluded && light.excludes != 0);
+                if casts && is_needed {
                     if cap_class(light, facing) == 0 { front } else { back }.push(number);
                 }
             }

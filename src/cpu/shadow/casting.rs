@@ -9,15 +9,8 @@ pub fn casts(light: &ShadowLight, facing: bool) -> bool {
     light.casting == CAST_EVERY || (light.casting == CAST_AVERTED && !facing)
 }
 
-/// A light has three lists of faces: those of both cap classes, and the excluded ones.
-pub const LISTS: usize = 3;
-/// Excluded faces are few: a light is in few planes.
-const EXCLUDED_CAPACITY: u32 = 1024;
-
-/// Entries that each of a light's lists has room for, where lists of cap faces have room for `capacity`.
-pub fn list_capacities(capacity: u32) -> [u32; LISTS] {
-    [capacity, capacity, capacity.min(EXCLUDED_CAPACITY)]
-}
+/// A light has a list of cap faces for each class.
+pub const LISTS: usize = 2;
 
 /// 0 if the cap counts up where its front is seen, 1 if it does where its back is seen. With ZP+ caps lie on the near
 /// plane. There the front of a face that faces the light is seen if the light is on the eye's side.

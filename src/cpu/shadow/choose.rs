@@ -39,7 +39,7 @@ pub fn choose(
     for (batch, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
         for light in batch {
             choose_light(shape, view, bounds, zeros, light);
-            let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0 || light.excludes != 0;
+            let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0;
             if light.casting != CAST_NOTHING && needs_caps {
                 *dispatch = [shape.cap_groups, 1, 1];
             }
@@ -50,7 +50,7 @@ pub fn choose(
 
 fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, light: &mut ShadowLight) {
     (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
-    (light.holed, light.excludes) = (0, 0);
+    light.excludes = 0;
     let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
     if low_x > high_x {
         return;
@@ -62,9 +62,8 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
         return;
     }
-    light.holed = has_holes;
     let light_is_inside = light_meets(light, caster);
-    light.excludes = u32::from(light_is_inside && zeros);
+    light.excludes = u32::from(has_holes != 0 || (light_is_inside && zeros));
     // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(view, caster) && !light_is_inside;
@@ -76,8 +75,8 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
-        // The published method handles neither holes nor excluded faces.
-        COUNT_ZP_PLUS_2005 if has_holes != 0 || light.excludes != 0 => COUNT_Z_FAIL,
+        // The published method knows no excluded faces.
+        COUNT_ZP_PLUS_2005 if light.excludes != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
     let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);

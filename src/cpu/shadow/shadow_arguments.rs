@@ -2,47 +2,41 @@
 
 use bytemuck::Zeroable as _;
 
-use super::casting::{LISTS, list_capacities};
+use super::casting::LISTS;
 use crate::layout::{DrawArguments, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics};
 use crate::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
-/// The draws of each light, and the statistics. `cap_counts` has the counts of a light's three lists: cap faces of both
-/// classes, and excluded faces.
+/// The draws of each light, and the statistics. `side_counts` has the numbers of a light's sides of weight 1 and 2.
+/// `cap_counts` has the numbers of its cap faces of both classes.
 pub fn shadow_arguments(
     shape: &ShadowShape,
-    silhouette_counts: &[u32],
+    side_counts: &[[u32; 2]],
     cap_counts: &[[u32; LISTS]],
     lights: &[ShadowLight],
 ) -> (Vec<ShadowDraws>, ShadowStatistics) {
     let mut statistics = ShadowStatistics::zeroed();
-    let draws = lights.iter().zip(silhouette_counts).zip(cap_counts).map(|((light, &silhouettes), &counts)| {
+    let draws = lights.iter().zip(side_counts).zip(cap_counts).map(|((light, &[singles, doubles]), &counts)| {
         let is_skipped = light.casting == CAST_NOTHING;
-        let is_doubled = light.casting == CAST_EVERY;
-        let sides = if silhouettes > shape.capacity { shape.edges } else { silhouettes };
-        // A side of weight 2 is drawn twice.
-        let sides = if is_skipped { 0 } else { sides * (1 + u32::from(is_doubled)) };
-        let [front, back, excluded] = if is_skipped { [0; LISTS] } else { counts };
-        let [.., excluded_capacity] = list_capacities(shape.cap_capacity);
-        let has_overflowed = front.max(back) > shape.cap_capacity || excluded > excluded_capacity;
+        let has_overflowed = singles + doubles > shape.side_capacity;
+        // A side of weight 2 is drawn twice. If the list overflowed, every edge is.
+        let sides = match (is_skipped, has_overflowed) {
+            (true, _) => 0,
+            (false, true) => 2 * shape.edges,
+            (false, false) => singles + 2 * doubles,
+        };
+        let [front, back] = if is_skipped { [0; LISTS] } else { counts };
         let has_caps = front + back > 0;
         let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
         statistics.skipped += u32::from(is_skipped);
-        statistics.every_face += u32::from(is_doubled);
+        statistics.every_face += u32::from(light.casting == CAST_EVERY);
         statistics.ended += u32::from(!is_skipped && light.end > 0.0);
         statistics.capped += u32::from(is_clipped || (light.counting == COUNT_ZP_PLUS_2005 && has_caps));
-        statistics.overflowed_caps += u32::from(has_overflowed);
+        statistics.overflowed_caps += u32::from(front.max(back) > shape.cap_capacity);
+        statistics.overflowed_sides += u32::from(!is_skipped && has_overflowed);
         let cap = |vertices: u32, count: u32| {
             arguments(vertices, if count > shape.cap_capacity { shape.faces } else { count })
         };
-        // Sides of holes and of excluded faces count only where every face casts, as it does then. A face has three edges.
-        let hole_faces = if light.holed != 0 || excluded > excluded_capacity { shape.faces } else { excluded };
-        let holes = if is_doubled { 3 * hole_faces } else { 0 };
-        let [plain_holes, clipped_holes] = if is_clipped { [0, holes] } else { [holes, 0] };
-        let none = ShadowDraws {
-            holes: arguments(5, plain_holes),
-            clipped_holes: arguments(6, clipped_holes),
-            ..ShadowDraws::zeroed()
-        };
+        let none = ShadowDraws::zeroed();
         match (shape.counting, light.counting) {
             (COUNT_ZP_PLUS_2005, COUNT_ZP_PLUS_2005) => {
                 ShadowDraws { clipped: arguments(4, 3 * sides), front: cap(3, front), back: cap(3, back), ..none }

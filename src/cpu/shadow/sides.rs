@@ -1,9 +1,9 @@
 //! Sides: the vertices of the quads that extend from silhouette edges away from the light.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use super::shadow::{
-    corner, direction_to_clip, dot_3, extrusion, far_end, on_near_plane, parallel_to_near_plane, project_to_near_plane,
+    corner, direction_to_clip, extrusion, far_end, on_near_plane, parallel_to_near_plane, project_to_near_plane,
     to_clip,
 };
 use super::zp_plus_2005::{counterpart, is_cut};
@@ -11,26 +11,6 @@ use crate::layout::{ShadowLight, ShadowView};
 
 /// An end of an edge: index and position of its vertex.
 pub type End = (u32, [f32; 3]);
-
-/// A light so near to an edge is on it, by the size of the coordinates.
-const ON_EDGE: f32 = 1.0 / (1 << 22) as f32;
-
-/// False where the light lies on the edge, between its ends or at one of them: then its far vertices are opposite to each
-/// other, or one has no direction, and the side has no extent, only what rounding makes of it. Both faces at the edge are
-/// excluded there. NUMERICS.md, "A light exactly on a face".
-pub fn spans_side(light: &ShadowLight, ends: [End; 2]) -> bool {
-    let largest = |v: Vec3| v.abs().max_element();
-    let [a, b] = ends.map(|(_, position)| extrusion(light, position));
-    let sizes = [largest(a), largest(b)];
-    if light.excludes == 0 || sizes.contains(&0.0) {
-        return light.excludes == 0;
-    }
-    let (p, q) = (a / sizes[0], b / sizes[1]);
-    let [x, y, z, w] = light.light;
-    let [first, second] = ends.map(|(_, position)| w * Vec3::from(position).abs());
-    let size = largest(first + second + Vec3::new(x, y, z).abs());
-    largest(p.cross(q)) > ON_EDGE * (size / sizes[0] + size / sizes[1]) || dot_3(p, q) > 0.0
-}
 
 /// The first and the second vertex, and the first and the second far vertex, in clip space.
 pub fn side(view: &ShadowView, light: &ShadowLight, [first, second]: [End; 2]) -> [Vec4; 4] {

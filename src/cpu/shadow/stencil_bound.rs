@@ -22,8 +22,8 @@ pub fn stencil_bound(
         return 0;
     }
     let Some(pencil) = Pencil::new(light, Vec3::from(low), Vec3::from(high)) else { return faces };
-    // No list has the sides of holes.
-    if light.holed != 0 {
+    // Silhouettes do not tell of excluded faces.
+    if light.excludes != 0 {
         return faces;
     }
     let corner =

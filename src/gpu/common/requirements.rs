@@ -123,7 +123,7 @@ pub(crate) const AT_LEAST: [Need; 16] = [
     need!(max_compute_workgroup_storage_size, [1024, 2064, 1024, 0]),
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
     need!(max_uniform_buffers_per_shader_stage, [2, 3, 3, 1]),
-    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 11, 11, 7]),
+    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 10, 11, 7]),
     need!(max_dynamic_uniform_buffers_per_pipeline_layout, [2, 3, 3, 1]),
     need!(max_bind_groups, [1, 2, 1, 1]),
     need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),

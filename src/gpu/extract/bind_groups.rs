@@ -63,13 +63,12 @@ impl BindGroupBuilder<'_> {
                     ("facing_masks", binding(&self.buffers.facing[dispatch.batch], dispatch.bytes(4))),
                     ("record", self.record()),
                 ]);
-                if pass.pipeline.label == EXACT_FACING.name {
-                    let coplanar = self.buffers.coplanar.get(dispatch.batch).map_or_else(
-                        || self.buffers.unused.as_entire_binding(),
-                        |masks| binding(masks, dispatch.bytes(4)),
-                    );
-                    resources.push(("coplanar_masks", coplanar));
-                }
+                let excluded = self
+                    .buffers
+                    .excluded
+                    .get(dispatch.batch)
+                    .map_or_else(|| self.buffers.unused.as_entire_binding(), |masks| binding(masks, dispatch.bytes(4)));
+                resources.push(("excluded_masks", excluded));
             }
             dispatch.offsets = Self::batch_and_chunk(dispatch);
             dispatch.group = Some(pass.pipeline.bind(self.device, &resources));

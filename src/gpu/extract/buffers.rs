@@ -97,8 +97,8 @@ pub(crate) struct Buffers {
     /// For the per-edge method.
     pub(crate) edge_corners: Option<wgpu::Buffer>,
     pub(crate) facing: Vec<wgpu::Buffer>,
-    /// Which lights lie in a face's plane; of exact facing with lists, for shadow volumes.
-    pub(crate) coplanar: Vec<wgpu::Buffer>,
+    /// For which lights a face is excluded; with lists, for shadow volumes.
+    pub(crate) excluded: Vec<wgpu::Buffer>,
     /// Empty, one buffer that all batches share for compaction, or one for each batch if the masks are asked for.
     pub(crate) masks: Vec<wgpu::Buffer>,
     pub(crate) lists: Vec<wgpu::Buffer>,
@@ -132,7 +132,7 @@ impl Buffers {
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
-        let coplanar = if lists > 0 && shape.undecided > 0 { batches } else { 0 };
+        let excluded = if lists > 0 && !per_edge { batches } else { 0 };
         // These buffers are bound whole. All others are bound in chunks or windows.
         let bound_whole = [
             ("places", places_bytes),
@@ -149,7 +149,7 @@ impl Buffers {
         wanted.extend((0..if per_edge { 0 } else { batches }).map(|_| ("facing masks", faces * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<EdgeMasks>() as u64)));
         wanted.extend((0..lists).map(|batch| ("edge lists", list_bytes(batch))));
-        wanted.extend((0..coplanar).map(|_| ("masks of lights in a face's plane", faces * 4)));
+        wanted.extend((0..excluded).map(|_| ("excluded masks", faces * 4)));
         wanted.push(("undecided faces", record_bytes));
         wanted.extend(bound_whole);
         wanted.push(("light batches", (batches * UniformTable::stride::<LightBatch>()) as u64));
@@ -169,7 +169,7 @@ impl Buffers {
             facing: (0..if per_edge { 0 } else { batches })
                 .map(|_| buffer(device, "facing masks", faces * 4, result))
                 .collect(),
-            coplanar: (0..coplanar).map(|_| buffer(device, "coplanar masks", faces * 4, result)).collect(),
+            excluded: (0..excluded).map(|_| buffer(device, "excluded masks", faces * 4, result)).collect(),
             masks: (0..mask_planes)
                 .map(|_| buffer(device, "edge masks", edges * size_of::<EdgeMasks>() as u64, result))
                 .collect(),

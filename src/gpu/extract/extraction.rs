@@ -89,12 +89,6 @@ impl Shared {
         self.encodes.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// For each batch of lights the masks of lights in a face's plane. Where facing is not exact, a buffer that is not read.
-    pub(crate) fn coplanar(&self) -> Vec<wgpu::Buffer> {
-        let Buffers { coplanar, facing, unused, .. } = &self.buffers;
-        if coplanar.is_empty() { vec![unused.clone(); facing.len()] } else { coplanar.clone() }
-    }
-
     pub(crate) fn results(&self) -> ExtractionResults<'_> {
         let Buffers { edge_vertices, edge_faces, facing, masks, lists, counts, draw_arguments, statistics, .. } =
             &self.buffers;

@@ -153,7 +153,7 @@ impl Extractor {
         encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
         encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::batches(lights.len());
-        for masks in buffers.coplanar.iter().take(used) {
+        for masks in buffers.excluded.iter().take(used) {
             encoder.clear_buffer(masks, 0, None);
         }
         // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
@@ -238,11 +238,12 @@ impl Extractor {
         self.shared.results()
     }
 
-    /// For each batch of lights one `u32` a face: the lights in the face's plane, of the last encode once submitted. Empty
-    /// unless facing is exact and lists are made, which shadow volumes need.
+    /// For each batch of lights one `u32` a face: the lights for which the face is excluded, of the last encode once
+    /// submitted. These are the lights in its plane, if facing is exact, and all lights if it has a vertex that is not
+    /// finite. Empty without lists, which shadow volumes need.
     #[cfg(feature = "reference")]
-    pub fn coplanar_masks(&self) -> &[wgpu::Buffer] {
-        &self.shared.buffers.coplanar
+    pub fn excluded_masks(&self) -> &[wgpu::Buffer] {
+        &self.shared.buffers.excluded
     }
 
     /// The state that extractions share.

@@ -4,7 +4,7 @@ use super::errors::ExtractionIncludeError;
 use super::extraction::Shared;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions::{self, PositionBuffer};
+use crate::gpu::common::positions::{self, BoundPositions, PositionBuffer};
 use crate::gpu::common::requirements::check_alive;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::RimlineInfo;
@@ -61,16 +61,7 @@ impl Shared {
         };
         check_alive(device)?;
         let bound = positions.bind(shape.vertices, limits)?;
-        let too_large = |what, bytes| MemoryError::Binding { what, bytes, limit: limits.binding };
-        if bound.windows.words != 0 {
-            let bytes = bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0);
-            return Err(too_large("positions", bytes).into());
-        }
-        for (what, buffer) in [("edge records", results.edge_vertices), ("facing masks", facing)] {
-            if buffer.size() > limits.binding {
-                return Err(too_large(what, buffer.size()).into());
-            }
-        }
+        self.check_single_bindings(&bound)?;
         let mut table = UniformTable::default();
         table.push(&RimlineInfo {
             edges: shape.edges as u32,
@@ -91,6 +82,23 @@ impl Shared {
             results.counts.as_entire_binding(),
         ];
         Ok(positions::bound(device, || group(device, "rimline results", layout, &resources))?)
+    }
+
+    /// Checks that each array that the include and shadow volumes read fits one binding.
+    pub(crate) fn check_single_bindings(&self, bound: &BoundPositions) -> Result<(), MemoryError> {
+        let limit = self.limits.binding;
+        let too_large = |what, bytes| Err(MemoryError::Binding { what, bytes, limit });
+        if bound.windows.words != 0 {
+            return too_large("positions", bound.windows.ranges.iter().map(|range| range.end).max().unwrap_or(0));
+        }
+        let facing = self.buffers.facing.iter().map(|masks| ("facing masks", masks));
+        let arrays = std::iter::once(("edge records", &self.buffers.edge_vertices)).chain(facing);
+        for (what, buffer) in arrays {
+            if buffer.size() > limit {
+                return too_large(what, buffer.size());
+            }
+        }
+        Ok(())
     }
 
     /// Checks that the extractor has what the include reads.

@@ -22,23 +22,20 @@ pub(super) struct Buffers {
     pub(super) cap_counts: wgpu::Buffer,
     /// One for each batch of lights.
     pub(super) cap_lists: Vec<wgpu::Buffer>,
+    /// One for each batch of lights.
+    pub(super) sides: Vec<wgpu::Buffer>,
     pub(super) draws: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
 }
 
-/// Lists of a light, as `casting.wgsl` has them: cap faces of both classes, and excluded faces.
-const LISTS: u64 = 3;
-/// The most entries of the list of excluded faces.
-const EXCLUDED_CAPACITY: u64 = 1024;
+/// Lists of cap faces of a light.
+const LISTS: u64 = 2;
+/// Bytes before the lists of sides of a batch: two counts for each light.
+pub(super) const SIDE_COUNTS: u64 = 4 * 64;
 
-/// Entries of all lists of a light, where lists of cap faces have room for `capacity`.
-fn entries(capacity: u64) -> u64 {
-    2 * capacity + capacity.min(EXCLUDED_CAPACITY)
-}
-
-/// The largest capacity of lists of cap faces with which all lists of a light fit into `entries`.
-fn largest_capacity(entries: u64) -> u64 {
-    if entries < LISTS * EXCLUDED_CAPACITY { entries / LISTS } else { (entries - EXCLUDED_CAPACITY) / 2 }
+/// The largest number of entries of a list of sides for which one binding has room, beside the counts.
+pub(super) fn fitting_sides(lights: usize, split: &DispatchLimits) -> u64 {
+    split.binding.saturating_sub(SIDE_COUNTS) / (4 * lights as u64)
 }
 
 /// The buffers besides the lists of cap faces.
@@ -52,24 +49,36 @@ fn per_light(lights: usize) -> [(&'static str, u64); 3] {
 }
 
 /// The largest number of entries of a list of cap faces for which one binding and the memory limit have room.
-pub(super) fn fitting_capacity(extraction: &Shape, split: &DispatchLimits, memory_limit: Option<u64>) -> usize {
-    let bound = largest_capacity(split.binding / (4 * extraction.batch_lights(0) as u64));
-    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| padded(bytes)).sum();
+pub(super) fn fitting_capacity(
+    extraction: &Shape,
+    split: &DispatchLimits,
+    side_capacity: u32,
+    memory_limit: Option<u64>,
+) -> usize {
+    let bound = split.binding / (4 * LISTS * extraction.batch_lights(0) as u64);
+    let sides = (0..extraction.batches()).map(|batch| side_bytes(extraction, side_capacity, batch));
+    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| bytes).chain(sides).map(padded).sum();
     let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
-    let fitting = bound.min(largest_capacity(left / (4 * extraction.max_lights as u64)));
+    let fitting = bound.min(left / (4 * LISTS * extraction.max_lights as u64));
     usize::try_from(fitting).unwrap_or(usize::MAX)
+}
+
+/// The lists of sides of a batch, and their counts.
+fn side_bytes(extraction: &Shape, side_capacity: u32, batch: usize) -> u64 {
+    SIDE_COUNTS + 4 * u64::from(side_capacity) * extraction.batch_lights(batch) as u64
 }
 
 impl Buffers {
     pub(super) fn new(
         source: &extraction::Shared,
         cap_capacity: usize,
+        side_capacity: u32,
         memory_limit: Option<u64>,
     ) -> Result<Self, MemoryError> {
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let lights = extraction.max_lights as u64;
         let batches = extraction.batches();
-        let list_bytes = |batch: usize| 4 * entries(cap_capacity as u64) * extraction.batch_lights(batch) as u64;
+        let list_bytes = |batch: usize| 4 * LISTS * cap_capacity as u64 * extraction.batch_lights(batch) as u64;
         let widest = list_bytes(0);
         if padded(widest) > split.binding {
             let what = "lists of cap faces";
@@ -77,6 +86,7 @@ impl Buffers {
         }
         let wanted: Vec<Allocation> = (0..batches)
             .map(|batch| ("lists of cap faces", list_bytes(batch)))
+            .chain((0..batches).map(|batch| ("lists of sides", side_bytes(extraction, side_capacity, batch))))
             .chain(per_light(extraction.max_lights))
             .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
             .collect();
@@ -97,6 +107,9 @@ impl Buffers {
             cap_dispatches: buffer(device, "cap dispatches", 12 * batches as u64, storage | BufferUsages::INDIRECT),
             cap_counts: buffer(device, "cap counts", 4 * LISTS * lights, storage),
             cap_lists: (0..batches).map(|batch| buffer(device, "cap faces", list_bytes(batch), storage)).collect(),
+            sides: (0..batches)
+                .map(|batch| buffer(device, "sides", side_bytes(extraction, side_capacity, batch), storage))
+                .collect(),
             draws: buffer(
                 device,
                 "shadow draws",

@@ -1,4 +1,5 @@
-//! The compute passes before the draws: `bounds`, `choose`, `caps`, `shadow_arguments`, and two optional ones.
+//! The compute passes before the draws: `bounds`, `choose`, `caps`, `list_sides`, `shadow_arguments`, and two optional
+//! ones.
 
 use super::buffers::Buffers;
 use super::options::ShadowOptions;
@@ -10,7 +11,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::results::ExtractionResults;
 use crate::layout::ShadowDraw;
-use crate::stages::{BOUNDS, CAPS, CHOOSE, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
+use crate::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
 
 /// Pipelines and bind groups of these stages.
 #[derive(Debug)]
@@ -22,9 +23,13 @@ pub(super) struct Choice {
     /// Only if the caller asks for it.
     stencil_bound: Option<Pipeline>,
     caps: Pipeline,
+    list_sides: Pipeline,
     arguments: Pipeline,
     choose_group: wgpu::BindGroup,
-    arguments_group: wgpu::BindGroup,
+    /// One for each batch of lights.
+    side_groups: Vec<wgpu::BindGroup>,
+    /// One for each batch of lights.
+    arguments_groups: Vec<wgpu::BindGroup>,
     /// Made for the current positions.
     position_groups: Option<PositionGroups>,
 }
@@ -45,6 +50,8 @@ struct PositionGroups {
 pub(super) struct Groups {
     pub(super) bounds: u32,
     pub(super) lights: u32,
+    /// For each light.
+    pub(super) sides: u32,
 }
 
 impl Choice {
@@ -52,6 +59,7 @@ impl Choice {
         pipelines: &Pipelines,
         buffers: &Buffers,
         results: &ExtractionResults<'_>,
+        excluded: &[wgpu::Buffer],
         counting: Counting,
         options: ShadowOptions,
     ) -> Self {
@@ -71,26 +79,52 @@ impl Choice {
                 ("extraction_statistics", whole(results.statistics)),
             ],
         );
-        let arguments_group = arguments.bind(
-            device,
-            &[
-                ("shape", whole(&buffers.shape)),
-                ("silhouette_counts", whole(results.counts)),
-                ("cap_counts", whole(&buffers.cap_counts)),
-                ("shadow_lights", whole(&buffers.lights)),
-                ("shadow_draws", whole(&buffers.draws)),
-                ("shadow_statistics", whole(&buffers.statistics)),
-            ],
-        );
+        let draw = || binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64);
+        let list_sides = pipeline(&LIST_SIDES);
+        let per_batch = results.facing.iter().zip(excluded).zip(results.lists).zip(&buffers.sides);
+        let side_groups = per_batch.map(|(((facing, excluded), silhouettes), sides)| {
+            list_sides.bind(
+                device,
+                &[
+                    ("shape", whole(&buffers.shape)),
+                    ("draw", draw()),
+                    ("silhouette_counts", whole(results.counts)),
+                    ("silhouettes", whole(silhouettes)),
+                    ("edge_faces", whole(results.edge_faces)),
+                    ("facing_masks", whole(facing)),
+                    ("excluded_masks", whole(excluded)),
+                    ("shadow_lights", whole(&buffers.lights)),
+                    ("sides", whole(sides)),
+                ],
+            )
+        });
+        let side_groups = side_groups.collect();
+        let arguments_groups = buffers.sides.iter().map(|sides| {
+            arguments.bind(
+                device,
+                &[
+                    ("shape", whole(&buffers.shape)),
+                    ("draw", draw()),
+                    ("sides", whole(sides)),
+                    ("cap_counts", whole(&buffers.cap_counts)),
+                    ("shadow_lights", whole(&buffers.lights)),
+                    ("shadow_draws", whole(&buffers.draws)),
+                    ("shadow_statistics", whole(&buffers.statistics)),
+                ],
+            )
+        });
+        let arguments_groups = arguments_groups.collect();
         Self {
             bounds: pipeline(&BOUNDS),
             zp_plus_2005_cases: counting.is_zp_plus_2005().then(|| pipeline(&ZP_PLUS_2005_CASES)),
             stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND)),
             caps: pipeline(&CAPS),
             choose,
+            list_sides,
             arguments,
             choose_group,
-            arguments_group,
+            side_groups,
+            arguments_groups,
             position_groups: None,
         }
     }
@@ -101,7 +135,7 @@ impl Choice {
         device: &wgpu::Device,
         buffers: &Buffers,
         results: &ExtractionResults<'_>,
-        coplanar: &[wgpu::Buffer],
+        excluded: &[wgpu::Buffer],
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
@@ -116,7 +150,7 @@ impl Choice {
                 ("box", whole(&buffers.bounds)),
             ],
         );
-        let caps = results.facing.iter().zip(coplanar).zip(&buffers.cap_lists).map(|((facing, coplanar), list)| {
+        let caps = results.facing.iter().zip(excluded).zip(&buffers.cap_lists).map(|((facing, excluded), list)| {
             self.caps.bind(
                 device,
                 &[
@@ -129,7 +163,7 @@ impl Choice {
                     ("shadow_lights", whole(&buffers.lights)),
                     ("cap_counts", whole(&buffers.cap_counts)),
                     ("cap_list", whole(list)),
-                    ("coplanar_masks", whole(coplanar)),
+                    ("excluded_masks", whole(excluded)),
                 ],
             )
         });
@@ -220,9 +254,17 @@ impl Choice {
             pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * batch as u64);
         }
         drop(pass);
+        let mut pass = begin(encoder, &self.list_sides, timer.as_deref_mut());
+        for (batch, group) in self.side_groups.iter().enumerate().take(batches) {
+            pass.set_bind_group(0, group, &[0, first_light(batch)]);
+            pass.dispatch_workgroups(groups.sides, (lights - 32 * batch).min(32) as u32, 1);
+        }
+        drop(pass);
         let mut pass = begin(encoder, &self.arguments, timer);
-        pass.set_bind_group(0, &self.arguments_group, &[0]);
-        pass.dispatch_workgroups(groups.lights, 1, 1);
+        for (batch, group) in self.arguments_groups.iter().enumerate().take(batches) {
+            pass.set_bind_group(0, group, &[0, first_light(batch)]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
     }
 }
 

@@ -10,8 +10,8 @@ use crate::layout::{DrawArguments, ShadowDraw, ShadowDraws};
 pub(super) struct DrawGroups {
     /// Camera and lights.
     pub(super) frame: wgpu::BindGroup,
-    /// The results of the extraction, one for each batch of lights.
-    pub(super) results: Vec<wgpu::BindGroup>,
+    /// Edges and the lists of sides, one for each batch of lights.
+    pub(super) sides: Vec<wgpu::BindGroup>,
     /// Faces and their lists, one for each batch of lights.
     pub(super) caps: Vec<wgpu::BindGroup>,
 }
@@ -29,8 +29,6 @@ const CAPS: u64 = 2;
 const SWITCHED: u64 = 4;
 /// The first of the two lists of their cap faces, or of the dark caps of z-pass.
 const FAR_CAPS: u64 = 5;
-const HOLES: u64 = 7;
-const CLIPPED_HOLES: u64 = 8;
 
 impl DrawGroups {
     /// Draws the shadow volume of `light`.
@@ -42,7 +40,7 @@ impl DrawGroups {
         light: usize,
         may_end: bool,
     ) {
-        let (Some(results), Some(caps)) = (self.results.get(light / 32), self.caps.get(light / 32)) else { return };
+        let (Some(sides), Some(caps)) = (self.sides.get(light / 32), self.caps.get(light / 32)) else { return };
         let draws = &buffers.draws;
         let uniform = (light * UniformTable::stride::<ShadowDraw>()) as u32;
         pass.set_bind_group(0, &self.frame, &[uniform]);
@@ -52,22 +50,18 @@ impl DrawGroups {
                 pass.set_pipeline(pipeline);
                 pass.draw_indirect(draws, offset(light, CAPS + class));
             }
-            if let Some(hole) = &pipelines.clipped_hole {
-                pass.set_pipeline(hole);
-                pass.draw_indirect(draws, offset(light, CLIPPED_HOLES));
-            }
-            pass.set_bind_group(1, results, &[]);
+            pass.set_bind_group(1, sides, &[]);
             pass.set_pipeline(clipped);
             pass.draw_indirect(draws, offset(light, CLIPPED));
         }
-        if let Some((sides, near_caps)) = &pipelines.zp_plus_2005 {
+        if let Some((side, near_caps)) = &pipelines.zp_plus_2005 {
             pass.set_bind_group(1, caps, &[]);
             for (class, pipeline) in (0..).zip(near_caps) {
                 pass.set_pipeline(pipeline);
                 pass.draw_indirect(draws, offset(light, CAPS + class));
             }
-            pass.set_bind_group(1, results, &[]);
-            pass.set_pipeline(sides);
+            pass.set_bind_group(1, sides, &[]);
+            pass.set_pipeline(side);
             pass.draw_indirect(draws, offset(light, CLIPPED));
         }
         if let Some(ends) = pipelines.ends.as_ref().filter(|_| may_end) {
@@ -87,10 +81,7 @@ impl DrawGroups {
                 }
             }
         }
-        pass.set_bind_group(1, caps, &[]);
-        pass.set_pipeline(&pipelines.hole);
-        pass.draw_indirect(draws, offset(light, HOLES));
-        pass.set_bind_group(1, results, &[]);
+        pass.set_bind_group(1, sides, &[]);
         pass.set_pipeline(&pipelines.side);
         pass.draw_indirect(draws, offset(light, side_kind));
     }

@@ -6,7 +6,6 @@ use super::format::{Count, ShadowFormat, ShadowFormatError, VolumeKey};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
-use crate::gpu::extract::include::{include_wgsl, results_entries};
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
 
@@ -15,8 +14,8 @@ use crate::stages::{CAP_FACES, SIDES, Stage};
 pub(super) struct Layouts {
     /// Camera and lights.
     pub(super) frame: wgpu::BindGroupLayout,
-    /// The results of the extraction.
-    pub(super) results: wgpu::BindGroupLayout,
+    /// Edges and the lists of sides.
+    pub(super) side_data: wgpu::BindGroupLayout,
     /// Faces and their lists.
     pub(super) cap_data: wgpu::BindGroupLayout,
 }
@@ -46,10 +45,6 @@ pub struct ShadowPipelines {
     pub(super) layouts: Layouts,
     /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
     pub(super) side: wgpu::RenderPipeline,
-    /// Sides of holes, for the same methods.
-    pub(super) hole: wgpu::RenderPipeline,
-    /// Clipped sides of holes, with ZP+.
-    pub(super) clipped_hole: Option<wgpu::RenderPipeline>,
     /// Clipped sides with ZP+, and the near caps that count up on their front and on their back.
     pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// Dark caps of volumes that end, with z-pass: one for each list.
@@ -94,9 +89,9 @@ impl ShadowPipelines {
             min_binding_size: None,
         };
         let frame = shared.layout("shadow frame", entries(&[uniform(false), storage, uniform(true), storage]));
-        let results = shared.layout("rimline results", results_entries(wgpu::ShaderStages::VERTEX));
+        let side_data = shared.layout("shadow sides", entries(&[storage; 6]));
         let cap_data = shared.layout("shadow caps", entries(&[storage; 6]));
-        let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &results] };
+        let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &side_data] };
         let caps = Maker { shared: &shared, format, stage: &CAP_FACES, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
         let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
@@ -108,14 +103,12 @@ impl ShadowPipelines {
         Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, count, false),
-            hole: caps.pipeline("hole_side", 0, count, false),
-            clipped_hole: is_clipped.then(|| caps.pipeline("hole_side_clipped", 0, Count::Visible, false)),
             clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
             zp_plus_2005: is_zp_plus_2005
                 .then(|| (sides.pipeline("zp_plus_2005_side", 0, Count::Visible, false), near("zp_plus_2005_cap"))),
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
-            layouts: Layouts { frame, results, cap_data },
+            layouts: Layouts { frame, side_data, cap_data },
             shared,
         }
     }
@@ -188,8 +181,7 @@ impl Maker<'_> {
         let &VolumeKey { entry_point, class, count, turned, ref format } = key;
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
-        let further = if is_caps { String::new() } else { include_wgsl(1) };
-        let module = self.shared.module(stage.name, &format!("{}\n{further}", stage.wgsl()));
+        let module = self.shared.module(stage.name, &stage.wgsl());
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(stage.name),
             bind_group_layouts: &self.groups.map(Some),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::buffers::{Buffers, fitting_capacity};
+use super::buffers::{Buffers, SIDE_COUNTS, fitting_capacity, fitting_sides};
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
@@ -17,6 +17,7 @@ use crate::gpu::common::positions;
 use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
+use crate::gpu::extract::errors::ExtractionIncludeError;
 use crate::gpu::extract::extraction::{Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
 use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
@@ -117,11 +118,13 @@ impl ShadowVolumes {
         source.check_include()?;
         let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
         let face_count = extraction.faces;
+        let fitting = u32::try_from(fitting_sides(extraction.batch_lights(0), split)).unwrap_or(u32::MAX);
+        let side_capacity = extraction.capacity.min(fitting);
         let lists_all = options.end_at_range || pipelines.counting().may_fail();
         let cap_capacity = options.cap_capacity.map_or_else(
             || {
                 let wanted = if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() };
-                wanted.min(fitting_capacity(extraction, split, options.memory_limit))
+                wanted.min(fitting_capacity(extraction, split, side_capacity, options.memory_limit))
             },
             |capacity| capacity as usize,
         );
@@ -141,13 +144,24 @@ impl ShadowVolumes {
             position_stride: 0,
             cap_groups: most(face_count.div_ceil(WORKGROUP as usize)),
             end_at_range: u32::from(options.end_at_range),
+            side_capacity,
+            reserved_0: 0,
+            reserved_1: 0,
+            reserved_2: 0,
         };
         if source.buffers.faces.size() > split.binding {
             let (bytes, limit) = (source.buffers.faces.size(), split.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let buffers = Buffers::new(source, cap_capacity, options.memory_limit)?;
-        let choice = Choice::new(pipelines.shared(), &buffers, &source.results(), pipelines.counting(), options);
+        let buffers = Buffers::new(source, cap_capacity, side_capacity, options.memory_limit)?;
+        let choice = Choice::new(
+            pipelines.shared(),
+            &buffers,
+            &source.results(),
+            &source.buffers.excluded,
+            pipelines.counting(),
+            options,
+        );
         let shared = Shared::new(Arc::clone(source), buffers, pipelines, options.end_at_range);
         Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
@@ -188,6 +202,9 @@ impl ShadowVolumes {
         upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]))?;
         upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(batches)))?;
         encoder.clear_buffer(&buffers.cap_counts, 0, None);
+        for sides in buffers.sides.iter().take(batches) {
+            encoder.clear_buffer(sides, 0, Some(SIDE_COUNTS));
+        }
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         if !lights.is_empty() {
@@ -196,6 +213,8 @@ impl ShadowVolumes {
             let groups = Groups {
                 bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
                 lights: (lights.len() as u32).div_ceil(64).min(most),
+                // An invocation takes some sixteen sides of a list that is full.
+                sides: self.shape.side_capacity.div_ceil(16 * 64).clamp(1, 256).min(most),
             };
             self.choice.record(encoder, buffers, groups, lights.len(), timer);
         }
@@ -251,13 +270,11 @@ impl ShadowVolumes {
         let Shared { buffers, source, layouts, .. } = &*self.shared;
         let (device, results) = (source.device(), source.results());
         let place = extraction.positions();
-        let groups = (0..results.facing.len())
-            .map(|batch| source.include_group(&layouts.results, batch, place))
-            .collect::<Result<Vec<_>, _>>()?;
         let bound = extraction.bound()?;
-        let coplanar = source.coplanar();
+        source.check_single_bindings(&bound).map_err(ExtractionIncludeError::from)?;
+        let excluded = &source.buffers.excluded;
         positions::bound(device, || {
-            self.choice.bind_positions(device, buffers, &results, &coplanar, place.buffer, &bound);
+            self.choice.bind_positions(device, buffers, &results, excluded, place.buffer, &bound);
         })?;
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
@@ -273,11 +290,16 @@ impl ShadowVolumes {
             ],
         );
         let placed = bound.first_binding(place.buffer);
-        let caps = results.facing.iter().zip(&coplanar).zip(&buffers.cap_lists).map(|((facing, coplanar), list)| {
+        let per_batch = || results.facing.iter().zip(excluded);
+        let caps = per_batch().zip(&buffers.cap_lists).map(|((facing, excluded), list)| {
             let [faces, facing, counts] = [&buffers.faces, facing, &buffers.cap_counts].map(whole);
-            group(&layouts.cap_data, &[placed.clone(), faces, facing, counts, whole(list), whole(coplanar)])
+            group(&layouts.cap_data, &[placed.clone(), faces, facing, counts, whole(list), whole(excluded)])
         });
-        let groups = Arc::new(DrawGroups { frame, results: groups, caps: caps.collect() });
+        let sides = per_batch().zip(&buffers.sides).map(|((facing, excluded), sides)| {
+            let [vertices, faces] = [results.edge_vertices, results.edge_faces].map(whole);
+            group(&layouts.side_data, &[placed.clone(), vertices, faces, whole(facing), whole(excluded), whole(sides)])
+        });
+        let groups = Arc::new(DrawGroups { frame, sides: sides.collect(), caps: caps.collect() });
         self.bound = Some((extraction.place.clone(), Arc::clone(&groups)));
         Ok(groups)
     }

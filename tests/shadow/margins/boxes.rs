@@ -24,6 +24,10 @@ const CLOSED: ShadowShape = ShadowShape {
     position_stride: 0,
     cap_groups: 1,
     end_at_range: 0,
+    side_capacity: 0,
+    reserved_0: 0,
+    reserved_1: 0,
+    reserved_2: 0,
 };
 
 /// A closed cube's faces with these lowest and highest corners.

@@ -189,17 +189,9 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
-        name: "excluded faces: their lists are half as long",
-        changes: &[
-            ("wgsl/shadow/casting.wgsl", "EXCLUDED_CAPACITY: u32 = 1024u;", "EXCLUDED_CAPACITY: u32 = 512u;"),
-            ("src/cpu/shadow/casting.rs", "EXCLUDED_CAPACITY: u32 = 1024;", "EXCLUDED_CAPACITY: u32 = 512;"),
-        ],
-        tests: &["--test shadow_gpu"],
-    },
-    Mutation {
         name: "excluded faces: lights in their plane are not marked",
         changes: &[
-            ("wgsl/extract/exact_facing.wgsl", "coplanar_masks[face] = signs.coplanar;", "coplanar_masks[face] = 0u;"),
+            ("wgsl/extract/exact_facing.wgsl", "excluded_masks[face] = signs.excluded;", "excluded_masks[face] = 0u;"),
             (
                 "src/cpu/extract/exact_facing.rs",
                 "exact.sign(light.to_array()) == 0)",
@@ -209,22 +201,42 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: &["--test shadow_gpu"],
     },
     Mutation {
-        name: "excluded faces: one side of three is taken back",
+        name: "excluded faces: they are left out of averted faces, and count as averted elsewhere",
         changes: &[
-            ("wgsl/shadow/shadow_arguments.wgsl", "3u * hole_faces", "hole_faces"),
-            ("src/cpu/shadow/shadow_arguments.rs", "{ 3 * hole_faces }", "{ hole_faces }"),
+            (
+                "wgsl/shadow/multiplicity.wgsl",
+                "return select(select(-1, 1, facing), 0, excluded);",
+                "return select(-1, 1, facing);",
+            ),
+            (
+                "src/cpu/shadow/multiplicity.rs",
+                "EdgeFace { excluded: true, .. } => 0_i32,",
+                "EdgeFace { excluded: true, .. } => -1_i32,",
+            ),
         ],
         tests: &["--test shadow_gpu"],
     },
     Mutation {
-        name: "sides: an edge that the light is on has a side",
+        name: "excluded faces: their bits are not heeded for casters with holes",
         changes: &[
-            ("wgsl/shadow/side_vertices.wgsl", "if (light.excludes == 0u) {", "if (true) {"),
             (
-                "src/cpu/shadow/sides.rs",
-                "if light.excludes == 0 || sizes.contains(&0.0) {\n        return light.excludes == 0;",
-                "if sizes.len() == 2 {\n        return true;",
+                "wgsl/shadow/choose.wgsl",
+                "select(0u, 1u, has_holes || (light_is_inside",
+                "select(0u, 1u, (light_is_inside",
             ),
+            (
+                "src/cpu/shadow/choose.rs",
+                "u32::from(has_holes != 0 || (light_is_inside && zeros))",
+                "u32::from(light_is_inside && zeros)",
+            ),
+        ],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "sides: those of weight 2 are wound the other way",
+        changes: &[
+            ("wgsl/shadow/multiplicity.wgsl", "multiplicity > 0);", "multiplicity > 0 && multiplicity < 2);"),
+            ("src/cpu/shadow/multiplicity.rs", "multiplicity > 0)", "multiplicity == 1)"),
         ],
         tests: &["--test shadow_gpu"],
     },

@@ -6,7 +6,6 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
-use crate::gpu::include_wgsl;
 use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage, plain_deform_wgsl};
 
 /// Limits by name.
@@ -97,8 +96,7 @@ fn needed(wanted: Subject) -> Found {
         reflect(&mut found, &wgsl, false);
     }
     for stage in [&SIDES, &CAP_FACES].into_iter().filter(|stage| subject(stage) == wanted) {
-        let include = if *stage == SIDES { include_wgsl(1) } else { String::new() };
-        reflect(&mut found, &format!("{}\n{include}", stage.wgsl()), true);
+        reflect(&mut found, &stage.wgsl(), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();
     // Bindings are cut to multiples of the alignment of offsets, so this is the smallest useful size.
