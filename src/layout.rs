@@ -223,29 +223,65 @@ shared_structs! {
         position_stride: u32,
     }
 
-    /// A camera, as the stages of shadow volumes see it.
+    /// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the
+    /// buffers of the mesh.
+    struct SceneCaster {
+        /// Row x of the matrix from mesh space to world space.
+        row_0: [f32; 4],
+        /// Row y.
+        row_1: [f32; 4],
+        /// Row z.
+        row_2: [f32; 4],
+        /// Lowest corner of the box of the finite faces, in mesh space. Low is above high if there is none.
+        low: [f32; 3],
+        /// At most the smallest factor by which the matrix scales a length.
+        scale: f32,
+        /// Highest corner of the box.
+        high: [f32; 3],
+        /// Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its
+        /// mesh space and the box is known; 8 a face is not finite.
+        flags: u32,
+        /// First face slot, a multiple of 32.
+        first_face_slot: u32,
+        /// Number of faces.
+        faces: u32,
+        /// First face in the page.
+        first_face: u32,
+        /// Word of vertex 0 in the bound positions.
+        position_offset: u32,
+        /// First edge slot, a multiple of 32.
+        first_edge_slot: u32,
+        /// Number of edge records.
+        edges: u32,
+        /// First edge record in the page.
+        first_edge: u32,
+        /// Words from one vertex to the next.
+        position_stride: u32,
+        /// 0.
+        reserved: [u32; 4],
+    }
+
+    /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
     struct ShadowView {
-        /// Columns of the matrix that maps positions less `origin` to clip space.
+        /// Columns of the matrix that maps the camera's frame to clip space.
         view_projection: [[f32; 4]; 4],
-        /// The near plane. Its product with (position − origin, 1) is the height over the plane.
+        /// The near plane. Its product with (place, 1) is the height over the plane.
         near_plane: [f32; 4],
-        /// The point that positions are relative to.
-        origin: [f32; 3],
+        /// Rows of the matrix from positions to the camera's frame.
+        placement: [[f32; 4]; 3],
+        /// Lowest corner of the box of the near rectangle, in the camera's frame.
+        near_min: [f32; 3],
         /// Clip w of points on the near plane.
         near_w: f32,
-        /// Lowest corner of the box of the near rectangle.
-        near_min: [f32; 3],
-        /// z / w of points on the near plane.
-        near_z: f32,
         /// Highest corner of the box of the near rectangle.
         near_max: [f32; 3],
-        /// 0.
-        reserved: u32,
+        /// z / w of points on the near plane.
+        near_z: f32,
     }
 
     /// A light, and what the GPU chose for it and a caster.
     struct ShadowLight {
-        /// The homogeneous light, scaled so that w is 0 or a power of two.
+        /// The homogeneous light, in the space of the positions, scaled so that w is 0 or a power of two.
         light: [f32; 4],
         /// The light in clip space.
         clip: [f32; 4],
@@ -265,8 +301,8 @@ shared_structs! {
         end: f32,
         /// 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
         excludes: u32,
-        /// 0.
-        reserved: u32,
+        /// The light as given times this is the homogeneous light.
+        scale: f32,
         /// Row x of the matrix of that frustum. It maps (position − origin, 1).
         frustum_x: [f32; 4],
         /// Row y.
@@ -275,41 +311,58 @@ shared_structs! {
         frustum_w: [f32; 4],
     }
 
-    /// A caster, and the caller's options for its volumes.
+    /// A light and a camera, with 512 bytes: bindings begin at multiples of 256.
+    struct SeenLight {
+        /// The camera.
+        view: ShadowView,
+        /// The light.
+        light: ShadowLight,
+        /// 0.
+        reserved: [[u32; 4]; 15],
+    }
+
+    /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
-        /// Number of lights.
+        /// Casters in the table.
+        casters: u32,
+        /// Lights of all batches.
         lights: u32,
-        /// Faces of the mesh.
+        /// Batches of lights.
+        batches: u32,
+        /// Slots of faces.
         faces: u32,
-        /// Edge records of the mesh.
+        /// Slots of edge records.
         edges: u32,
         /// Entries that the list of silhouettes of each light has room for.
         capacity: u32,
-        /// Entries that each list of cap faces has room for.
-        cap_capacity: u32,
-        /// 1: averted faces may cast. The caster is closed and consistently oriented, and the caller did not ask for
-        /// every face.
+        /// Entries that the two lists of sides of each light have room for together.
+        side_capacity: u32,
+        /// Entries that the two lists of near caps of each light have room for together.
+        near_capacity: u32,
+        /// Entries that the two lists of other caps of each light have room for together.
+        far_capacity: u32,
+        /// 1: averted faces may cast, of casters that are closed. The caller did not ask for every face.
         averted: u32,
         /// The counting method that was asked for: 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
         counting: u32,
-        /// 1: skip the caster where the camera cannot see its shadow.
+        /// 1: skip casters where the camera cannot see their shadow.
         skip_unseen: u32,
-        /// Word of vertex 0 in the bound positions.
-        position_offset: u32,
-        /// Words from one vertex to the next.
-        position_stride: u32,
-        /// Workgroups of the caps stage.
-        cap_groups: u32,
         /// 1: volumes end at the range of their light.
         end_at_range: u32,
-        /// Entries that each list of sides has room for.
-        side_capacity: u32,
+        /// Where choices begin in the table, in units of 16 bytes.
+        choices_at: u32,
+        /// Where measures begin.
+        measures_at: u32,
+        /// Where the lights of casters begin.
+        lights_at: u32,
+        /// Where the casters of the chunks of face slots begin.
+        face_chunks_at: u32,
+        /// Where the casters of the chunks of edge slots begin.
+        edge_chunks_at: u32,
+        /// Views.
+        views: u32,
         /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
-        /// 0.
-        reserved_2: u32,
+        reserved: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -318,32 +371,30 @@ shared_structs! {
         light: u32,
         /// First light of its batch.
         first_light: u32,
+        /// The view.
+        view: u32,
         /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
+        reserved: u32,
     }
 
     /// The draws of one light's shadow volume.
     struct ShadowDraws {
         /// Sides that are not clipped.
         plain: DrawArguments,
-        /// Sides clipped at the near plane.
+        /// Sides clipped at the near plane, or sides of ZP+ as published.
         clipped: DrawArguments,
-        /// Caps that count up on their front.
-        front: DrawArguments,
-        /// Caps that count up on their back.
-        back: DrawArguments,
-        /// Sides that ZP+ as published leaves to z-fail.
-        switched: DrawArguments,
-        /// Light and dark caps of the first list of cap faces, for these sides. With z-pass, the dark caps of a volume
-        /// that ends.
+        /// Near caps that count up on their front.
+        near_front: DrawArguments,
+        /// Near caps that count up on their back.
+        near_back: DrawArguments,
+        /// Light and dark caps of z-fail, of faces that count up on their front. With z-pass, the dark caps of volumes that
+        /// end.
         far_front: DrawArguments,
-        /// The same caps of the second list.
+        /// The same of faces that count up on their back.
         far_back: DrawArguments,
     }
 
-    /// Statistics of an encode of shadow volumes. All but `count_bound` count lights.
+    /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
     struct ShadowStatistics {
         /// Lights for which the caster is skipped: it is out of range, or its shadow out of sight.
         skipped: u32,

@@ -94,8 +94,9 @@ pub mod cpu {
     pub use crate::cpu::shadow::bounds::bounds;
     pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, zp_plus_2005_cap};
     pub use crate::cpu::shadow::caps::caps;
-    pub use crate::cpu::shadow::casting::{LISTS, cap_class, casts};
+    pub use crate::cpu::shadow::casting::{LISTS, cap_class, cap_kind, casts};
     pub use crate::cpu::shadow::choose::choose;
+    pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
     pub use crate::cpu::shadow::list_sides::list_sides;
     pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::shadow::{

@@ -201,22 +201,22 @@ impl ShadowCamera {
         let (mut near_min, mut near_max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let corner = inverse * (DVec4::new(x, y, near_z, 1.0) * near_w);
-            let place = corner.truncate() / corner.w + origin.as_dvec3();
+            let place = corner.truncate() / corner.w;
             near_min = near_min.min(place);
             near_max = near_max.max(place);
         }
         if !near_min.is_finite() || !near_max.is_finite() {
             return Err(CameraError::Singular);
         }
+        let [x, y, z] = self.origin;
         Ok(ShadowView {
             view_projection: self.view_projection,
             near_plane: plane.as_vec4().to_array(),
-            origin: self.origin,
-            near_w: near_w as f32,
+            placement: [[1.0, 0.0, 0.0, -x], [0.0, 1.0, 0.0, -y], [0.0, 0.0, 1.0, -z]],
             near_min: near_min.as_vec3().to_array(),
-            near_z: near_z as f32,
+            near_w: near_w as f32,
             near_max: near_max.as_vec3().to_array(),
-            reserved: 0,
+            near_z: near_z as f32,
         })
     }
 
@@ -229,7 +229,8 @@ impl ShadowCamera {
         let mantissa = if given[3] == 0.0 { 1.0 } else { given[3].abs() / power_of_two_below(given[3]) };
         let given = given.map(|c| c / mantissa);
         let largest = given.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
-        let scaled = given.map(|c| c * power_of_two_below(largest).recip());
+        let scale = power_of_two_below(largest).recip();
+        let scaled = given.map(|c| c * scale);
         // The shaders see the values that f32 holds.
         let light = scaled.map(|c| c as f32);
         let [x, y, z, w] = light.map(f64::from);
@@ -249,6 +250,7 @@ impl ShadowCamera {
             frustum_w: frustum(3),
             height: height as f32,
             range: if range.is_finite() { range } else { 0.0 },
+            scale: (scale / mantissa) as f32,
             ..bytemuck::Zeroable::zeroed()
         }
     }
@@ -364,7 +366,9 @@ mod tests {
             let moved = ShadowCamera { origin: [100.0, -20.0, 3.0], ..camera };
             let (view, moved_view) = (camera.view().expect("good"), moved.view().expect("good"));
             for axis in 0..3 {
-                assert_eq!(moved_view.near_min[axis], view.near_min[axis] + moved.origin[axis]);
+                // The near rectangle is in the camera's frame.
+                assert_eq!(moved_view.near_min[axis], view.near_min[axis]);
+                assert_eq!(moved_view.placement[axis][3], -moved.origin[axis]);
             }
             let at = |place: Vec3| Light::point(place.to_array());
             let light = camera.light(&view, at(Vec3::new(1.0, 2.0, -3.0)));

@@ -59,13 +59,13 @@ pub const ARGUMENTS: Stage =
 /// Computes the bounding box of a caster.
 pub const BOUNDS: Stage = Stage {
     name: "bounds",
-    files: files!["common/common", "shadow/shadow", "shadow/caster", "shadow/bounds"],
+    files: files!["common/common", "shadow/shadow", "shadow/caster", "shadow/positions", "shadow/bounds"],
     entry_points: &["bounds"],
 };
 /// Chooses the faces that cast and the counting method.
 pub const CHOOSE: Stage = Stage {
     name: "choose",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/choose"],
+    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/caster", "shadow/choose"],
     entry_points: &["choose"],
 };
 /// Finds the lights for which ZP+ as published changes to z-fail.
@@ -76,6 +76,7 @@ pub const ZP_PLUS_2005_CASES: Stage = Stage {
         "shadow/shadow",
         "shadow/zp_plus_2005",
         "shadow/caster",
+        "shadow/positions",
         "shadow/zp_plus_2005_cases"
     ],
     entry_points: &["zp_plus_2005_cases"],
@@ -83,25 +84,49 @@ pub const ZP_PLUS_2005_CASES: Stage = Stage {
 /// Computes an upper bound of the stencil counts.
 pub const STENCIL_BOUND: Stage = Stage {
     name: "stencil_bound",
-    files: files!["common/common", "shadow/shadow", "shadow/caster", "shadow/stencil_bound"],
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/caster",
+        "shadow/positions",
+        "shadow/chosen",
+        "shadow/side_lists",
+        "shadow/stencil_bound"
+    ],
     entry_points: &["stencil_bound"],
 };
 /// Lists the faces that caps are drawn from.
 pub const CAPS: Stage = Stage {
     name: "caps",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/casting", "shadow/caster", "shadow/caps"],
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/pyramid",
+        "shadow/casting",
+        "shadow/caster",
+        "shadow/positions",
+        "shadow/caps"
+    ],
     entry_points: &["caps"],
 };
 /// Computes the indirect draw arguments of shadow volumes.
 pub const SHADOW_ARGUMENTS: Stage = Stage {
     name: "shadow_arguments",
-    files: files!["common/common", "shadow/shadow", "shadow/casting", "shadow/shadow_arguments"],
+    files: files!["common/common", "shadow/shadow", "shadow/shadow_arguments"],
     entry_points: &["shadow_arguments"],
 };
 /// Lists the edges whose sides are drawn.
 pub const LIST_SIDES: Stage = Stage {
     name: "list_sides",
-    files: files!["common/common", "shadow/shadow", "shadow/multiplicity", "shadow/list_sides"],
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/caster",
+        "shadow/chosen",
+        "shadow/multiplicity",
+        "shadow/side_lists",
+        "shadow/list_sides"
+    ],
     entry_points: &["list_sides"],
 };
 
@@ -179,7 +204,10 @@ pub const SIDES: Stage = Stage {
         "shadow/polygon",
         "shadow/zp_plus_2005",
         "shadow/caster",
+        "shadow/positions",
+        "shadow/chosen",
         "shadow/multiplicity",
+        "shadow/side_lists",
         "shadow/side_vertices",
         "shadow/sides"
     ],
@@ -195,6 +223,8 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/zp_plus_2005",
         "shadow/casting",
         "shadow/caster",
+        "shadow/positions",
+        "shadow/chosen",
         "shadow/cap_faces"
     ],
     entry_points: &["light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],

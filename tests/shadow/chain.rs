@@ -15,7 +15,7 @@ use rimline::{Counting, Light, Mesh, Predicate};
 use crate::stages::{PLACES, placed, shape};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::interleaved;
+use rimline_measure::on_gpu::{chosen, interleaved};
 use rimline_measure::random::Random;
 use rimline_measure::same;
 use rimline_measure::scenes::{Scene, scene};
@@ -92,7 +92,7 @@ impl Silhouettes<'_> {
     }
 
     /// No stencil count of the light is above this.
-    fn bound(&self, index: usize, light: &ShadowLight) -> u32 {
+    fn bound(&self, light: &ShadowLight, lists: &[Vec<u32>; 2], shape: &ShadowShape) -> u32 {
         let corners = |face: &[u32; 3]| face.map(|vertex| self.positions[vertex as usize]);
         let finite = self.mesh.faces().iter().map(corners).filter(|face| face.iter().all(|&p| cpu::is_finite(p)));
         let empty = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
@@ -102,9 +102,15 @@ impl Silhouettes<'_> {
             };
             [axis(f32::min, low), axis(f32::max, high)]
         });
-        let is_boundary = |edge: u32| self.mesh.edges().packed_faces()[edge as usize][1] == NO_FACE;
-        let edges = self.listed(index).into_iter().map(|edge| (self.ends(edge), is_boundary(edge)));
-        cpu::stencil_bound(light, corners, self.mesh.faces().len() as u32, edges)
+        let entries = lists.concat();
+        // Lists that overflowed do not say which edges have sides.
+        let sides: Vec<_> = if entries.len() > shape.side_capacity as usize {
+            let weight = if light.casting == CAST_EVERY { 2 } else { 1 };
+            (0..self.mesh.edges().len() as u32).map(|edge| (self.ends(edge), weight)).collect()
+        } else {
+            entries.iter().map(|entry| (self.ends(entry & !cpu::WINDING), 1)).collect()
+        };
+        cpu::stencil_bound(light, corners, self.mesh.faces().len() as u32, sides)
     }
 }
 
@@ -129,20 +135,26 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
         }
     }
     let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
-    let counts = |lists: &[Vec<u32>; 2]| [lists[0].len() as u32, lists[1].len() as u32];
-    let caps: Vec<_> = caps.iter().map(counts).collect();
-    let sides = cpu::list_sides(mesh.edges().packed_faces(), &facing, &excluded, mesh.faces().len(), &lights);
+    let capped: Vec<bool> = caps.iter().map(|lists| !lists[0].is_empty() || !lists[1].is_empty()).collect();
+    let caps: Vec<_> = caps.iter().map(|lists| [0, 1, 2, 3].map(|list| lists[list].len() as u32)).collect();
+    let packed = mesh.edges().packed_faces();
+    let lists = cpu::list_sides(packed, &facing, &excluded, mesh.faces().len(), &lights, &capped);
     // An edge between an excluded face and another, which is a side of weight 1 though no boundary.
-    let by_exclusion = sides.iter().zip(&lights).filter(|([singles, _], light)| {
-        let is_inner = |entry: &u32| mesh.edges().packed_faces()[(entry & !cpu::WINDING) as usize][1] != NO_FACE;
-        light.casting == CAST_EVERY && singles.iter().any(is_inner)
+    let by_exclusion = lists.iter().zip(&lights).filter(|(lists, light)| {
+        let entries: Vec<u32> = lists.concat();
+        let is_single = |entry: &&u32| entries.iter().filter(|other| other == entry).count() == 1;
+        let is_inner = |entry: &u32| packed[(entry & !cpu::WINDING) as usize][1] != NO_FACE;
+        light.casting == CAST_EVERY && entries.iter().filter(is_single).any(is_inner)
     });
     let by_exclusion = by_exclusion.count();
-    let sides: Vec<_> = sides.iter().map(counts).collect();
-    let (draws, mut statistics) = cpu::shadow_arguments(shape, &sides, &caps, &lights);
+    let sides: Vec<_> = lists.iter().map(|lists| [0, 1].map(|list| lists[list].len() as u32)).collect();
+    let (draws, mut statistics) = cpu::shadow_arguments(shape, &sides, &caps);
+    statistics.skipped = lights.iter().filter(|light| light.casting == CAST_NOTHING).count() as u32;
+    statistics.every_face = lights.iter().filter(|light| light.casting == CAST_EVERY).count() as u32;
+    statistics.ended = lights.iter().filter(|light| light.end > 0.0).count() as u32;
     if bounds_counts {
         let bounds: Vec<u32> =
-            lights.iter().enumerate().map(|(number, light)| silhouettes.bound(number, light)).collect();
+            lights.iter().zip(&lists).map(|(light, lists)| silhouettes.bound(light, lists, shape)).collect();
         statistics.count_bound = bounds.iter().copied().max().unwrap_or(0);
         statistics.may_wrap = bounds.iter().filter(|&&bound| bound > 255).count() as u32;
     }
@@ -191,22 +203,30 @@ fn chain() -> Result<(), String> {
                 let extraction = extractor.encode(encoder, bound, &scene.lights, None).map_err(text)?;
                 volumes.encode(encoder, &extraction, &scene.camera, None).map_err(text)
             })?;
-            let shape = shape(mesh, LIGHTS, place);
+            let shape = shape(mesh, LIGHTS);
             let lists_all = options.end_at_range || matches!(counting, Counting::ZFail | Counting::ZpPlus2005);
-            let default = if lists_all { shape.faces } else { 1024 + 16 * mesh.faces().len().isqrt() as u32 };
+            let some = 1024 + 16 * mesh.faces().len().isqrt() as u32;
+            let near = match counting {
+                Counting::ZPass | Counting::ZFail => 1,
+                Counting::ZpPlus2005 => shape.faces,
+                _ => some.min(shape.faces),
+            };
+            let far = if lists_all { shape.faces } else { 1 };
+            let asked = |default: u32| if default == 1 { 1 } else { options.cap_capacity.unwrap_or(default) };
             let shape = ShadowShape {
                 averted: if options.every_face { 0 } else { shape.averted },
+                near_capacity: asked(near),
+                far_capacity: asked(far),
                 counting: code,
                 skip_unseen: u32::from(options.skip_unseen),
                 end_at_range: u32::from(options.end_at_range),
                 capacity: extractor.results().capacity,
                 side_capacity: extractor.results().capacity,
-                cap_capacity: options.cap_capacity.unwrap_or(default.min(shape.faces)),
                 ..shape
             };
             let twins = twins(&scene, &shape, options.bound_counts)?;
             let what = format!("{counting:?}, {name}");
-            let found = rounded_alike(gpu.read(volumes.lights(), LIGHTS)?, &twins.lights);
+            let found = rounded_alike(chosen(gpu, &volumes, LIGHTS)?, &twins.lights);
             same(&format!("{what}, lights"), &found, &twins.lights)?;
             let found: Vec<ShadowDraws> = gpu.read(volumes.draw_arguments(), LIGHTS + 10)?;
             same(&format!("{what}, draws"), &found[..LIGHTS], &twins.draws)?;
@@ -272,11 +292,7 @@ fn again() -> Result<(), String> {
                 })?;
                 let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
                 // Lights of an earlier frame are never drawn; what was chosen for them stays.
-                Ok((
-                    gpu.read(volumes.lights(), lights.len())?,
-                    gpu.read(volumes.draw_arguments(), LIGHTS)?,
-                    statistics[0],
-                ))
+                Ok((chosen(gpu, volumes, lights.len())?, gpu.read(volumes.draw_arguments(), LIGHTS)?, statistics[0]))
             };
             let mut used = make()?;
             let mut last: Option<Prepared> = None;
@@ -290,7 +306,11 @@ fn again() -> Result<(), String> {
                 same(&format!("{what}, lights"), &found.0, &expected.0)?;
                 same(&format!("{what}, draws"), &found.1, &expected.1)?;
                 same(&format!("{what}, statistics"), &[found.2], &[expected.2])?;
-                caps += found.1.iter().filter(|draws| draws.front.instance_count > 0).count();
+                caps += found
+                    .1
+                    .iter()
+                    .filter(|draws| draws.near_front.instance_count + draws.far_front.instance_count > 0)
+                    .count();
                 controls += usize::from(last.replace(found).is_some_and(|last| last.1 != expected.1));
             }
         }

@@ -152,7 +152,6 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
         averted: u32::from(is_closed),
         counting: COUNT_AUTO,
         skip_unseen: u32::from(skip_unseen),
-        cap_groups: 1,
         ..bytemuck::Zeroable::zeroed()
     };
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
@@ -162,7 +161,10 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
     let plain = &scene.lights;
     let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
     let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
-    Chosen { view, lights, facing, caps, is_closed }
+    let caps = caps.into_iter().map(|[near_front, near_back, far_front, far_back]| {
+        [[near_front, far_front].concat(), [near_back, far_back].concat()]
+    });
+    Chosen { view, lights, facing, caps: caps.collect(), is_closed }
 }
 
 /// How often the tests were right to be cautious.

@@ -3,10 +3,11 @@
 use glam::Vec4;
 use rimline::Predicate;
 use rimline::reference::cpu::{self, End, Threads};
-use rimline::reference::layout::{ShadowDraw, ShadowLight, ShadowShape, ShadowView};
+use rimline::reference::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
 use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
 
+use crate::stages::table;
 use rimline_measure::device::Gpu;
 use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
@@ -27,7 +28,7 @@ fn probe(source: &str, entry_point: &str, vertices: usize) -> String {
         ("@builtin(vertex_index) ", ""),
         ("@builtin(instance_index) ", ""),
         // One storage buffer less, of which a stage has eight.
-        ("var<storage, read> view", "var<uniform> view"),
+        ("var<storage, read> seen", "var<uniform> seen"),
     ] {
         source = source.replace(from, to);
     }
@@ -60,19 +61,22 @@ pub(crate) type Twin = fn(&ShadowView, &ShadowLight, [End; 3]) -> Vec<[u32; 4]>;
 /// A kind of cap.
 pub(crate) struct Cap {
     stage: Dispatch,
+    /// The list that is drawn.
+    kind: u32,
     /// Of an instance.
     vertices: usize,
     twin: Twin,
 }
 
 impl Cap {
-    pub(crate) fn new(gpu: &Gpu, entry_point: &str, vertices: usize, twin: Twin) -> Self {
+    pub(crate) fn new(gpu: &Gpu, entry_point: &str, kind: u32, vertices: usize, twin: Twin) -> Self {
         let source = probe(&CAP_FACES.wgsl(), entry_point, vertices);
-        Self { stage: Dispatch::new(gpu, &source, "probe"), vertices, twin }
+        let source = source.replace("CAP_KIND: u32 = 0u", &format!("CAP_KIND: u32 = {kind}u"));
+        Self { stage: Dispatch::new(gpu, &source, "probe"), kind, vertices, twin }
     }
 
     fn near(gpu: &Gpu) -> Self {
-        Self::new(gpu, "near_cap", 5, |view, light, face| strip(&cpu::near_cap(view, light, face)).to_vec())
+        Self::new(gpu, "near_cap", 0, 5, |view, light, face| strip(&cpu::near_cap(view, light, face)).to_vec())
     }
 }
 
@@ -87,6 +91,8 @@ pub(crate) struct Drawn<'a> {
     pub(crate) facing: &'a [u32],
     /// Lights for which a face is excluded, likewise.
     pub(crate) excluded: &'a [u32],
+    /// For which lights near caps were found.
+    pub(crate) capped: &'a [bool],
 }
 
 impl Drawn<'_> {
@@ -103,36 +109,51 @@ impl Drawn<'_> {
         self.light().excludes != 0 && self.excluded[face] >> (self.index % 32) & 1 != 0
     }
 
-    fn frame(&self, gpu: &Gpu) -> [wgpu::Buffer; 4] {
+    /// Bind group 0, for lists with this room.
+    fn frame(&self, gpu: &Gpu, shape: ShadowShape) -> [wgpu::Buffer; 4] {
         let light = self.index as u32;
-        let draw = ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 };
-        [uniform(gpu, &self.shape), uniform(gpu, &self.view), uniform(gpu, &draw), gpu.storage(self.lights)]
+        let (_, _, mesh) = &self.scene.caster;
+        let draw = ShadowDraw { light, first_light: light / 32 * 32, view: 0, reserved: 0 };
+        let table = table(mesh, (0, 3), self.lights, self.capped);
+        let choices_at = size_of::<SceneCaster>() as u32 / 16;
+        let batches = self.lights.len().div_ceil(32) as u32;
+        let shape = ShadowShape {
+            casters: 1,
+            views: 1,
+            lights: self.lights.len() as u32,
+            batches,
+            choices_at,
+            measures_at: choices_at + 2 * batches,
+            ..shape
+        };
+        // What is chosen is read from the table alone.
+        let given = ShadowLight { casting: 7, counting: 7, excludes: 7, ..*self.light() };
+        let seen = SeenLight { view: self.view, light: given, reserved: [[0; 4]; 15] };
+        [uniform(gpu, &shape), uniform(gpu, &draw), uniform(gpu, &seen), gpu.storage(&table)]
     }
 
     /// Sides as the GPU has them and as the twin has, from a list that fits or from all edges.
     fn sides(&self, gpu: &Gpu, stage: &Dispatch, overflows: bool) -> Result<[Vec<[u32; 4]>; 2], String> {
         let (_, positions, mesh) = &self.scene.caster;
         let bit = self.index % 32;
-        let lights = self.lights[self.index / 32 * 32..].iter().take(32).copied().collect::<Vec<_>>();
+        let batch = self.index / 32 * 32..self.lights.len().min(self.index / 32 * 32 + 32);
+        let (lights, capped) = (&self.lights[batch.clone()], &self.capped[batch]);
         let packed = mesh.edges().packed_faces();
-        let lists = cpu::list_sides(packed, self.facing, self.excluded, mesh.faces().len(), &lights);
-        let [singles, doubles] = &lists[bit];
-        let count = singles.len() + doubles.len();
+        let lists = cpu::list_sides(packed, self.facing, self.excluded, mesh.faces().len(), lights, capped);
+        let [plain, clipped] = &lists[bit];
+        let count = plain.len() + clipped.len();
         let capacity = if overflows { count.saturating_sub(1) } else { count };
         let mut sides = vec![0_u32; 64 + 32 * capacity + 1];
-        (sides[2 * bit], sides[2 * bit + 1]) = (singles.len() as u32, doubles.len() as u32);
+        (sides[2 * bit], sides[2 * bit + 1]) = (plain.len() as u32, clipped.len() as u32);
         if !overflows {
-            let from_behind = doubles.iter().rev();
-            let entries: Vec<u32> = singles.iter().chain(from_behind).copied().collect();
+            let entries: Vec<u32> = plain.iter().chain(clipped.iter().rev()).copied().collect();
             sides[64 + bit * capacity..][..capacity].copy_from_slice(&entries);
         }
         // Each instance: the edge, and which of its sides; a list that is empty does not overflow.
-        let instances: Vec<(u32, u32)> = if overflows && count > 0 {
-            (0..2 * mesh.edges().len() as u32).map(|instance| (instance / 2, instance % 2)).collect()
+        let instances: Vec<(u32, usize)> = if overflows && count > 0 {
+            (0..2 * mesh.edges().len()).map(|instance| (instance as u32 / 2, instance % 2)).collect()
         } else {
-            let twice = doubles.iter().flat_map(|&entry| [(entry, 0), (entry, 1)]);
-            let listed = singles.iter().map(|&entry| (entry, 0)).chain(twice);
-            listed.map(|(entry, number)| (entry & !cpu::WINDING, number)).collect()
+            clipped.iter().map(|&entry| (entry & !cpu::WINDING, 0)).collect()
         };
         let vertices: Vec<[u32; 2]> = mesh.edges().iter().map(|edge| edge.vertices).collect();
         let data = [
@@ -144,24 +165,19 @@ impl Drawn<'_> {
             gpu.storage(&sides),
         ];
         let found = gpu.storage(&vec![[0.0_f32; 4]; 5 * instances.len()]);
-        let shape = &uniform(gpu, &ShadowShape { side_capacity: capacity as u32, ..self.shape });
-        let [_, view, draw, lights] = &self.frame(gpu);
-        let data: Vec<_> = (0..).zip(&data).collect();
-        let groups = [&[(0, shape), (1, view), (2, draw), (3, lights)][..], &data, &[(0, &found)]];
+        let frame = self.frame(gpu, ShadowShape { side_capacity: capacity as u32, ..self.shape });
+        let (frame, data): (Vec<_>, Vec<_>) = ((0..).zip(&frame).collect(), (0..).zip(&data).collect());
+        let groups = [&frame[..], &data, &[(0, &found)]];
         stage.run_bound(gpu, &groups, (5 * instances.len()).div_ceil(64) as u32)?;
         let mut expected = Vec::new();
         for (record, number) in instances {
             let [a, b] = mesh.edges().get(record as usize).ok_or("no such edge")?.vertices;
-            let entry = |list: &[u32]| list.iter().find(|&&entry| entry & !cpu::WINDING == record).copied();
-            let (weight, entry) = match (entry(singles), entry(doubles)) {
-                (_, Some(entry)) => (2, entry),
-                (Some(entry), None) => (1, entry),
-                (None, None) => (0, record),
-            };
-            let ends = if entry >= cpu::WINDING { [b, a] } else { [a, b] };
+            let mut entries = clipped.iter().filter(|&&entry| entry & !cpu::WINDING == record);
+            let entry = entries.nth(number).copied();
+            let ends = if entry.is_some_and(|entry| entry >= cpu::WINDING) { [b, a] } else { [a, b] };
             let ends = ends.map(|vertex| self.end(vertex));
             let polygon = cpu::side_clipped(&self.view, self.light(), ends);
-            expected.extend(strip(if weight > number { &polygon } else { &[] }));
+            expected.extend(strip(if entry.is_some() { &polygon } else { &[] }));
         }
         Ok([gpu.read(&found, expected.len())?, expected])
     }
@@ -176,27 +192,29 @@ impl Drawn<'_> {
     ) -> Result<[Vec<[u32; 4]>; 2], String> {
         let (_, positions, mesh) = &self.scene.caster;
         let instances = if overflows { mesh.faces().len() } else { listed.len() };
-        let cap_capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
+        let capacity = if overflows { listed.len() as u32 - 1 } else { listed.len() as u32 };
         let bit = self.index % 32;
-        let mut counts = vec![0; cpu::LISTS * self.lights.len()];
-        counts[cpu::LISTS * self.index] = listed.len() as u32;
-        let stride = cpu::LISTS as u32 * cap_capacity;
-        let mut lists = vec![0; 32 * stride as usize + 1];
-        lists[bit * stride as usize..][..cap_capacity as usize].copy_from_slice(&listed[..cap_capacity as usize]);
-        let [_, view, draw, lights] = &self.frame(gpu);
-        let shape = &uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
+        let kind = cap.kind as usize;
+        let mut lists = vec![0; 128 + 32 * (capacity as usize + 1) + 1];
+        lists[4 * bit + kind] = listed.len() as u32;
+        let shape = if kind < 2 {
+            ShadowShape { near_capacity: capacity, far_capacity: 1, ..self.shape }
+        } else {
+            ShadowShape { near_capacity: 1, far_capacity: capacity, ..self.shape }
+        };
+        let first = 128 + bit * (capacity as usize + 1) + kind / 2;
+        lists[first..][..capacity as usize].copy_from_slice(&listed[..capacity as usize]);
+        let frame = self.frame(gpu, shape);
         let faces = [
             gpu.storage(positions),
             gpu.storage(mesh.faces()),
             gpu.storage(self.facing),
-            gpu.storage(&counts),
-            gpu.storage(&lists),
             gpu.storage(self.excluded),
+            gpu.storage(&lists),
         ];
         let vertices = cap.vertices * instances;
         let found = gpu.storage(&vec![[0.0_f32; 4]; vertices]);
-        let faces: Vec<_> = (0..).zip(&faces).collect();
-        let frame = [(0, shape), (1, view), (2, draw), (3, lights)];
+        let (frame, faces): (Vec<_>, Vec<_>) = ((0..).zip(&frame).collect(), (0..).zip(&faces).collect());
         cap.stage.run_bound(gpu, &[&frame, &faces, &[(0, &found)]], vertices.div_ceil(64) as u32)?;
         let mut expected = Vec::new();
         let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
@@ -211,7 +229,7 @@ impl Drawn<'_> {
                     && c != a
                     && cpu::casts(self.light(), faces_light)
                     && !self.excludes(index)
-                    && cpu::cap_class(self.light(), faces_light) == 0);
+                    && cpu::cap_kind(self.light(), faces_light) == kind);
             if is_drawn {
                 expected.extend((cap.twin)(&self.view, self.light(), face.map(|vertex| self.end(vertex))));
             } else {
@@ -241,7 +259,6 @@ fn clipped() -> Result<(), String> {
             edges: mesh.edges().len() as u32,
             averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
             counting: COUNT_ZP_PLUS,
-            position_stride: 3,
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
@@ -251,11 +268,13 @@ fn clipped() -> Result<(), String> {
         let plain = &scene.lights;
         let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
         let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+        // Some casters have near caps without a face.
+        let capped: Vec<bool> = lists.iter().map(|lists| !lists[0].is_empty() || !lists[1].is_empty()).collect();
         for _ in 0..6 {
             let index = random.below(36);
             let plane = |masks: &'_ [u32]| masks[index / 32 * mesh.faces().len()..][..mesh.faces().len()].to_vec();
             let (facing, excluded) = (&plane(&facing), &plane(&excluded));
-            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing, excluded };
+            let drawn = Drawn { scene: &scene, view, shape, lights: &lights, index, facing, excluded, capped: &capped };
             if drawn.light().casting == CAST_NOTHING {
                 continue;
             }

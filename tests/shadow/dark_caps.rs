@@ -101,7 +101,6 @@ fn compare(
         edges: mesh.edges().len() as u32,
         averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         counting: COUNT_Z_FAIL,
-        position_stride: 3,
         end_at_range,
         ..bytemuck::Zeroable::zeroed()
     };
@@ -115,14 +114,15 @@ fn compare(
     for &index in indices {
         let plane = index / 32 * mesh.faces().len()..(index / 32 + 1) * mesh.faces().len();
         let (facing, excluded) = (&facing[plane.clone()], &excluded[plane]);
-        let drawn = Drawn { scene, view, shape, lights: &lights, index, facing, excluded };
+        let capped = &vec![false; lights.len()];
+        let drawn = Drawn { scene, view, shape, lights: &lights, index, facing, excluded, capped };
         if drawn.light().casting == CAST_NOTHING {
             continue;
         }
         let what = format!("{}, light {index} {:?}", scene.name, drawn.light());
         // Every face, whether it casts or not; and those of a list that overflowed.
         let all: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-        for (listed, overflows) in [(&all, false), (&lists[index][0], true)] {
+        for (listed, overflows) in [(&all, false), (&lists[index][2], true)] {
             if listed.is_empty() {
                 continue;
             }
@@ -154,7 +154,7 @@ fn dark() -> Result<(), String> {
     let seed = 106;
     println!("seed {seed}");
     let mut random = Random::new(seed);
-    let caps = [twin as Twin, other_ties].map(|twin| Cap::new(gpu, "dark_cap", 3, twin));
+    let caps = [twin as Twin, other_ties].map(|twin| Cap::new(gpu, "dark_cap", 2, 3, twin));
     let mut seen = Seen::default();
     for number in 0..if is_long() { 600 } else { 48 } {
         let scene = ordinary(&mut random, number)?;

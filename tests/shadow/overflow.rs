@@ -105,19 +105,24 @@ fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
             let (method, predicate) = (Method::FaceMask, Predicate::Exact);
             let found = cpu::extract_by(&shape.positions, &mesh, &plain, method, predicate, Threads::all())
                 .map_err(|error| text(&error))?;
-            let edges = mesh.edges().iter().zip(&found.masks).filter(|(_, masks)| masks.silhouette & 1 != 0);
-            let edges = edges.map(|(edge, _)| {
-                let ends = edge.vertices.map(|vertex| shape.positions[vertex as usize]);
-                (ends, edge.kind == rimline::mesh::EdgeKind::Boundary)
+            let excluded = cpu::excluded(&shape.positions, &shape.faces, &plain);
+            let packed = mesh.edges().packed_faces();
+            let lists =
+                cpu::list_sides(packed, &found.facing, &excluded, shape.faces.len(), &lights[..1], &[true]).concat();
+            let sides = lists.concat().into_iter().map(|entry| {
+                let ends = mesh.edges().vertices()[(entry & !cpu::WINDING) as usize];
+                (ends.map(|vertex| shape.positions[vertex as usize]), 1)
             });
-            let used = shape.faces.iter().flatten().map(|&vertex| shape.positions[vertex as usize]);
+            let is_finite = |vertex: &u32| cpu::is_finite(shape.positions[*vertex as usize]);
+            let finite = shape.faces.iter().filter(|face| face.iter().all(is_finite));
+            let used = finite.flatten().map(|&vertex| shape.positions[vertex as usize]);
             let corners = used.fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], p| {
                 [
                     std::array::from_fn(|axis| p[axis].min(low[axis])),
                     std::array::from_fn(|axis| p[axis].max(high[axis])),
                 ]
             });
-            Ok(cpu::stencil_bound(&lights[0], corners, shape.faces.len() as u32, edges))
+            Ok(cpu::stencil_bound(&lights[0], corners, shape.faces.len() as u32, sides))
         })
         .collect()
 }
@@ -219,10 +224,9 @@ fn silhouettes() -> Result<(), String> {
                     return Err(format!("{what}: another picture"));
                 }
                 for ((draws, edges), lights) in counted.draws.iter().zip(&edges).zip(&counted.chosen) {
-                    let instances =
-                        [draws[0].plain, draws[0].clipped, draws[0].switched].map(|draw| draw.instance_count);
+                    let instances = [draws[0].plain, draws[0].clipped].map(|draw| draw.instance_count);
                     let times = if lights[0].casting == 2 { 2 } else { 1 };
-                    let all = [times * edges, 3 * times * edges];
+                    let all = [2 * edges, 6 * edges];
                     let is_all = instances.iter().any(|instances| all.contains(instances));
                     overflowed[usize::from(capacity > 1)] += usize::from(is_all);
                     doubled += usize::from(is_all && times == 2);

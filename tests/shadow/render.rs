@@ -9,6 +9,7 @@ use rimline::{Counting, DepthDirection, Light, Mesh};
 
 use crate::scene::{Body, Frame, Placed};
 use rimline_measure::device::Gpu;
+use rimline_measure::on_gpu::chosen;
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,7 +163,7 @@ impl<'a> Renderer<'a> {
         }
         let mut counted = Counted { stencils, chosen: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
         for (volumes, ..) in &casters {
-            counted.chosen.push(gpu.read(volumes.lights(), frame.lights.len())?);
+            counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
             counted.draws.push(gpu.read(volumes.draw_arguments(), frame.lights.len())?);
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
         }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use rimline::reference::layout::{
+    SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView,
+};
 use rimline::reference::shadow::{
     self, CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS,
     COUNT_ZP_PLUS_2005,
@@ -38,26 +40,76 @@ pub(crate) fn placed(gpu: &Gpu, positions: &[[f32; 3]], (offset, stride): (u32, 
     gpu.storage(&interleaved(positions, 4 * u64::from(offset), 4 * u64::from(stride)))
 }
 
-pub(crate) fn shape(mesh: &Mesh, lights: usize, (position_offset, position_stride): (u32, u32)) -> ShadowShape {
+pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
     let counts = mesh.edges().counts();
+    let choices_at = size_of::<SceneCaster>() as u32 / 16;
+    let batches = lights.div_ceil(32) as u32;
     ShadowShape {
+        casters: 1,
         lights: lights as u32,
+        batches,
         faces: mesh.faces().len() as u32,
         edges: mesh.edges().len() as u32,
         capacity: 1000,
-        cap_capacity: mesh.faces().len() as u32,
+        side_capacity: 1000,
+        near_capacity: mesh.faces().len() as u32,
+        far_capacity: mesh.faces().len() as u32,
         averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         counting: COUNT_AUTO,
         skip_unseen: 1,
+        end_at_range: 0,
+        choices_at,
+        measures_at: choices_at + 2 * batches,
+        lights_at: 0,
+        face_chunks_at: 0,
+        edge_chunks_at: 0,
+        views: 1,
+        reserved: 0,
+    }
+}
+
+/// The words of a table with one caster, whose positions lie in this place, and of what was chosen for the lights.
+pub(crate) fn table(
+    mesh: &Mesh,
+    (position_offset, position_stride): (u32, u32),
+    lights: &[ShadowLight],
+    capped: &[bool],
+) -> Vec<u32> {
+    let counts = mesh.edges().counts();
+    let caster = SceneCaster {
+        row_0: [1.0, 0.0, 0.0, 0.0],
+        row_1: [0.0, 1.0, 0.0, 0.0],
+        row_2: [0.0, 0.0, 1.0, 0.0],
+        flags: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
+        faces: mesh.faces().len() as u32,
+        edges: mesh.edges().len() as u32,
         position_offset,
         position_stride,
-        cap_groups: 3,
-        end_at_range: 0,
-        side_capacity: 1000,
-        reserved_0: 0,
-        reserved_1: 0,
-        reserved_2: 0,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    let mut words = bytemuck::cast_slice(&[caster]).to_vec();
+    words.extend(choices(lights, capped));
+    words
+}
+
+/// Choices and measures of one caster, as the stages leave them.
+fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
+    let mut words = vec![0; cpu::CHOICE_WORDS * lights.len().div_ceil(32)];
+    for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
+        let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
+        let every = light.casting == CAST_EVERY;
+        let kinds = [light.casting != CAST_NOTHING, every, has_near_cap, capped, light.excludes != 0];
+        for (kind, is_set) in kinds.into_iter().enumerate() {
+            words[cpu::CHOICE_WORDS * (number / 32) + kind] |= u32::from(is_set) << (number % 32);
+        }
     }
+    words.extend(lights.iter().flat_map(|light| [light.end, light.frustum_near].map(f32::to_bits)));
+    words
+}
+
+/// Lights without what was chosen for them.
+fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
+    lights.iter().map(|&light| SeenLight { view, light, reserved: [[0; 4]; 15] }).collect()
 }
 
 /// Makes some coordinates infinite or NaN.
@@ -85,8 +137,9 @@ fn bounds() -> Result<(), String> {
             spoil(&mut random, &mut positions, if round == 5 { 100_000 } else { 2 * round });
             let place = PLACES[round % 3];
             let found = gpu.storage(&EMPTY);
-            let shape = uniform(gpu, &shape(&mesh, 1, place));
-            let buffers = [&shape, &placed(gpu, &positions, place), &faces, &found];
+            let shape = uniform(gpu, &shape(&mesh, 1));
+            let table = gpu.storage(&table(&mesh, place, &[], &[]));
+            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 7)?;
             let twin = cpu::bounds(&positions, mesh.faces());
@@ -104,6 +157,7 @@ fn bounds() -> Result<(), String> {
 struct Staged {
     scene: Scene,
     shape: ShadowShape,
+    place: (u32, u32),
     view: ShadowView,
     given: Vec<ShadowLight>,
     facing: Vec<u32>,
@@ -135,8 +189,9 @@ impl Staged {
             shape: ShadowShape {
                 counting: [COUNT_AUTO, COUNT_AUTO, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_Z_PASS][random.below(5)],
                 skip_unseen: random.below(2) as u32,
-                ..shape(mesh, lights, place)
+                ..shape(mesh, lights)
             },
+            place,
             view,
             given: scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect(),
             facing: cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE),
@@ -148,48 +203,60 @@ impl Staged {
         })
     }
 
-    /// The light's choices and the dispatches of the caps stage, for an extraction that found `zeros` determinants zero.
-    fn choose(&self, gpu: &Gpu, stage: &Dispatch, zeros: u32) -> Result<(Vec<ShadowLight>, Vec<u32>), String> {
-        let words = self.given.len().div_ceil(32);
-        let (lights, dispatches) = (gpu.storage(&self.given), gpu.storage(&[0_u32, 1, 1].repeat(words)));
-        let (shape, view) = (uniform(gpu, &self.shape), uniform(gpu, &self.view));
-        let statistics = gpu.storage(&[9, 9, 9, zeros]);
-        stage.run(gpu, &[&shape, &view, &gpu.storage(&self.bounds), &lights, &dispatches, &statistics], 1)?;
-        Ok((gpu.read(&lights, self.given.len())?, gpu.read(&dispatches, 3 * words)?))
+    /// The lights with what is chosen for them, for an extraction that found `zeros` determinants zero.
+    fn choose(&self, gpu: &Gpu, stage: &Dispatch, zeros: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
+        let mesh = &self.scene.caster.2;
+        let seen = seen(self.view, &self.given);
+        let words = vec![0_u32; cpu::CHOICE_WORDS * seen.len().div_ceil(32) + 2 * seen.len()];
+        let (choices, statistics) = (gpu.storage(&words), gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]));
+        let table = gpu.storage(&table(mesh, self.place, &[], &[]));
+        let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros]));
+        let (shape, lights) = (uniform(gpu, &self.shape), gpu.storage(&seen));
+        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics], 1)?;
+        let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
+        Ok((cpu::chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
     }
 
-    /// The counts, and the lists in the order of the faces.
-    fn caps(
-        &self,
-        gpu: &Gpu,
-        stage: &Dispatch,
-        lights: &[ShadowLight],
-        cap_capacity: u32,
-    ) -> Result<(Vec<u32>, Vec<Vec<u32>>), String> {
+    /// The counts, the lists in the order of the faces, and which lights have near caps.
+    fn caps(&self, gpu: &Gpu, stage: &Dispatch, lights: &[ShadowLight], capacity: u32) -> Result<Listed, String> {
         let faces = self.shape.faces as usize;
-        let counts = gpu.storage(&vec![0_u32; cpu::LISTS * lights.len()]);
-        let shape = uniform(gpu, &ShadowShape { cap_capacity, ..self.shape });
-        let (view, chosen) = (uniform(gpu, &self.view), gpu.storage(lights));
-        let mut lists = Vec::new();
+        let shape = ShadowShape { near_capacity: capacity, far_capacity: capacity, ..self.shape };
+        let (shape, seen) = (uniform(gpu, &shape), gpu.storage(&seen(self.view, &self.given)));
+        let choices = gpu.storage(&choices(lights, &vec![false; lights.len()]));
+        let table = gpu.storage(&table(&self.scene.caster.2, self.place, &[], &[]));
+        let mut listed = Listed::default();
         for (word, planes) in self.facing.chunks(faces).zip(self.excluded.chunks(faces)).enumerate() {
             let (light, first_light) = (32 * word as u32, 32 * word as u32);
-            let draw = uniform(gpu, &ShadowDraw { light, first_light, reserved_0: 0, reserved_1: 0 });
+            let draw = uniform(gpu, &ShadowDraw { light, first_light, view: 0, reserved: 0 });
             let count = (lights.len() - 32 * word).min(32);
-            let list = gpu.storage(&vec![u32::MAX; count * cpu::LISTS * cap_capacity as usize]);
+            let mut words = vec![0_u32; 128];
+            words.resize(128 + 2 * count * capacity as usize, u32::MAX);
+            let list = gpu.storage(&words);
             let (facing, excluded) = (gpu.storage(planes.0), gpu.storage(planes.1));
-            let given = [&shape, &view, &draw, &self.positions, &self.faces, &facing, &chosen];
-            let buffers = [&given[..], &[&counts, &list, &excluded]].concat();
-            stage.run(gpu, &buffers, 3)?;
+            let given = [&shape, &draw, &seen, &table, &self.positions, &self.faces, &facing, &excluded];
+            stage.run(gpu, &[&given[..], &[&choices, &list]].concat(), 3)?;
             let list: Vec<u32> = gpu.read(&list, usize::MAX)?;
-            lists.extend(list.chunks(cap_capacity as usize).take(cpu::LISTS * count).map(<[u32]>::to_vec));
+            let (counts, lists) = list.split_at(128);
+            for (counts, run) in counts.chunks(2).zip(lists.chunks(capacity as usize)) {
+                listed.counts.extend(counts);
+                listed.lists.push(run.iter().copied().take(counts[0] as usize).collect());
+                listed.lists.push(run.iter().rev().copied().take(counts[1] as usize).collect());
+            }
         }
-        let counts: Vec<u32> = gpu.read(&counts, cpu::LISTS * lights.len())?;
-        for (list, &count) in lists.iter_mut().zip(&counts) {
-            list.truncate(count as usize);
-            list.sort_unstable();
-        }
-        Ok((counts, lists))
+        listed.lists.iter_mut().for_each(|list| list.sort_unstable());
+        let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
+        let capped = |light: usize| words[cpu::CHOICE_WORDS * (light / 32) + 3] >> (light % 32) & 1 != 0;
+        listed.capped = (0..lights.len()).map(capped).collect();
+        Ok(listed)
     }
+}
+
+/// What the caps stage lists.
+#[derive(Default)]
+struct Listed {
+    counts: Vec<u32>,
+    lists: Vec<Vec<u32>>,
+    capped: Vec<bool>,
 }
 
 fn choose_and_caps() -> Result<(), String> {
@@ -203,29 +270,42 @@ fn choose_and_caps() -> Result<(), String> {
         let staged = Staged::new(gpu, &mut random, number, [70, 33, 1][number % 3])?;
         let (name, (_, positions, mesh)) = (&staged.scene.name, &staged.scene.caster);
         let zeros = [0, 1, 77][random.below(3)];
-        let (found, dispatches) = staged.choose(gpu, &choose, zeros)?;
+        let (found, statistics) = staged.choose(gpu, &choose, zeros)?;
         let mut twins = staged.given.clone();
-        let twin_dispatches = cpu::choose(&staged.shape, &staged.view, staged.bounds, zeros > 0, &mut twins);
+        cpu::choose(&staged.shape, &staged.view, staged.bounds, zeros > 0, &mut twins);
         same(&format!("{name}, lights"), &found, &twins)?;
-        same(&format!("{name}, dispatches"), &dispatches, twin_dispatches.as_flattened())?;
+        let counted = |is: fn(&ShadowLight) -> bool| twins.iter().filter(|light| is(light)).count() as u32;
+        let expected = ShadowStatistics {
+            skipped: counted(|light| light.casting == CAST_NOTHING),
+            every_face: counted(|light| light.casting == CAST_EVERY),
+            ended: counted(|light| light.end > 0.0),
+            ..bytemuck::Zeroable::zeroed()
+        };
+        same(&format!("{name}, statistics"), &[statistics], &[expected])?;
         let (facing, excluded_masks) = (&staged.facing, &staged.excluded);
         let twin_lists = cpu::caps(&staged.view, positions, mesh.faces(), facing, excluded_masks, &twins);
         let all = cpu::caps(&staged.view, positions, mesh.faces(), facing, &vec![0; excluded_masks.len()], &twins);
         excluded += twin_lists.iter().zip(&all).filter(|(lists, all)| lists != all).count();
         let twin_lists: Vec<_> = twin_lists.into_iter().flatten().collect();
         let twin_counts: Vec<_> = twin_lists.iter().map(|list| list.len() as u32).collect();
-        let (counts, mut lists) = staged.caps(gpu, &caps, &found, staged.shape.faces)?;
-        same(&format!("{name}, counts"), &counts, &twin_counts)?;
-        same(&format!("{name}, lists"), &lists, &twin_lists)?;
-        if let Some(list) = lists.iter_mut().find(|list| !list.is_empty()) {
+        let mut all = staged.caps(gpu, &caps, &found, staged.shape.faces)?;
+        same(&format!("{name}, counts"), &all.counts, &twin_counts)?;
+        same(&format!("{name}, lists"), &all.lists, &twin_lists)?;
+        let capped: Vec<bool> = twin_counts.chunks(4).map(|counts| counts[0] + counts[1] > 0).collect();
+        same(&format!("{name}, near caps"), &all.capped, &capped)?;
+        if let Some(list) = all.lists.iter_mut().find(|list| !list.is_empty()) {
             list.pop();
-            must_fail("a missing cap face", &same(name, &lists, &twin_lists))?;
+            must_fail("a missing cap face", &same(name, &all.lists, &twin_lists))?;
         }
-        let (counts, short) = staged.caps(gpu, &caps, &found, 7)?;
-        same(&format!("{name}, counts of short lists"), &counts, &twin_counts)?;
-        for (list, twin) in short.iter().zip(&twin_lists) {
-            if list.len() != twin.len().min(7) || !list.iter().all(|face| twin.contains(face)) {
-                return Err(format!("{name}: a short list is {list:?}, all are {twin:?}"));
+        let short = staged.caps(gpu, &caps, &found, 7)?;
+        same(&format!("{name}, counts of short lists"), &short.counts, &twin_counts)?;
+        // Two lists that overflow their run write over each other.
+        for (lists, twins) in short.lists.chunks(2).zip(twin_lists.chunks(2)) {
+            let whole = twins.concat();
+            let fits = whole.len() <= 7;
+            let is_listed = lists.iter().flatten().all(|face| whole.contains(face));
+            if !is_listed || (fits && lists != twins) {
+                return Err(format!("{name}: short lists are {lists:?}, all are {twins:?}"));
             }
         }
         listed += twin_lists.iter().filter(|list| !list.is_empty()).count();
@@ -263,11 +343,11 @@ fn boundary(faces: &[[u32; 3]], share: impl Fn(usize) -> i32) -> Sums {
 }
 
 /// The same sums from lists of sides.
-fn listed_boundary(mesh: &Mesh, [singles, doubles]: &[Vec<u32>; 2]) -> Sums {
+fn listed_boundary(mesh: &Mesh, lists: &[Vec<u32>; 2]) -> Sums {
     let mut sums = BTreeMap::new();
-    for (weight, entry) in singles.iter().map(|entry| (1, entry)).chain(doubles.iter().map(|entry| (2, entry))) {
+    for entry in lists.iter().flatten() {
         let [from, to] = mesh.edges().vertices()[(entry & !cpu::WINDING) as usize];
-        let along = if entry & cpu::WINDING != 0 { weight } else { -weight };
+        let along = if entry & cpu::WINDING != 0 { 1 } else { -1 };
         *sums.entry([from.min(to), from.max(to)]).or_insert(0) += if from < to { along } else { -along };
     }
     sums.into_iter().filter(|(_, sum)| *sum != 0).collect()
@@ -298,6 +378,7 @@ fn list_sides() -> Result<(), String> {
                 .map(|_| ShadowLight {
                     casting: [CAST_NOTHING, CAST_EVERY, CAST_AVERTED][random.below(casting)],
                     excludes: random.below(2) as u32,
+                    counting: [COUNT_Z_PASS, COUNT_ZP_PLUS][random.below(2)],
                     ..bytemuck::Zeroable::zeroed()
                 })
                 .collect();
@@ -308,7 +389,8 @@ fn list_sides() -> Result<(), String> {
                     cpu::compact(plane, light as u32 % 32, usize::MAX)
                 })
                 .collect();
-            let twin = cpu::list_sides(packed, &facing, &excluded, faces, &lights);
+            let capped: Vec<bool> = (0..count).map(|_| random.below(3) > 0).collect();
+            let twin = cpu::list_sides(packed, &facing, &excluded, faces, &lights, &capped);
             for (light, lists) in twin.iter().enumerate() {
                 let bit = |masks: &[u32], face: usize| masks[light / 32 * faces + face] >> (light % 32) & 1 != 0;
                 let of = |face| share(&lights[light], bit(&facing, face), bit(&excluded, face));
@@ -327,14 +409,14 @@ fn list_sides() -> Result<(), String> {
             let longest = twin.iter().map(most).max().unwrap_or(0).max(1);
             let capacity = [longest, longest.div_ceil(2)][random.below(2)];
             let room = [packed.len(), 5][random.below(2)];
-            let shape =
-                ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count, PLACES[0]) };
+            let shape = ShadowShape { capacity: room as u32, side_capacity: capacity as u32, ..shape(&mesh, count) };
             let counts: Vec<u32> = silhouettes.iter().map(|list| list.count).collect();
-            let (shape, counts, chosen) = (uniform(gpu, &shape), gpu.storage(&counts), gpu.storage(&lights));
+            let (shape, counts) = (uniform(gpu, &shape), gpu.storage(&counts));
+            let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
             let edge_faces = gpu.storage(packed);
             for (batch, twin) in twin.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
-                let draw = uniform(gpu, &ShadowDraw { light, first_light: light, reserved_0: 0, reserved_1: 0 });
+                let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, reserved: 0 });
                 let mut raw = vec![u32::MAX; 32 * room];
                 for (list, raw) in silhouettes[32 * batch..].iter().zip(raw.chunks_mut(room)) {
                     // What a list that overflowed has of its edges says nothing.
@@ -344,7 +426,7 @@ fn list_sides() -> Result<(), String> {
                 let plane = |masks: &[u32]| gpu.storage(&masks[batch * faces..][..faces]);
                 let (raw, facing, excluded) = (gpu.storage(&raw), plane(&facing), plane(&excluded));
                 let sides = gpu.storage(&vec![0_u32; 64 + 32 * capacity]);
-                let buffers = [&shape, &draw, &counts, &raw, &edge_faces, &facing, &excluded, &chosen, &sides];
+                let buffers = [&shape, &draw, &chosen, &counts, &raw, &edge_faces, &facing, &excluded, &sides];
                 stage.run_over(gpu, &buffers, [1 + round as u32 % 3, twin.len() as u32])?;
                 let sides: Vec<u32> = gpu.read(&sides, usize::MAX)?;
                 for (light, (lists, twin)) in sides[64..].chunks(capacity).zip(twin).enumerate() {
@@ -355,13 +437,13 @@ fn list_sides() -> Result<(), String> {
                         short += 1;
                         continue;
                     }
-                    let [singles, doubles] = [&lists[..twin[0].len()], &lists[capacity - twin[1].len()..]];
+                    let [plain, clipped] = [&lists[..twin[0].len()], &lists[capacity - twin[1].len()..]];
                     let by_edge = |list: &[u32]| {
                         let mut list = list.to_vec();
                         list.sort_by_key(|entry| entry & !cpu::WINDING);
                         list
                     };
-                    same(&what, &[by_edge(singles), by_edge(doubles)], twin)?;
+                    same(&what, &[by_edge(plain), by_edge(clipped)], twin)?;
                     entries += most(twin);
                 }
             }
@@ -381,35 +463,27 @@ fn shadow_arguments() -> Result<(), String> {
     for round in 0..20 {
         let count = [1, 32, 70, 200][round % 4];
         let counting = [COUNT_AUTO, COUNT_ZP_PLUS_2005][round / 4 % 2];
-        let shape = ShadowShape { cap_capacity: 50, counting, ..shape(&mesh, count, PLACES[0]) };
-        let lights: Vec<ShadowLight> = (0..count)
-            .map(|_| ShadowLight {
-                casting: random.below(3) as u32,
-                counting: [COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_Z_FAIL, COUNT_ZP_PLUS_2005][random.below(4)],
-                end: [0.0, 0.5][random.below(2)],
-                ..bytemuck::Zeroable::zeroed()
-            })
-            .collect();
+        let (near_capacity, far_capacity) = (50, [50, 1][round % 2]);
+        let shape = ShadowShape { near_capacity, far_capacity, counting, ..shape(&mesh, count) };
         let mut number = || [0, 0, 1, 49, 50, 51, 999, 1000, 1001, 5000][random.below(10)];
         let sides: Vec<[u32; 2]> = (0..count).map(|_| [number(), number()]).collect();
-        let caps: Vec<[u32; cpu::LISTS]> = (0..count).map(|_| [number(), number()]).collect();
+        let caps: Vec<[u32; cpu::LISTS]> = (0..count).map(|_| [number(), number(), number(), number()]).collect();
         let draws = gpu.storage(&vec![u32::MAX; size_of::<ShadowDraws>() / 4 * count]);
         let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
-        let (shape_buffer, caps_buffer, lights_buffer) =
-            (uniform(gpu, &shape), gpu.storage(&caps), gpu.storage(&lights));
-        for (batch, sides) in (0..).zip(sides.chunks(32)) {
-            let draw = ShadowDraw { light: 32 * batch, first_light: 32 * batch, reserved_0: 0, reserved_1: 0 };
-            let mut counts = [[7_u32; 2]; 32];
-            counts[..sides.len()].copy_from_slice(sides);
-            let (draw, counts) = (uniform(gpu, &draw), gpu.storage(&counts));
-            let buffers = [&shape_buffer, &draw, &counts, &caps_buffer, &lights_buffer, &draws, &statistics];
-            stage.run(gpu, &buffers, 1)?;
+        let shape_buffer = uniform(gpu, &shape);
+        for (batch, (sides, caps)) in (0..).zip(sides.chunks(32).zip(caps.chunks(32))) {
+            let draw = ShadowDraw { light: 32 * batch, first_light: 32 * batch, view: 0, reserved: 0 };
+            let (mut side_counts, mut cap_counts) = ([[7_u32; 2]; 32], [[7_u32; 4]; 32]);
+            side_counts[..sides.len()].copy_from_slice(sides);
+            cap_counts[..caps.len()].copy_from_slice(caps);
+            let (draw, sides, caps) = (uniform(gpu, &draw), gpu.storage(&side_counts), gpu.storage(&cap_counts));
+            stage.run(gpu, &[&shape_buffer, &draw, &sides, &caps, &draws, &statistics], 1)?;
         }
         let mut found: Vec<ShadowDraws> = gpu.read(&draws, count)?;
-        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &sides, &caps, &lights);
+        let (twins, twin_statistics) = cpu::shadow_arguments(&shape, &sides, &caps);
         same(&format!("round {round}, draws"), &found, &twins)?;
         same(&format!("round {round}, statistics"), &gpu.read(&statistics, 1)?, &[twin_statistics])?;
-        found[0].back.instance_count ^= 1;
+        found[0].near_back.instance_count ^= 1;
         must_fail("a changed draw", &same("draws", &found, &twins))?;
     }
     Ok(())

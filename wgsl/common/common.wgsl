@@ -155,25 +155,51 @@ struct DeformChunk {
   time: f32,
 }
 
+// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
+// of the mesh.
+struct SceneCaster {
+  // Rows of the matrix from mesh space to world space.
+  row_0: vec4<f32>,
+  row_1: vec4<f32>,
+  row_2: vec4<f32>,
+  // The box of the finite faces, in mesh space. Low is above high if there is none.
+  low: vec3<f32>,
+  // At most the smallest factor by which the matrix scales a length.
+  scale: f32,
+  high: vec3<f32>,
+  // Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its mesh
+  // space and the box is known; 8 a face is not finite.
+  flags: u32,
+  first_face_slot: u32,
+  faces: u32,
+  first_face: u32,
+  // The word of vertex 0 in the bound positions.
+  position_offset: u32,
+  first_edge_slot: u32,
+  edges: u32,
+  first_edge: u32,
+  // Words from one vertex to the next.
+  position_stride: u32,
+  reserved: vec4<u32>,
+}
+
 // The draws of one light's shadow volume.
 struct ShadowDraws {
-  // Sides that are not clipped, and sides clipped at the near plane. One of the two draws nothing.
+  // Sides that are not clipped, and sides clipped at the near plane, or sides of ZP+ as published.
   plain: DrawArguments,
   clipped: DrawArguments,
-  // Caps that count up on their front, and on their back.
-  front: DrawArguments,
-  back: DrawArguments,
-  // Sides that ZP+ as published leaves to z-fail.
-  switched: DrawArguments,
-  // Light and dark caps of these sides. With z-pass, the dark caps of volumes that end.
+  // Near caps that count up on their front, and on their back.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Light and dark caps of z-fail, likewise. With z-pass, the dark caps of volumes that end.
   far_front: DrawArguments,
   far_back: DrawArguments,
 }
 
 struct ShadowStatistics {
-  // Lights that do not reach the caster, or whose shadow of it the camera cannot see.
+  // Pairs of caster and light that are skipped: the light does not reach the caster, or the camera cannot see the shadow.
   skipped: atomic<u32>,
-  // Lights for which every face casts.
+  // Pairs for which every face casts.
   every_face: atomic<u32>,
   // Lights with a near cap.
   capped: atomic<u32>,
@@ -181,7 +207,7 @@ struct ShadowStatistics {
   overflowed_caps: atomic<u32>,
   // Lights with a list of sides that overflowed.
   overflowed_sides: atomic<u32>,
-  // Lights whose volume ends at their range.
+  // Pairs whose volume ends at the light's range.
   ended: atomic<u32>,
   // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
   count_bound: atomic<u32>,

@@ -1,27 +1,28 @@
-// Bounds: computes the box of a caster's finite faces, for `choose`, and whether the caster has other faces. Floats are
-// compared as integers of the same order.
+// Bounds: computes the box of each caster's finite faces, for `choose`, and whether it has other faces. Floats are compared
+// as integers of the same order.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> positions: array<u32>;
-@group(0) @binding(2) var<storage, read> faces: array<u32>;
-// The lowest x, y, z, and the highest. The last element is 1 if a face has a corner that is not finite.
-@group(0) @binding(3) var<storage, read_write> box: array<atomic<u32>, 7>;
+@group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> positions: array<u32>;
+@group(0) @binding(3) var<storage, read> faces: array<u32>;
+// For each caster the lowest x, y, z, and the highest. The last word is 1 if a face has a corner that is not finite.
+@group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 
 // The bits of a float as an integer with the same order as the floats.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
   return select(bits | vec3<u32>(0x80000000u), ~bits, bits >= vec3<u32>(0x80000000u));
 }
 
-@compute @workgroup_size(64)
-fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+// An invocation takes faces of one caster.
+fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
   var low = vec3<u32>(0xffffffffu);
   var high = vec3<u32>(0u);
   var has_holes = false;
-  for (var face = id.x; face < shape.faces; face += 64u * groups.x) {
+  for (var face = first; face < end; face += step) {
     let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-    let a = caster_bits(corners.x);
-    let b = caster_bits(corners.y);
-    let c = caster_bits(corners.z);
+    let a = vertex_bits(caster, corners.x);
+    let b = vertex_bits(caster, corners.y);
+    let c = vertex_bits(caster, corners.z);
     if (is_finite(bitcast<vec3<f32>>(a)) && is_finite(bitcast<vec3<f32>>(b)) && is_finite(bitcast<vec3<f32>>(c))) {
       low = min(low, min(ordered(a), min(ordered(b), ordered(c))));
       high = max(high, max(ordered(a), max(ordered(b), ordered(c))));
@@ -30,12 +31,29 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     }
   }
   if (has_holes) {
-    atomicMax(&box[6], 1u);
+    atomicMax(&boxes[7u * caster + 6u], 1u);
   }
   if (low.x <= high.x) {
     for (var axis = 0u; axis < 3u; axis++) {
-      atomicMin(&box[axis], low[axis]);
-      atomicMax(&box[3u + axis], high[axis]);
+      atomicMin(&boxes[7u * caster + axis], low[axis]);
+      atomicMax(&boxes[7u * caster + 3u + axis], high[axis]);
+    }
+  }
+}
+
+// With one caster, invocations take turns. With many, each takes a chunk.
+@compute @workgroup_size(64)
+fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  if (!MANY) {
+    bound_faces(0u, id.x, shape.faces, 64u * groups.x);
+    return;
+  }
+  for (var chunk = id.x; chunk * CHUNK < shape.faces; chunk += 64u * groups.x) {
+    let caster = caster_of(shape.face_chunks_at, chunk * CHUNK);
+    let run = face_run(caster);
+    let first = chunk * CHUNK - run.x;
+    if ((caster_flags(caster) & RIGID) == 0u && first < run.y) {
+      bound_faces(caster, run.z + first, run.z + min(first + CHUNK, run.y), 1u);
     }
   }
 }

@@ -3,69 +3,84 @@
 // projected from the light onto that plane.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> view: ShadowView;
-@group(0) @binding(2) var<uniform> draw: ShadowDraw;
-@group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+// Those of the draw.
+@group(0) @binding(2) var<storage, read> seen: SeenLight;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> faces: array<u32>;
 @group(1) @binding(2) var<storage, read> facing_masks: array<u32>;
-@group(1) @binding(3) var<storage, read> cap_counts: array<u32>;
-@group(1) @binding(4) var<storage, read> cap_list: array<u32>;
-@group(1) @binding(5) var<storage, read> excluded_masks: array<u32>;
+@group(1) @binding(3) var<storage, read> excluded_masks: array<u32>;
+@group(1) @binding(4) var<storage, read> caps_listed: array<u32>;
 
 // The list of cap faces that is drawn.
-override CAP_CLASS: u32 = 0u;
+override CAP_KIND: u32 = 0u;
 
 struct CapVertex {
   @invariant @builtin(position) clip: vec4<f32>,
 }
 
-struct CapFace {
+// A face, and what its caster sees.
+struct Cap {
   valid: bool,
   corners: vec3<u32>,
+  caster: u32,
+  view: ShadowView,
+  light: ShadowLight,
 }
 
-// Whether the face counts nowhere: the light is in its plane.
-fn is_excluded(light: ShadowLight, face: u32) -> bool {
-  return light.excludes != 0u && ((excluded_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
-}
-
-fn cap_face(light: ShadowLight, instance: u32) -> CapFace {
-  let overflowed = cap_counts[LISTS * draw.light + CAP_CLASS] > shape.cap_capacity;
-  var face = instance;
+// An instance is an entry of the list. If the lists overflowed, every face is an instance.
+fn cap_of(instance: u32) -> Cap {
+  let bit = draw.light - draw.first_light;
+  let pair = CAP_KIND & FAR;
+  let overflowed = caps_listed[4u * bit + pair] + caps_listed[4u * bit + pair + 1u] > cap_capacity(CAP_KIND);
+  var slot = instance;
   if (!overflowed) {
-    face = cap_list[list_begin(draw.light - draw.first_light, CAP_CLASS, shape.cap_capacity) + instance];
+    slot = caps_listed[cap_place(bit, CAP_KIND, instance)];
   }
-  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  var valid = true;
+  var own: Cap;
+  own.caster = caster_of(shape.face_chunks_at, slot);
+  own.view = view_of(own.caster, seen.view);
+  own.light = light_of(own.caster, seen.light, draw.light);
+  own.valid = true;
+  let run = face_run(own.caster);
+  let face = run.z + slot - run.x;
+  own.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
+  if (overflowed || has_measures()) {
+    own.light = chosen_light(own.caster, own.light, draw.light, draw.view);
+  }
   if (overflowed) {
-    let facing = ((facing_masks[face] >> (draw.light - draw.first_light)) & 1u) != 0u;
-    valid = casts(light, facing) && cap_class(light, facing) == CAP_CLASS && !is_excluded(light, face) &&
+    let corners = own.corners;
+    let facing = ((facing_masks[slot] >> bit) & 1u) != 0u;
+    let mirrored = (caster_flags(own.caster) & MIRRORED) != 0u;
+    let is_excluded = own.light.excludes != 0u && ((excluded_masks[slot] >> bit) & 1u) != 0u;
+    let has_cap = own.light.counting != COUNT_Z_PASS || own.light.end > 0.0;
+    own.valid = slot - run.x < run.y && casts(own.light, facing) && has_cap && !is_excluded &&
+      cap_kind(own.light, facing, mirrored) == CAP_KIND &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
-      is_finite(caster_position(corners.x)) && is_finite(caster_position(corners.y)) &&
-      is_finite(caster_position(corners.z));
+      is_finite(vertex_position(own.caster, corners.x)) && is_finite(vertex_position(own.caster, corners.y)) &&
+      is_finite(vertex_position(own.caster, corners.z));
   }
-  return CapFace(valid, corners);
+  return own;
 }
 
 @vertex fn light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let face = cap_face(shadow_lights[draw.light], instance);
-  if (!face.valid) {
+  let own = cap_of(instance);
+  if (!own.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(to_clip(view, caster_position(face.corners[vertex])));
+  return CapVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
 }
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let light = shadow_lights[draw.light];
-  let face = cap_face(light, instance);
-  if (!face.valid) {
+  let own = cap_of(instance);
+  if (!own.valid) {
     return CapVertex(NOTHING);
   }
-  if (is_orthographic(view) && light.end == 0.0) {
-    return CapVertex(all_or_nothing(light, face, vertex));
+  if (is_orthographic(own.view) && own.light.end == 0.0) {
+    return CapVertex(all_or_nothing(own, vertex));
   }
-  return CapVertex(far_end(view, light, caster_position(face.corners[vertex])));
+  return CapVertex(far_end(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
 }
 
 // Whether the camera's direction is left of the edge between two far vertices, as seen from the light. The vertex of
@@ -79,16 +94,17 @@ fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
 
 // A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
 // within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
-fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
-  let a = extrusion(light, caster_position(face.corners.x));
-  let b = extrusion(light, caster_position(face.corners.y));
-  let c = extrusion(light, caster_position(face.corners.z));
+fn all_or_nothing(own: Cap, vertex: u32) -> vec4<f32> {
+  let view = own.view;
+  let a = extrusion(view, own.light, vertex_position(own.caster, own.corners.x));
+  let b = extrusion(view, own.light, vertex_position(own.caster, own.corners.y));
+  let c = extrusion(view, own.light, vertex_position(own.caster, own.corners.z));
   let p = direction_to_clip(view, a).xy;
   let q = direction_to_clip(view, b).xy;
   let r = direction_to_clip(view, c).xy;
-  let left = is_left(p, q, face.corners.x < face.corners.y);
-  let left_of_second = is_left(q, r, face.corners.y < face.corners.z);
-  let left_of_third = is_left(r, p, face.corners.z < face.corners.x);
+  let left = is_left(p, q, own.corners.x < own.corners.y);
+  let left_of_second = is_left(q, r, own.corners.y < own.corners.z);
+  let left_of_third = is_left(r, p, own.corners.z < own.corners.x);
   if (left != left_of_second || left != left_of_third) {
     return NOTHING;
   }
@@ -104,7 +120,7 @@ fn all_or_nothing(light: ShadowLight, face: CapFace, vertex: u32) -> vec4<f32> {
 }
 
 // Offers the vertices from `a` on, up to where the edge to `b` leaves or enters the slab between light and near plane.
-fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
+fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
   let a_above = a.height >= 0.0;
   let a_rises = a.far_height >= 0.0;
   let meets_plane = a_above != (b.height >= 0.0);
@@ -126,29 +142,29 @@ fn offer_edge(picked: Picked, light: ShadowLight, a: Corner, b: Corner, is_order
 }
 
 @vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let light = shadow_lights[draw.light];
-  let face = cap_face(light, instance);
-  if (!face.valid) {
+  let own = cap_of(instance);
+  if (!own.valid) {
     return CapVertex(NOTHING);
   }
-  let a = corner(view, light, caster_position(face.corners.x));
-  let b = corner(view, light, caster_position(face.corners.y));
-  let c = corner(view, light, caster_position(face.corners.z));
+  let view = own.view;
+  let light = own.light;
+  let a = corner(view, light, vertex_position(own.caster, own.corners.x));
+  let b = corner(view, light, vertex_position(own.caster, own.corners.y));
+  let c = corner(view, light, vertex_position(own.caster, own.corners.z));
   var picked = pick(vertex);
-  picked = offer_edge(picked, light, a, b, face.corners.x < face.corners.y);
-  picked = offer_edge(picked, light, b, c, face.corners.y < face.corners.z);
-  picked = offer_edge(picked, light, c, a, face.corners.z < face.corners.x);
+  picked = offer_edge(picked, view, light, a, b, own.corners.x < own.corners.y);
+  picked = offer_edge(picked, view, light, b, c, own.corners.y < own.corners.z);
+  picked = offer_edge(picked, view, light, c, a, own.corners.z < own.corners.x);
   return CapVertex(picked.clip);
 }
 
 // The near cap as published: the face transformed by the matrix of the light's frustum. The hardware clips it.
 @vertex fn zp_plus_2005_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
-  let light = shadow_lights[draw.light];
-  let face = cap_face(light, instance);
-  if (!face.valid) {
+  let own = cap_of(instance);
+  if (!own.valid) {
     return CapVertex(NOTHING);
   }
-  return CapVertex(frustum_to_clip(view, light, caster_position(face.corners[vertex])));
+  return CapVertex(frustum_to_clip(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
 }
 
 // For passes with colour attachments, which are not changed.

@@ -1,21 +1,22 @@
-// Caps: lists of the faces that caps are drawn from. With ZP+ those between light and near rectangle; with z-fail, the
-// published ZP+, and where volumes end at the range, every face that casts. Each light has two lists: of faces whose cap
-// counts up on its front, and of faces whose cap counts up on its back. Excluded faces have no caps.
+// Caps: lists of the faces that caps are drawn from. Near caps, which ZP+ needs, come from the faces between light and near
+// rectangle. With z-fail, the published ZP+, and where volumes end at the range, caps come from every face that casts.
+// Excluded faces have no caps.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<uniform> view: ShadowView;
-// The first light of this batch.
-@group(0) @binding(2) var<uniform> draw: ShadowDraw;
-@group(0) @binding(3) var<storage, read> positions: array<u32>;
-@group(0) @binding(4) var<storage, read> faces: array<u32>;
-@group(0) @binding(5) var<storage, read> facing_masks: array<u32>;
-@group(0) @binding(6) var<storage, read> shadow_lights: array<ShadowLight>;
-@group(0) @binding(7) var<storage, read_write> cap_counts: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> cap_list: array<u32>;
-@group(0) @binding(9) var<storage, read> excluded_masks: array<u32>;
+// The first light of this batch, and the view.
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> positions: array<u32>;
+@group(0) @binding(5) var<storage, read> faces: array<u32>;
+@group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
+@group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
+@group(0) @binding(8) var<storage, read_write> choices: array<atomic<u32>>;
+// For each light of the batch the numbers of its cap faces of each kind; then the lists.
+@group(0) @binding(9) var<storage, read_write> caps_listed: array<atomic<u32>>;
 
 // Whether all three corners are outside one of the pyramid's planes.
-fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
+fn misses_pyramid(view: ShadowView, light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> bool {
   let p = pyramid_planes(view, light, a);
   let q = pyramid_planes(view, light, b);
   let r = pyramid_planes(view, light, c);
@@ -24,39 +25,90 @@ fn misses_pyramid(light: ShadowLight, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) 
   return any(out) || beyond;
 }
 
-fn append(index: u32, kind: u32, face: u32) {
-  let place = atomicAdd(&cap_counts[LISTS * (draw.first_light + index) + kind], 1u);
-  if (place < shape.cap_capacity) {
-    cap_list[list_begin(index, kind, shape.cap_capacity) + place] = face;
-  }
+// What was chosen for a caster: words as in caster.wgsl, and the lights that need caps.
+struct Needs {
+  first: vec4<u32>,
+  excludes: u32,
+  lights: u32,
 }
 
-fn list_for(index: u32, face: u32, facing: bool, excluded: bool, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) {
-  let light = shadow_lights[draw.first_light + index];
-  if (!casts(light, facing) || (light.excludes != 0u && excluded)) {
+fn needs_of(caster: u32) -> Needs {
+  let at = CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view);
+  var needs: Needs;
+  for (var word = 0u; word < 3u; word++) {
+    needs.first[word] = atomicLoad(&choices[at + word]);
+  }
+  needs.excludes = atomicLoad(&choices[at + EXCLUDES]);
+  // Where a volume ends, it has dark caps. Those of z-pass are asked for each light.
+  let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u;
+  needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far);
+  return needs;
+}
+
+fn end_of(caster: u32, number: u32) -> f32 {
+  if (!has_measures()) {
+    return 0.0;
+  }
+  let before = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
+  return bitcast<f32>(atomicLoad(&choices[before + 2u * measures_of(caster, number, draw.view)]));
+}
+
+fn list_face(caster: u32, slot: u32, needs: Needs) {
+  let corners_at = 3u * (face_run(caster).z + slot - face_run(caster).x);
+  let corners = vec3<u32>(faces[corners_at], faces[corners_at + 1u], faces[corners_at + 2u]);
+  let a = vertex_position(caster, corners.x);
+  let b = vertex_position(caster, corners.y);
+  let c = vertex_position(caster, corners.z);
+  let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
+  if (is_degenerate || !is_finite(a) || !is_finite(b) || !is_finite(c)) {
     return;
   }
-  if ((light.counting == COUNT_Z_PASS && light.end == 0.0) || (light.counting == COUNT_ZP_PLUS && misses_pyramid(light, a, b, c))) {
-    return;
+  let facing_mask = facing_masks[slot];
+  let excluded_mask = excluded_masks[slot] & needs.excludes;
+  let mirrored = (caster_flags(caster) & MIRRORED) != 0u;
+  for (var rest = needs.lights & ~excluded_mask; rest != 0u; rest &= rest - 1u) {
+    let bit = firstTrailingBit(rest);
+    let number = draw.first_light + bit;
+    let own = light_of(caster, seen[draw.view * shape.lights + number].light, number);
+    let light = with_choices(own, bit, needs.first, needs.excludes, needs.first[NEAR]);
+    let facing = ((facing_mask >> bit) & 1u) != 0u;
+    let ends = light.counting != COUNT_Z_PASS || end_of(caster, number) > 0.0;
+    if (!casts(light, facing) || !ends) {
+      continue;
+    }
+    if (light.counting == COUNT_ZP_PLUS) {
+      let view = view_of(caster, seen[draw.view * shape.lights + number].view);
+      if (misses_pyramid(view, light, a, b, c)) {
+        continue;
+      }
+    }
+    let kind = cap_kind(light, facing, mirrored);
+    let place = atomicAdd(&caps_listed[4u * bit + kind], 1u);
+    if (place < cap_capacity(kind)) {
+      atomicStore(&caps_listed[cap_place(bit, kind, place)], slot);
+    }
+    if (has_near_cap(light)) {
+      atomicOr(&choices[CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view) + CAPPED], 1u << bit);
+    }
   }
-  append(index, cap_class(light, facing), face);
 }
 
 @compute @workgroup_size(256)
 fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  for (var face = id.x; face < shape.faces; face += 256u * groups.x) {
-    let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-    let a = caster_position(corners.x);
-    let b = caster_position(corners.y);
-    let c = caster_position(corners.z);
-    let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-    if (!is_degenerate && is_finite(a) && is_finite(b) && is_finite(c)) {
-      let mask = facing_masks[face];
-      let excluded = excluded_masks[face];
-      let lights = min(shape.lights - draw.first_light, 32u);
-      for (var light = 0u; light < lights; light++) {
-        list_for(light, face, ((mask >> light) & 1u) != 0u, ((excluded >> light) & 1u) != 0u, a, b, c);
+  if (!MANY) {
+    let needs = needs_of(0u);
+    if (needs.lights != 0u) {
+      for (var slot = id.x; slot < shape.faces; slot += 256u * groups.x) {
+        list_face(0u, slot, needs);
       }
+    }
+    return;
+  }
+  for (var slot = id.x; slot < shape.faces; slot += 256u * groups.x) {
+    let caster = caster_of(shape.face_chunks_at, slot);
+    let needs = needs_of(caster);
+    if (needs.lights != 0u && slot - face_run(caster).x < face_run(caster).y) {
+      list_face(caster, slot, needs);
     }
   }
 }

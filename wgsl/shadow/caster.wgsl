@@ -1,10 +1,116 @@
-// The positions of the caster, as the stage binds them: `positions`, with the layout in `shape`.
+// Casters, as the stages of shadow volumes find them in the table, and what was chosen for them. The table begins with the
+// casters, eight vec4s each (`SceneCaster`).
 
-fn caster_bits(vertex: u32) -> vec3<u32> {
-  let word = shape.position_offset + vertex * shape.position_stride;
-  return vec3<u32>(positions[word], positions[word + 1u], positions[word + 2u]);
+// Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
+override MANY: bool = false;
+
+const CHUNK: u32 = 32u;
+// Flags of a caster.
+const CLOSED: u32 = 1u;
+const MIRRORED: u32 = 2u;
+const RIGID: u32 = 4u;
+const HOLED: u32 = 8u;
+
+fn caster_part(caster: u32, part: u32) -> vec4<u32> {
+  return table[8u * caster + part];
 }
 
-fn caster_position(vertex: u32) -> vec3<f32> {
-  return bitcast<vec3<f32>>(caster_bits(vertex));
+fn caster_flags(caster: u32) -> u32 {
+  return caster_part(caster, 4u).w;
+}
+
+// Faces: the first slot, their number, the first in the page, and the word of vertex 0 in the bound positions.
+fn face_run(caster: u32) -> vec4<u32> {
+  return caster_part(caster, 5u);
+}
+
+// Edge records: the first slot, their number, the first in the page, and the words from one vertex to the next.
+fn edge_run(caster: u32) -> vec4<u32> {
+  return caster_part(caster, 6u);
+}
+
+// The caster of a slot. `chunks_at` is where the casters of the chunks begin in the table.
+fn caster_of(chunks_at: u32, slot: u32) -> u32 {
+  if (!MANY) {
+    return 0u;
+  }
+  let chunk = slot / CHUNK;
+  return table[chunks_at + chunk / 4u][chunk % 4u];
+}
+
+// The camera as a caster sees it: the placement is that of its positions.
+fn view_of(caster: u32, view: ShadowView) -> ShadowView {
+  if (!MANY) {
+    return view;
+  }
+  var own = view;
+  for (var row = 0u; row < 3u; row++) {
+    let to_world = bitcast<vec4<f32>>(caster_part(caster, row));
+    own.placement[row] = vec4<f32>(to_world.xyz, to_world.w + view.placement[row].w);
+  }
+  return own;
+}
+
+// The light as a caster sees it: in the space of its positions.
+fn light_of(caster: u32, light: ShadowLight, number: u32) -> ShadowLight {
+  if (!MANY || (caster_flags(caster) & RIGID) == 0u) {
+    return light;
+  }
+  // The bits of the caster's lights in the batch, and where they begin.
+  let lights = table[shape.lights_at + number / 32u * shape.casters + caster];
+  let place = countOneBits(lights.x & ((1u << (number % 32u)) - 1u));
+  let given = bitcast<vec4<f32>>(table[lights.y + 2u * place]);
+  var own = light;
+  own.light = vec4<f32>(given.xyz * light.scale, light.light.w);
+  return own;
+}
+
+// The place of a caster's choices for a batch and a view: eight words, each with a bit for each light of the batch.
+fn choices_of(caster: u32, batch: u32, view: u32) -> u32 {
+  return (view * shape.batches + batch) * shape.casters + caster;
+}
+
+// Which words. A light for which a caster casts is in the first.
+const CASTS: u32 = 0u;
+// Every face casts. If not set, averted ones do.
+const EVERY: u32 = 1u;
+// The near cap may be needed.
+const NEAR: u32 = 2u;
+// The near cap has faces.
+const CAPPED: u32 = 3u;
+// Faces may be excluded.
+const EXCLUDES: u32 = 4u;
+const CHOICE_WORDS: u32 = 8u;
+
+// The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's
+// frustum.
+fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
+  return (view * shape.lights + light) * shape.casters + caster;
+}
+
+fn has_measures() -> bool {
+  return shape.end_at_range != 0u || shape.counting == COUNT_ZP_PLUS_2005;
+}
+
+// The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are
+// needed.
+fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, near: u32) -> ShadowLight {
+  var own = light;
+  own.casting = CAST_NOTHING;
+  own.counting = COUNT_Z_PASS;
+  own.excludes = 0u;
+  if (((first[CASTS] >> bit) & 1u) == 0u) {
+    return own;
+  }
+  own.casting = select(CAST_AVERTED, CAST_EVERY, ((first[EVERY] >> bit) & 1u) != 0u);
+  own.excludes = (excludes >> bit) & 1u;
+  let has_near_cap = ((near >> bit) & 1u) != 0u;
+  if (shape.counting == COUNT_ZP_PLUS_2005) {
+    own.counting = select(COUNT_Z_FAIL, COUNT_ZP_PLUS_2005, has_near_cap);
+  } else if (shape.counting == COUNT_Z_FAIL) {
+    own.counting = COUNT_Z_FAIL;
+  } else if (has_near_cap) {
+    own.counting = COUNT_ZP_PLUS;
+  }
+  return own;
 }

@@ -1,15 +1,15 @@
-// Choose: chooses for each light the faces of the caster that cast and the counting method, from the caster's box
-// alone. This is cheap and settles most casters. Casters that may need caps go on to `caps`, whose dispatches are
-// written here.
+// Choose: chooses for each caster and light the faces of the caster that cast and the counting method, from the caster's box
+// alone. This is cheap and settles most casters. `caps` takes those that may need caps.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<uniform> view: ShadowView;
-@group(0) @binding(2) var<storage, read> box: array<u32, 7>;
-@group(0) @binding(3) var<storage, read_write> shadow_lights: array<ShadowLight>;
-// Three workgroup counts for each batch of lights.
-@group(0) @binding(4) var<storage, read_write> cap_dispatches: array<u32>;
+@group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
-@group(0) @binding(5) var<storage, read> extraction_statistics: array<u32, 4>;
+@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 4>;
+// Choices of all casters, then measures.
+@group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
 
 fn unordered(bits: vec3<u32>) -> vec3<f32> {
   return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
@@ -20,12 +20,12 @@ fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
 }
 
 // Whether the whole box is beyond the light's range.
-fn out_of_range(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
   if (light.range <= 0.0 || light.light.w <= 0.0) {
     return false;
   }
   let place = light.light.xyz / light.light.w;
-  let d = max(max(low - place, place - high), vec3<f32>(0.0));
+  let d = scale * max(max(low - place, place - high), vec3<f32>(0.0));
   // The largest side is factored out, because squares may overflow.
   let size = max(max(d.x, d.y), max(d.z, light.range));
   let r = light.range / size;
@@ -33,10 +33,18 @@ fn out_of_range(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   return dot_3(e, e) > r * r * (1.0 + SLACK);
 }
 
-// Whether two boxes meet, with slack.
-fn boxes_meet(low: vec3<f32>, high: vec3<f32>) -> bool {
-  let slack = SLACK * max(max(abs(low), abs(high)), max(abs(view.near_min), abs(view.near_max)));
-  return all(low - slack <= view.near_max) && all(high + slack >= view.near_min);
+// Whether the box, moved to the camera's frame, meets the box of the near rectangle, with slack.
+fn boxes_meet(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
+  for (var axis = 0u; axis < 3u; axis++) {
+    let row = view.placement[axis];
+    let ends = vec2<f32>(dot_3(min(row.xyz * low, row.xyz * high), vec3<f32>(1.0)), dot_3(max(row.xyz * low, row.xyz * high), vec3<f32>(1.0)));
+    let size = dot_3(abs(row.xyz), max(abs(low), abs(high))) + abs(row.w);
+    let slack = SLACK * max(size, max(abs(view.near_min[axis]), abs(view.near_max[axis])));
+    if (ends.x + row.w - slack > view.near_max[axis] || ends.y + row.w + slack < view.near_min[axis]) {
+      return false;
+    }
+  }
+  return true;
 }
 
 // Whether the light may be in the box, with slack. A light at infinity is not. Values are multiplied by w, so that
@@ -47,16 +55,24 @@ fn light_meets(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
 }
 
+// Bounds on the terms whose sums are the vector from the light to a position.
+fn extrusion_size(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+  let terms = abs(light.light.w * position) + abs(light.light.xyz);
+  return vec3<f32>(
+    dot_3(abs(view.placement[0].xyz), terms), dot_3(abs(view.placement[1].xyz), terms), dot_3(abs(view.placement[2].xyz), terms));
+}
+
 // Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
-fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+fn is_unseen(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var out = vec4<bool>(true);
   var before = true;
   for (var number = 0u; number < 8u; number++) {
     let position = box_corner(low, high, number);
     let v = corner(view, light, position);
-    let q = abs(position - view.origin);
+    let q = abs(placed(view, position));
     let size = clip_size(view, q);
-    let far_size = clip_size(view, abs(light.light.w * position) + abs(light.light.xyz));
+    let away = extrusion_size(view, light, position);
+    let far_size = clip_size(view, away);
     let near_x = size.w + size.x;
     let near_y = size.w + size.y;
     let far_x = far_size.w + far_size.x;
@@ -67,13 +83,13 @@ fn is_unseen(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
       out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
       out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
     before = before && is_out(v.height, height_size(view, q)) &&
-      is_out(v.far_height, far_size.w + dot_3(abs(view.near_plane.xyz), abs(light.light.w * position) + abs(light.light.xyz)));
+      is_out(v.far_height, far_size.w + dot_3(abs(view.near_plane.xyz), away));
   }
   return any(out) || before;
 }
 
 // Whether the whole box is outside the pyramid of light and near rectangle.
-fn misses_pyramid(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
+fn misses_pyramid(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   var out = vec4<bool>(true);
   var beyond = true;
   for (var number = 0u; number < 8u; number++) {
@@ -109,9 +125,9 @@ fn length_of(d: vec3<f32>) -> f32 {
 // The near end of the light's frustum in ZP+ as published. Nothing of the caster lies before it. For a point light it
 // is the caster's distance from the light over that of the near rectangle's farthest point. For a light at infinity it
 // is the caster's height.
-fn frustum_near(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
+fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   if (light.light.w > 0.0) {
-    let place = light.light.xyz / light.light.w;
+    let place = placed(view, light.light.xyz / light.light.w);
     let farthest = length_of(max(abs(view.near_min - place), abs(view.near_max - place)));
     // It is below 1 for casters beyond the near rectangle, which have nothing in the frustum. It is above 0 for lights
     // in the box, which the paper does not treat: with 0 or less nothing would be clipped at the near plane.
@@ -120,54 +136,97 @@ fn frustum_near(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> f32 {
   var highest = 0.0;
   for (var number = 0u; number < 8u; number++) {
     let position = box_corner(low, high, number);
-    let height = dot_3(view.near_plane.xyz, position - view.origin) + view.near_plane.w;
-    highest = max(highest, light_side(light) * height + SLACK * height_size(view, abs(position) + abs(view.origin)));
+    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
+    highest = max(highest, light_side(light) * height + SLACK * height_size(view, abs(placed(view, position))));
   }
   return select(1.0, highest, highest > 0.0);
 }
 
-fn choose_light(index: u32) {
-  var light = shadow_lights[index];
+// What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
+// a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
+fn chosen(view: ShadowView, given: ShadowLight, scale: f32, is_closed: bool, low: vec3<f32>, high: vec3<f32>, has_holes: bool) -> ShadowLight {
+  var light = given;
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
   light.excludes = 0u;
-  let low = unordered(vec3<u32>(box[0], box[1], box[2]));
-  let high = unordered(vec3<u32>(box[3], box[4], box[5]));
-  let is_empty = box[0] > box[3];
-  if (!is_empty && !out_of_range(light, low, high) && !(shape.skip_unseen != 0u && is_unseen(light, low, high))) {
-    let has_holes = box[6] != 0u;
-    let light_is_inside = light_meets(light, low, high);
-    light.excludes = select(0u, 1u, has_holes || (light_is_inside && extraction_statistics[3] != 0u));
-    // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
-    // "Which faces cast".
-    let is_outside = !boxes_meet(low, high) && !light_is_inside;
-    light.casting = select(CAST_EVERY, CAST_AVERTED, shape.averted != 0u && !has_holes && is_outside);
-    light.counting = shape.counting;
-    if (shape.counting == COUNT_ZP_PLUS_2005) {
-      light.frustum_near = frustum_near(light, low, high);
-      // What was published knows no excluded faces.
-      light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u);
-    }
-    if (shape.counting == COUNT_AUTO) {
-      light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(light, low, high));
-    }
+  if (out_of_range(light, scale, low, high) || (shape.skip_unseen != 0u && is_unseen(view, light, low, high))) {
+    return light;
+  }
+  let light_is_inside = light_meets(light, low, high);
+  light.excludes = select(0u, 1u, has_holes || (light_is_inside && extraction_statistics[3] != 0u));
+  // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
+  // "Which faces cast".
+  let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
+  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && is_outside);
+  light.counting = shape.counting;
+  if (shape.counting == COUNT_ZP_PLUS_2005) {
+    light.frustum_near = frustum_near(view, light, low, high);
+    // What was published knows no excluded faces.
+    light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u);
+  }
+  if (shape.counting == COUNT_AUTO) {
+    light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(view, light, low, high));
   }
   // Near caps belong to volumes that do not end, so volumes that ZP+ counts do not end.
   let may_end = light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL;
-  if (light.casting != CAST_NOTHING && may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
-    light.end = min(distance_below(light, low, high) / light.range, 1.0);
+  if (may_end && shape.end_at_range != 0u && light.range > 0.0 && light.light.w > 0.0) {
+    light.end = min(scale * distance_below(light, low, high) / light.range, 1.0);
   }
-  let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0;
-  if (light.casting != CAST_NOTHING && needs_caps) {
-    cap_dispatches[3u * (index / 32u)] = shape.cap_groups;
+  return light;
+}
+
+fn choose_light(caster: u32, number: u32, view_number: u32) {
+  let flags = caster_flags(caster);
+  var low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
+  var high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
+  var is_empty = low.x > high.x;
+  var has_holes = (flags & HOLED) != 0u;
+  if (!MANY || (flags & RIGID) == 0u) {
+    let at = 7u * caster;
+    low = unordered(vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
+    high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
+    is_empty = boxes[at] > boxes[at + 3u];
+    has_holes = boxes[at + 6u] != 0u;
   }
-  shadow_lights[index] = light;
+  let entry = view_number * shape.lights + number;
+  let view = view_of(caster, seen[entry].view);
+  let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
+  var light = light_of(caster, seen[entry].light, number);
+  light.casting = CAST_NOTHING;
+  if (!is_empty) {
+    light = chosen(view, light, scale, shape.averted != 0u && (flags & CLOSED) != 0u, low, high, has_holes);
+  }
+  if (light.casting == CAST_NOTHING) {
+    atomicAdd(&shadow_statistics.skipped, 1u);
+    return;
+  }
+  let at = CHOICE_WORDS * choices_of(caster, number / 32u, view_number);
+  let bit = 1u << (number % 32u);
+  atomicOr(&choices[at + CASTS], bit);
+  if (light.casting == CAST_EVERY) {
+    atomicOr(&choices[at + EVERY], bit);
+    atomicAdd(&shadow_statistics.every_face, 1u);
+  }
+  if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
+    atomicOr(&choices[at + NEAR], bit);
+  }
+  if (light.excludes != 0u) {
+    atomicOr(&choices[at + EXCLUDES], bit);
+  }
+  if (light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
+  if (has_measures()) {
+    let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
+    atomicStore(&choices[measures], bitcast<u32>(light.end));
+    atomicStore(&choices[measures + 1u], bitcast<u32>(light.frustum_near));
+  }
 }
 
 @compute @workgroup_size(64)
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  for (var light = id.x; light < shape.lights; light += 64u * groups.x) {
-    choose_light(light);
+  for (var pair = id.x; pair < shape.casters * shape.lights; pair += 64u * groups.x) {
+    choose_light(pair / shape.lights, pair % shape.lights, id.y);
   }
 }

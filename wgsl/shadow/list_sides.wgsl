@@ -2,16 +2,44 @@
 // silhouettes. Where their list overflowed, or faces may be excluded, it goes over all edges.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch.
+// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> silhouette_counts: array<u32>;
-@group(0) @binding(3) var<storage, read> silhouettes: array<u32>;
-@group(0) @binding(4) var<storage, read> edge_faces: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read> facing_masks: array<u32>;
-@group(0) @binding(6) var<storage, read> excluded_masks: array<u32>;
-@group(0) @binding(7) var<storage, read> shadow_lights: array<ShadowLight>;
-// For each light of the batch how many sides have weight 1, and how many weight 2; then the lists.
+@group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> silhouette_counts: array<u32>;
+@group(0) @binding(4) var<storage, read> silhouettes: array<u32>;
+@group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> facing_masks: array<u32>;
+@group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
+// For each light of the batch the numbers of plain and of clipped sides; then the lists.
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
+
+fn list_edge(slot: u32, bit: u32) {
+  let caster = caster_of(shape.edge_chunks_at, slot);
+  let run = edge_run(caster);
+  let number = slot - run.x;
+  if (number >= run.y) {
+    return;
+  }
+  let light = chosen_light(caster, ShadowLight(), draw.first_light + bit, draw.view);
+  let side = side_at(caster, run.z + number, light, bit);
+  if (side.weight == 0u) {
+    return;
+  }
+  let kind = side_kind(light);
+  let place = atomicAdd(&sides[2u * bit + kind], side.weight);
+  for (var entry = place; entry < min(place + side.weight, shape.side_capacity); entry++) {
+    atomicStore(&sides[side_place(bit, kind, entry)], slot | select(0u, WINDING, side.winding));
+  }
+}
+
+// Whether the light's silhouettes are all the edges that may have sides.
+fn silhouettes_suffice(bit: u32) -> bool {
+  if (silhouette_counts[draw.first_light + bit] > shape.capacity) {
+    return false;
+  }
+  // The silhouettes of a scene know of excluded faces.
+  return MANY || ((choice_part(0u, draw.first_light / 32u, draw.view, 1u).x >> bit) & 1u) == 0u;
+}
 
 // A workgroup takes a share of one light's edges.
 @compute @workgroup_size(64)
@@ -21,25 +49,16 @@ fn list_sides(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  let light = shadow_lights[draw.first_light + bit];
-  if (light.casting == CAST_NOTHING) {
+  if (!MANY && ((choice_part(0u, draw.first_light / 32u, draw.view, 0u)[CASTS] >> bit) & 1u) == 0u) {
     return;
   }
-  let listed = silhouette_counts[draw.first_light + bit];
-  let is_whole = listed <= shape.capacity && light.excludes == 0u;
-  let items = select(shape.edges, listed, is_whole);
+  let suffices = silhouettes_suffice(bit);
+  let items = select(shape.edges, silhouette_counts[draw.first_light + bit], suffices);
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
-    var edge = item;
-    if (is_whole) {
-      edge = silhouettes[bit * shape.capacity + item] & ~WINDING;
+    var slot = item;
+    if (suffices) {
+      slot = silhouettes[bit * shape.capacity + item] & ~WINDING;
     }
-    let side = side_at(light, bit, edge);
-    if (side.weight != 0u) {
-      let place = atomicAdd(&sides[2u * bit + side.weight - 1u], 1u);
-      if (place < shape.side_capacity) {
-        let at = select(place, shape.side_capacity - 1u - place, side.weight == 2u);
-        atomicStore(&sides[side_begin(bit, shape.side_capacity) + at], edge | select(0u, WINDING, side.winding));
-      }
-    }
+    list_edge(slot, bit);
   }
 }

@@ -14,12 +14,12 @@ fn face_sign(facing: bool, excluded: bool) -> i32 {
 }
 
 // `faces` is the packed record. The other vectors tell of its two faces whether they face the light, and are excluded.
-fn side_of_edge(light: ShadowLight, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {
-  if (light.casting == CAST_NOTHING) {
+fn side_of_edge(casting: u32, faces: vec2<u32>, facing: vec2<bool>, excluded: vec2<bool>) -> EdgeSide {
+  if (casting == CAST_NOTHING) {
     return EdgeSide(0u, false);
   }
   let is_boundary = faces.y == NO_FACE;
-  if (light.casting == CAST_AVERTED) {
+  if (casting == CAST_AVERTED) {
     let casts = !facing & !excluded;
     return EdgeSide(select(0u, 1u, casts.x != (casts.y && !is_boundary)), !casts.x);
   }
@@ -31,23 +31,14 @@ fn side_of_edge(light: ShadowLight, faces: vec2<u32>, facing: vec2<bool>, exclud
   return EdgeSide(u32(abs(multiplicity)), multiplicity > 0);
 }
 
-// The side of an edge record for a light, the bit of whose batch is `bit`. The masks are as the stage binds them.
-fn side_at(light: ShadowLight, bit: u32, edge: u32) -> EdgeSide {
-  let faces = edge_faces[edge];
-  let first = faces.x & ~INCONSISTENT;
-  let second = select(faces.y, first, faces.y == NO_FACE);
-  let facing = (vec2<u32>(facing_masks[first], facing_masks[second]) >> vec2<u32>(bit)) & vec2<u32>(1u);
+// The side of an edge record of a caster, for the light of a bit. The masks are as the stage binds them.
+fn side_at(caster: u32, record: u32, light: ShadowLight, bit: u32) -> EdgeSide {
+  let faces = edge_faces[record];
+  let slots = vec2<u32>(face_run(caster).x) + vec2<u32>(faces.x & ~INCONSISTENT, select(faces.y, 0u, faces.y == NO_FACE));
+  let facing = (vec2<u32>(facing_masks[slots.x], facing_masks[slots.y]) >> vec2<u32>(bit)) & vec2<u32>(1u);
   var excluded = vec2<u32>(0u);
   if (light.excludes != 0u) {
-    excluded = (vec2<u32>(excluded_masks[first], excluded_masks[second]) >> vec2<u32>(bit)) & vec2<u32>(1u);
+    excluded = (vec2<u32>(excluded_masks[slots.x], excluded_masks[slots.y]) >> vec2<u32>(bit)) & vec2<u32>(1u);
   }
-  return side_of_edge(light, faces, facing != vec2<u32>(0u), excluded != vec2<u32>(0u));
-}
-
-// The first entry of a light's list of sides, behind the counts of the batch. Sides of weight 1 are listed from the front
-// on, those of weight 2 from the back.
-const SIDE_COUNTS: u32 = 64u;
-
-fn side_begin(light: u32, capacity: u32) -> u32 {
-  return SIDE_COUNTS + light * capacity;
+  return side_of_edge(light.casting, faces, facing != vec2<u32>(0u), excluded != vec2<u32>(0u));
 }

@@ -30,7 +30,7 @@ fn height_size(view: ShadowView, q: vec3<f32>) -> f32 {
 fn pyramid_planes(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> PyramidPlanes {
   let s = light_side(light);
   let v = corner(view, light, position);
-  let q = abs(position - view.origin);
+  let q = abs(placed(view, position));
   let size = clip_size(view, q);
   let height = height_size(view, q);
   let xy = s * (v.near.xy * light.height - light.clip.xy * v.height);

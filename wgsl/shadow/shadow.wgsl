@@ -2,27 +2,25 @@
 // are V itself, its far vertex at infinity, and its projection from the light onto the near plane. NUMERICS.md, "Shadow
 // volumes".
 
-// The caller's camera.
+// The caller's camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.
 struct ShadowView {
-  // Columns of the matrix from positions less `origin` to clip space.
+  // Columns of the matrix from the camera's frame to clip space.
   view_projection: array<vec4<f32>, 4>,
-  // The near plane. Its product with (position - origin, 1) is the height over the plane, positive in front of the
-  // camera.
+  // The near plane. Its product with (place, 1) is the height over the plane, positive in front of the camera.
   near_plane: vec4<f32>,
-  origin: vec3<f32>,
-  // Clip w of points on the near plane.
-  near_w: f32,
-  // Bounds of the near rectangle, in the space of the positions.
+  // Rows of the matrix from positions to the camera's frame.
+  placement: array<vec4<f32>, 3>,
+  // Bounds of the near rectangle, in the camera's frame, and clip w of points on the near plane.
   near_min: vec3<f32>,
+  near_w: f32,
+  near_max: vec3<f32>,
   // z / w of points on the near plane: 1 with reversed depth, else 0.
   near_z: f32,
-  near_max: vec3<f32>,
-  reserved: u32,
 }
 
-// A light, and what the GPU chose for it and this caster.
+// A light, and what the GPU chose for it and a caster.
 struct ShadowLight {
-  // Homogeneous, scaled so that w is 0 or a power of two.
+  // Homogeneous, in the space of the positions, scaled so that w is 0 or a power of two.
   light: vec4<f32>,
   // The same in clip space, and its height over the near plane.
   clip: vec4<f32>,
@@ -40,39 +38,52 @@ struct ShadowLight {
   end: f32,
   // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
   excludes: u32,
-  reserved: u32,
+  // The light as given times this is the light as above.
+  scale: f32,
   // Rows x, y and w of the matrix of that frustum. It maps (position - origin, 1).
   frustum_x: vec4<f32>,
   frustum_y: vec4<f32>,
   frustum_w: vec4<f32>,
 }
 
-// The caster, and the caller's options.
+// A light and a camera, with 512 bytes: bindings begin at multiples of 256.
+struct SeenLight {
+  view: ShadowView,
+  light: ShadowLight,
+  reserved: array<vec4<u32>, 15>,
+}
+
+// Casters that are drawn together, and the caller's options.
 struct ShadowShape {
+  casters: u32,
+  // Lights of all batches, and batches.
   lights: u32,
+  batches: u32,
+  // Slots of faces and of edges.
   faces: u32,
   edges: u32,
-  // Entries that each list of silhouettes has room for, and each list of cap faces.
+  // Entries that each list has room for: of silhouettes, of sides, of near caps and of other caps.
   capacity: u32,
-  cap_capacity: u32,
-  // 1: closed and consistently oriented, and the caller does not ask for every face.
+  side_capacity: u32,
+  near_capacity: u32,
+  far_capacity: u32,
+  // 1: averted faces may cast. The caller does not ask for every face.
   averted: u32,
   // One of the constants below.
   counting: u32,
-  // 1: skip the caster where the camera cannot see its shadow.
+  // 1: skip casters where the camera cannot see their shadow.
   skip_unseen: u32,
-  // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
-  position_offset: u32,
-  position_stride: u32,
-  // Workgroups of the caps stage.
-  cap_groups: u32,
   // 1: volumes end at the range of their light.
   end_at_range: u32,
-  // Entries that each list of sides has room for.
-  side_capacity: u32,
-  reserved_0: u32,
-  reserved_1: u32,
-  reserved_2: u32,
+  // Where these begin in the table, in vec4s: choices and measures, lights of casters, casters of the chunks of face slots and
+  // of edge slots.
+  choices_at: u32,
+  measures_at: u32,
+  lights_at: u32,
+  face_chunks_at: u32,
+  edge_chunks_at: u32,
+  views: u32,
+  reserved: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.
@@ -80,8 +91,8 @@ struct ShadowDraw {
   light: u32,
   // The first light of its batch.
   first_light: u32,
-  reserved_0: u32,
-  reserved_1: u32,
+  view: u32,
+  reserved: u32,
 }
 
 const CAST_NOTHING: u32 = 0u;
@@ -96,16 +107,27 @@ const COUNT_AUTO: u32 = 3u;
 // ZP+ as published.
 const COUNT_ZP_PLUS_2005: u32 = 4u;
 
+// A direction in the camera's frame.
+fn turned(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
+  return vec3<f32>(dot_3(view.placement[0].xyz, d), dot_3(view.placement[1].xyz, d), dot_3(view.placement[2].xyz, d));
+}
+
+// A position in the camera's frame. Where positions are in world space this is exactly the difference from the camera's
+// origin, because products with 1 and 0 do not round.
+fn placed(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
+  return turned(view, position) + vec3<f32>(view.placement[0].w, view.placement[1].w, view.placement[2].w);
+}
+
 // A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
 fn to_clip(view: ShadowView, position: vec3<f32>) -> vec4<f32> {
-  let q = position - view.origin;
+  let q = placed(view, position);
   return view.view_projection[0] * q.x + view.view_projection[1] * q.y + view.view_projection[2] * q.z +
     view.view_projection[3];
 }
 
-// The vector from the light to a position, times the light's w.
-fn extrusion(light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
-  return light.light.w * position - light.light.xyz;
+// The vector from the light to a position, times the light's w, in the camera's frame.
+fn extrusion(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
+  return turned(view, light.light.w * position - light.light.xyz);
 }
 
 // A direction in clip space: a point at infinity.
@@ -116,7 +138,7 @@ fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
 
 // The far vertex of a position: at infinity, or where the volume ends.
 fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
-  return direction_to_clip(view, extrusion(light, position)) + light.end * light.clip;
+  return direction_to_clip(view, extrusion(view, light, position)) + light.end * light.clip;
 }
 
 // Whether the camera is orthographic: clip w is the same everywhere.
@@ -152,8 +174,8 @@ fn consistent_rise(light: ShadowLight, height: f32, far_height: f32) -> f32 {
 }
 
 fn corner(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> Corner {
-  let d = extrusion(light, position);
-  let q = position - view.origin;
+  let d = extrusion(view, light, position);
+  let q = placed(view, position);
   let height = dot_3(view.near_plane.xyz, q) + view.near_plane.w;
   return Corner(
     to_clip(view, position),

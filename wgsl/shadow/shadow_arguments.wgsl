@@ -1,83 +1,55 @@
-// Shadow arguments: computes the indirect draws of each light's volume. If the caps stage found no face for a light,
-// plain z-pass counts it. The draws of lists that overflowed go over all edges or faces. The vertex shader then rejects
-// those that do not belong.
+// Shadow arguments: computes the indirect draws of each light's volumes. The draws of lists that overflowed go over all
+// edges or faces. The vertex shader then rejects those that do not belong.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch.
+// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-// Of each light of the batch, two numbers of sides. The lists follow.
 @group(0) @binding(2) var<storage, read> sides: array<u32>;
-@group(0) @binding(3) var<storage, read> cap_counts: array<u32>;
-@group(0) @binding(4) var<storage, read> shadow_lights: array<ShadowLight>;
-@group(0) @binding(5) var<storage, read_write> shadow_draws: array<ShadowDraws>;
-@group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
+@group(0) @binding(3) var<storage, read> caps_listed: array<u32>;
+@group(0) @binding(4) var<storage, read_write> shadow_draws: array<ShadowDraws>;
+@group(0) @binding(5) var<storage, read_write> shadow_statistics: ShadowStatistics;
 
 fn arguments(vertices: u32, instances: u32) -> DrawArguments {
   return DrawArguments(select(vertices, 0u, instances == 0u), instances, 0u, 0u);
 }
 
-fn cap_instances(count: u32) -> u32 {
-  return select(count, shape.faces, count > shape.cap_capacity);
-}
-
-// A side of weight 2 is drawn twice.
-fn side_instances(bit: u32) -> u32 {
-  let singles = sides[2u * bit];
-  let doubles = sides[2u * bit + 1u];
-  if (singles + doubles > shape.side_capacity) {
-    atomicAdd(&shadow_statistics.overflowed_sides, 1u);
-    return 2u * shape.edges;
+// Instances of two lists that share a run. `all` are those of a run that overflowed, for lists that are not empty.
+fn instances_of(first: u32, second: u32, capacity: u32, all: u32) -> vec2<u32> {
+  let listed = vec2<u32>(first, second);
+  if (first + second > capacity) {
+    return select(listed, vec2<u32>(all), listed != vec2<u32>(0u));
   }
-  return singles + 2u * doubles;
+  return listed;
 }
 
 fn write_arguments(bit: u32) {
-  let index = draw.first_light + bit;
-  let light = shadow_lights[index];
-  var instances = 0u;
-  var front = 0u;
-  var back = 0u;
-  if (light.casting == CAST_NOTHING) {
-    atomicAdd(&shadow_statistics.skipped, 1u);
-  } else {
-    instances = side_instances(bit);
-    front = cap_counts[LISTS * index];
-    back = cap_counts[LISTS * index + 1u];
-    atomicAdd(&shadow_statistics.every_face, select(0u, 1u, light.casting == CAST_EVERY));
-    atomicAdd(&shadow_statistics.ended, select(0u, 1u, light.end > 0.0));
-    atomicAdd(&shadow_statistics.overflowed_caps, select(0u, 1u, max(front, back) > shape.cap_capacity));
+  let plain = sides[2u * bit];
+  let clipped = sides[2u * bit + 1u];
+  let counts = vec4<u32>(
+    caps_listed[4u * bit], caps_listed[4u * bit + 1u], caps_listed[4u * bit + 2u], caps_listed[4u * bit + 3u]);
+  if (plain + clipped > shape.side_capacity) {
+    atomicAdd(&shadow_statistics.overflowed_sides, 1u);
   }
-  let has_caps = front + back > 0u;
-  let is_clipped = light.counting == COUNT_ZP_PLUS && has_caps;
-  if (is_clipped || (light.counting == COUNT_ZP_PLUS_2005 && has_caps)) {
+  if (counts.x + counts.y > shape.near_capacity || counts.z + counts.w > shape.far_capacity) {
+    atomicAdd(&shadow_statistics.overflowed_caps, 1u);
+  }
+  if (counts.x + counts.y > 0u) {
     atomicAdd(&shadow_statistics.capped, 1u);
   }
-  front = cap_instances(front);
-  back = cap_instances(back);
+  // A side may have weight 2.
+  let side_instances = instances_of(plain, clipped, shape.side_capacity, 2u * shape.edges);
+  let near = instances_of(counts.x, counts.y, shape.near_capacity, shape.faces);
+  let far = instances_of(counts.z, counts.w, shape.far_capacity, shape.faces);
+  let is_published = shape.counting == COUNT_ZP_PLUS_2005;
   var draws = ShadowDraws();
-  if (shape.counting == COUNT_ZP_PLUS_2005) {
-    if (light.counting == COUNT_ZP_PLUS_2005) {
-      draws.clipped = arguments(4u, 3u * instances);
-      draws.front = arguments(3u, front);
-      draws.back = arguments(3u, back);
-    } else {
-      draws.switched = arguments(4u, instances);
-      draws.far_front = arguments(3u, front);
-      draws.far_back = arguments(3u, back);
-    }
-  } else {
-    let cap_vertices = select(3u, 5u, light.counting == COUNT_ZP_PLUS);
-    draws.plain = arguments(4u, select(instances, 0u, is_clipped));
-    draws.clipped = arguments(5u, select(0u, instances, is_clipped));
-    if (light.counting == COUNT_Z_PASS) {
-      draws.far_front = arguments(3u, front);
-      draws.far_back = arguments(3u, back);
-    } else {
-      draws.front = arguments(cap_vertices, front);
-      draws.back = arguments(cap_vertices, back);
-    }
-  }
-  shadow_draws[index] = draws;
+  draws.plain = arguments(4u, side_instances.x);
+  // What was published takes three quads a side.
+  draws.clipped = arguments(select(5u, 4u, is_published), side_instances.y * select(1u, 3u, is_published));
+  draws.near_front = arguments(select(5u, 3u, is_published), near.x);
+  draws.near_back = arguments(select(5u, 3u, is_published), near.y);
+  draws.far_front = arguments(3u, far.x);
+  draws.far_back = arguments(3u, far.y);
+  shadow_draws[draw.view * shape.lights + draw.first_light + bit] = draws;
 }
 
 @compute @workgroup_size(32)

@@ -2,7 +2,7 @@
 // the light.
 
 // A strip of four vertices: the first and the second, then their far vertices.
-fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
+fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: u32) -> vec4<f32> {
   let position = select(first, second, (vertex & 1u) != 0u);
   if (vertex < 2u) {
     return to_clip(view, position);
@@ -11,12 +11,13 @@ fn side_vertex(light: ShadowLight, first: vec3<f32>, second: vec3<f32>, vertex: 
 }
 
 // Corrects a depth that rounding may have put in front of the near plane.
-fn behind_near_plane(clip: vec4<f32>) -> vec4<f32> {
+fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
   return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }
 
 // A strip of five vertices. `is_ordered`: the first end has the lower vertex index.
 fn clipped_side_vertex(
+  view: ShadowView,
   light: ShadowLight,
   first: vec3<f32>,
   second: vec3<f32>,
@@ -30,7 +31,7 @@ fn clipped_side_vertex(
   let p_far = p.far_height >= 0.0;
   let q_far = q.far_height >= 0.0;
   var picked = pick(vertex);
-  picked = offer(picked, behind_near_plane(p.near), p_near);
+  picked = offer(picked, behind_near_plane(view, p.near), p_near);
   if (p_near != q_near) {
     if (is_ordered) {
       picked = offer(picked, on_near_plane(view, p, q), true);
@@ -38,7 +39,7 @@ fn clipped_side_vertex(
       picked = offer(picked, on_near_plane(view, q, p), true);
     }
   }
-  picked = offer(picked, behind_near_plane(q.near), q_near);
+  picked = offer(picked, behind_near_plane(view, q.near), q_near);
   picked = offer(picked, project_to_near_plane(view, light, q), q_near != q_far);
   picked = offer(picked, q.far, q_far);
   if (p_far != q_far) {

@@ -3,9 +3,10 @@
 // equal bits. `zp_plus_2005_side` is the side as published in 2005.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> view: ShadowView;
-@group(0) @binding(2) var<uniform> draw: ShadowDraw;
-@group(0) @binding(3) var<storage, read> shadow_lights: array<ShadowLight>;
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+// Those of the draw.
+@group(0) @binding(2) var<storage, read> seen: SeenLight;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 @group(1) @binding(0) var<storage, read> positions: array<u32>;
 @group(1) @binding(1) var<storage, read> edge_vertices: array<vec2<u32>>;
 @group(1) @binding(2) var<storage, read> edge_faces: array<vec2<u32>>;
@@ -17,80 +18,92 @@ struct SideVertex {
   @invariant @builtin(position) clip: vec4<f32>,
 }
 
-// The ends of a side's edge. The quad (first, second, second far, first far) is counter-clockwise from outside.
-struct SideEdge {
+// A side: its edge, in the order in which the quad (first, second, second far, first far) is counter-clockwise from
+// outside, and what its caster sees.
+struct Side {
   valid: bool,
   ends: vec2<u32>,
+  first: vec3<f32>,
+  second: vec3<f32>,
+  view: ShadowView,
+  light: ShadowLight,
 }
 
-// An instance is a side. Those of weight 2 are two instances each, after all of weight 1. If the list overflowed, every
-// edge is two instances.
-fn side_edge(light: ShadowLight, instance: u32) -> SideEdge {
+// An instance is an entry of a list. If the lists overflowed, every edge is two instances, since its side may have weight 2.
+fn side_of(instance: u32, kind: u32) -> Side {
   let bit = draw.light - draw.first_light;
-  let singles = sides[2u * bit];
-  let overflowed = singles + sides[2u * bit + 1u] > shape.side_capacity;
-  var entry = 0u;
-  var valid = true;
-  if (overflowed) {
-    entry = instance >> 1u;
-    let side = side_at(light, bit, entry);
-    valid = side.weight > (instance & 1u);
-    entry |= select(0u, WINDING, side.winding);
-  } else {
-    let place = select(shape.side_capacity - 1u - ((instance - singles) >> 1u), instance, instance < singles);
-    entry = sides[side_begin(bit, shape.side_capacity) + place];
+  let overflowed = sides[2u * bit] + sides[2u * bit + 1u] > shape.side_capacity;
+  var entry = instance >> 1u;
+  if (!overflowed) {
+    entry = sides[side_place(bit, kind, instance)];
   }
-  let ends = edge_vertices[entry & ~WINDING];
-  return SideEdge(valid, select(ends, ends.yx, entry >= WINDING));
+  let slot = entry & ~WINDING;
+  let caster = caster_of(shape.edge_chunks_at, slot);
+  let run = edge_run(caster);
+  let record = run.z + slot - run.x;
+  var own: Side;
+  own.view = view_of(caster, seen.view);
+  own.light = light_of(caster, seen.light, draw.light);
+  own.valid = true;
+  var winding = entry >= WINDING;
+  if (overflowed || has_measures()) {
+    own.light = chosen_light(caster, own.light, draw.light, draw.view);
+  }
+  if (overflowed) {
+    // A slot beyond the edges of its caster has a record of another, or none.
+    let is_there = slot - run.x < run.y;
+    let side = side_at(caster, record, own.light, bit);
+    own.valid = is_there && side.weight > (instance & 1u) && side_kind(own.light) == kind;
+    winding = side.winding;
+  }
+  let turned_over = (caster_flags(caster) & MIRRORED) != 0u;
+  let ends = edge_vertices[record];
+  own.ends = select(ends, ends.yx, winding != turned_over);
+  own.first = vertex_position(caster, own.ends.x);
+  own.second = vertex_position(caster, own.ends.y);
+  return own;
 }
 
 @vertex fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
-  let light = shadow_lights[draw.light];
-  let edge = side_edge(light, instance);
-  let first = caster_position(edge.ends.x);
-  let second = caster_position(edge.ends.y);
-  if (!edge.valid) {
+  let own = side_of(instance, PLAIN);
+  if (!own.valid) {
     return SideVertex(NOTHING);
   }
-  return SideVertex(side_vertex(light, first, second, vertex));
+  return SideVertex(side_vertex(own.view, own.light, own.first, own.second, vertex));
 }
 
 @vertex fn side_clipped(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
-  let light = shadow_lights[draw.light];
-  let edge = side_edge(light, instance);
-  let first = caster_position(edge.ends.x);
-  let second = caster_position(edge.ends.y);
-  if (!edge.valid) {
+  let own = side_of(instance, CLIPPED);
+  if (!own.valid) {
     return SideVertex(NOTHING);
   }
-  return SideVertex(clipped_side_vertex(light, first, second, edge.ends.x < edge.ends.y, vertex));
+  return SideVertex(clipped_side_vertex(own.view, own.light, own.first, own.second, own.ends.x < own.ends.y, vertex));
 }
 
 // Three quads for each edge: the side, whose clipped vertices move to their counterparts in the near cap, and two quads
 // that fill the gaps where the near plane cuts one finite edge of the side. In the paper's terms vertices are floating
 // or nailed, and the corrective quads are those of its cases C1 and C2.
 @vertex fn zp_plus_2005_side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> SideVertex {
-  let light = shadow_lights[draw.light];
-  let edge = side_edge(light, instance / 3u);
-  let first = caster_position(edge.ends.x);
-  let second = caster_position(edge.ends.y);
-  if (!edge.valid) {
+  let own = side_of(instance / 3u, CLIPPED);
+  if (!own.valid) {
     return SideVertex(NOTHING);
   }
-  let cuts_edge = is_cut(view, to_clip(view, first)) != is_cut(view, to_clip(view, second));
-  let first_far = direction_to_clip(view, extrusion(light, first));
-  let second_far = direction_to_clip(view, extrusion(light, second));
+  let view = own.view;
+  let light = own.light;
+  let cuts_edge = is_cut(view, to_clip(view, own.first)) != is_cut(view, to_clip(view, own.second));
+  let first_far = direction_to_clip(view, extrusion(view, light, own.first));
+  let second_far = direction_to_clip(view, extrusion(view, light, own.second));
   let cuts_far = is_cut(view, first_far) != is_cut(view, second_far);
   let quad = instance % 3u;
   if ((quad == 1u && (!cuts_edge || cuts_far)) || (quad == 2u && (cuts_edge || !cuts_far))) {
     return SideVertex(NOTHING);
   }
-  let position = select(first, second, (vertex & 1u) != 0u);
+  let position = select(own.first, own.second, (vertex & 1u) != 0u);
   let is_first_row = vertex < 2u;
   // Rows: near and far floating; near nailed, near floating; far floating, far nailed.
   let is_near = quad == 1u || (quad == 0u && is_first_row);
   let floats = quad == 0u || (quad == 1u) != is_first_row;
-  var clip = direction_to_clip(view, extrusion(light, position));
+  var clip = direction_to_clip(view, extrusion(view, light, position));
   if (is_near) {
     clip = to_clip(view, position);
   }

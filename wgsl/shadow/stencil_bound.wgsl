@@ -4,16 +4,15 @@
 // so it never exceeds half their sum. The pencil is cut into bins. A workgroup takes one light of the batch.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-// The first light of this batch.
+// The first light of this batch, and the view.
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
-@group(0) @binding(2) var<storage, read> box: array<u32, 7>;
-@group(0) @binding(3) var<storage, read> positions: array<u32>;
-@group(0) @binding(4) var<storage, read> edge_vertices: array<vec2<u32>>;
-@group(0) @binding(5) var<storage, read> edge_faces: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> list: array<u32>;
-@group(0) @binding(7) var<storage, read> silhouette_counts: array<u32>;
-@group(0) @binding(8) var<storage, read> shadow_lights: array<ShadowLight>;
-@group(0) @binding(9) var<storage, read_write> shadow_statistics: ShadowStatistics;
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> boxes: array<u32>;
+@group(0) @binding(5) var<storage, read> positions: array<u32>;
+@group(0) @binding(6) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> sides: array<u32>;
+@group(0) @binding(8) var<storage, read_write> shadow_statistics: ShadowStatistics;
 
 const BINS: u32 = 256u;
 
@@ -71,15 +70,32 @@ fn half_plane(by: Pencil, position: vec3<f32>) -> f32 {
   return dot_3(by.aside, d) / select(1.0, dot_3(by.forward, d), by.is_point);
 }
 
+// The edge of one of the light's sides. Where the lists overflowed, of any edge.
+fn count_edge(by: Pencil, edge: u32, weight: u32, first: f32, last: f32) {
+  let ends = edge_vertices[edge];
+  let a = vertex_position(0u, ends.x);
+  let b = vertex_position(0u, ends.y);
+  if (!is_finite(a) || !is_finite(b)) {
+    return;
+  }
+  let scale = f32(BINS) / max(last - first, 1e-30);
+  let p = (half_plane(by, a) - first) * scale;
+  let q = (half_plane(by, b) - first) * scale;
+  let most = f32(BINS - 1u);
+  atomicAdd(&begun[u32(clamp(min(p, q), 0.0, most))], weight);
+  atomicAdd(&ended[u32(clamp(max(p, q), 0.0, most)) + 1u], weight);
+}
+
+// It is for a single caster, the first.
 @compute @workgroup_size(64)
 fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-  let number = draw.first_light + group.x;
-  let light = shadow_lights[number];
-  let low = unordered(vec3<u32>(box[0], box[1], box[2]));
-  let high = unordered(vec3<u32>(box[3], box[4], box[5]));
+  let bit = group.x;
+  let number = draw.first_light + bit;
+  let light = chosen_light(0u, seen[draw.view * shape.lights + number].light, number, draw.view);
+  let low = unordered(vec3<u32>(boxes[0], boxes[1], boxes[2]));
+  let high = unordered(vec3<u32>(boxes[3], boxes[4], boxes[5]));
   let by = pencil(light, low, high);
-  // Silhouettes do not tell of excluded faces.
-  let has_pencil = any(by.forward != vec3<f32>(0.0)) && light.excludes == 0u;
+  let has_pencil = any(by.forward != vec3<f32>(0.0));
   var first = half_plane(by, low);
   var last = first;
   for (var corner = 1u; corner < 8u; corner++) {
@@ -87,30 +103,21 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     first = min(first, at);
     last = max(last, at);
   }
-  let count = silhouette_counts[number];
-  // A list that overflowed does not say which edges are silhouettes, so every edge counts.
-  let overflowed = count > shape.capacity;
-  var edges = select(count, shape.edges, overflowed);
+  let plain = sides[2u * bit];
+  let clipped = sides[2u * bit + 1u];
+  // Lists that overflowed do not say which edges have sides, so every edge counts, with the largest weight.
+  let overflowed = plain + clipped > shape.side_capacity;
+  var items = select(plain + clipped, shape.edges, overflowed);
   if (light.casting == CAST_NOTHING || !has_pencil) {
-    edges = 0u;
+    items = 0u;
   }
-  for (var entry = thread; entry < edges; entry += 64u) {
-    var edge = entry;
-    if (!overflowed) {
-      edge = list[group.x * shape.capacity + entry] & 0x7fffffffu;
-    }
-    let ends = edge_vertices[edge];
-    let a = caster_position(ends.x);
-    let b = caster_position(ends.y);
-    if (is_finite(a) && is_finite(b)) {
-      let is_doubled = light.casting == CAST_EVERY && edge_faces[edge].y != NO_FACE;
-      let weight = select(1u, 2u, is_doubled);
-      let scale = f32(BINS) / max(last - first, 1e-30);
-      let p = (half_plane(by, a) - first) * scale;
-      let q = (half_plane(by, b) - first) * scale;
-      let most = f32(BINS - 1u);
-      atomicAdd(&begun[u32(clamp(min(p, q), 0.0, most))], weight);
-      atomicAdd(&ended[u32(clamp(max(p, q), 0.0, most)) + 1u], weight);
+  for (var item = thread; item < items; item += 64u) {
+    if (overflowed) {
+      count_edge(by, item, select(1u, 2u, light.casting == CAST_EVERY), first, last);
+    } else {
+      let is_plain = item < plain;
+      let entry = sides[side_place(bit, select(CLIPPED, PLAIN, is_plain), select(item - plain, item, is_plain))];
+      count_edge(by, entry & ~WINDING, 1u, first, last);
     }
   }
   workgroupBarrier();

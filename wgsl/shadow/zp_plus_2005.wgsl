@@ -3,7 +3,7 @@
 
 // A position transformed by the matrix of the light's frustum: x, y and w.
 fn in_frustum(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
-  let q = position - view.origin;
+  let q = placed(view, position);
   return vec3<f32>(
     dot_3(light.frustum_x.xyz, q) + light.frustum_x.w,
     dot_3(light.frustum_y.xyz, q) + light.frustum_y.w,
@@ -19,7 +19,7 @@ fn frustum_to_clip(view: ShadowView, light: ShadowLight, position: vec3<f32>) ->
   let near_w = view.near_w * abs(light.height);
   var z = (p.z - light.frustum_near * near_w) / (1.0 - light.frustum_near);
   if (light.light.w == 0.0) {
-    let height = dot_3(view.near_plane.xyz, position - view.origin) + view.near_plane.w;
+    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
     z = p.z * (1.0 - light_side(light) * height / light.frustum_near);
   }
   return vec4<f32>(p.xy, z, p.z);

@@ -1,8 +1,8 @@
 //! Extractions and deformations on the GPU, read back for tests to compare.
 
-use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer};
+use rimline::gpu::{Deformer, Extractor, ExtractorOptions, PositionBuffer, ShadowVolumes};
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{DrawArguments, EdgeMasks, ExtractionStatistics};
+use rimline::reference::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SeenLight, ShadowLight};
 use rimline::{Light, Mesh, Model, Pose};
 
 use crate::band::deform_bound;
@@ -67,6 +67,13 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
         }
     }
     Ok(found)
+}
+
+/// The lights of volumes' last encode, with what was chosen for them.
+pub fn chosen(gpu: &Gpu, volumes: &ShadowVolumes, lights: usize) -> Result<Vec<ShadowLight>, String> {
+    let seen: Vec<SeenLight> = gpu.read(volumes.seen(), lights)?;
+    let words: Vec<u32> = gpu.read(volumes.choices(), usize::MAX)?;
+    Ok(cpu::chosen(&volumes.shape(), &seen, &words))
 }
 
 /// An error in words.

@@ -32,7 +32,7 @@ fn is_left((a_index, a): (u32, Vec2), (b_index, b): (u32, Vec2)) -> bool {
 }
 
 fn all_or_nothing(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Option<[Vec4; 3]> {
-    let [a, b, c] = face.map(|(_, position)| extrusion(light, position));
+    let [a, b, c] = face.map(|(_, position)| extrusion(view, light, position));
     let far = [(face[0].0, a), (face[1].0, b), (face[2].0, c)];
     let [(i, p), (j, q), (k, r)] = far.map(|(index, away)| (index, direction_to_clip(view, away).xy()));
     let left = is_left((i, p), (j, q));

@@ -1,13 +1,13 @@
 //! Caps: lists of the faces that caps are drawn from.
 
-use super::casting::{LISTS, cap_class, casts};
+use super::casting::{LISTS, cap_kind, casts};
 use super::pyramid::misses_pyramid;
 use crate::cpu::common::positions::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
 use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
 
-/// Two lists of faces for each light, in the order of the faces: those whose cap counts up on its front, and those whose
-/// cap counts up on its back. `facing` has ⌈N/32⌉ planes of facing masks. `excluded` has as many planes of
+/// Four lists of faces for each light, in the order of the faces: near caps that count up on their front and on their back,
+/// then other caps likewise. `facing` has ⌈N/32⌉ planes of facing masks. `excluded` has as many planes of
 /// [`excluded`](crate::cpu::extract::exact_facing::excluded) masks. The lists leave out excluded faces, and those that
 /// name a vertex twice, or have a missing corner or one that is not finite.
 pub fn caps(
@@ -36,10 +36,9 @@ pub fn caps(
                     COUNT_ZP_PLUS => !misses_pyramid(view, light, &corners),
                     _ => true,
                 };
-                let [front, back] = lists;
                 let casts = casts(light, facing) && !(excluded && light.excludes != 0);
                 if casts && is_needed {
-                    if cap_class(light, facing) == 0 { front } else { back }.push(number);
+                    lists[cap_kind(light, facing)].push(number);
                 }
             }
         }

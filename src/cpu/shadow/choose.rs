@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::bounds::unordered;
 use super::pyramid::{SLACK, clip_size, height_size, is_out, misses_pyramid};
-use super::shadow::{corner, dot_3, light_side, near_plane};
+use super::shadow::{corner, dot_3, light_side, near_plane, placed};
 use crate::layout::{ShadowLight, ShadowShape, ShadowView};
 use crate::shadow::{
     CAST_AVERTED, CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005,
@@ -25,27 +25,12 @@ impl Bounds {
     }
 }
 
-/// Sets `casting` and `counting` of each light, for the caster whose box is `bounds` (of [`super::bounds::bounds`]).
-/// `zeros` tells whether any light lies in the plane of a face. Returns the workgroups of the caps stage for each batch
-/// of lights, along x, y and z.
-pub fn choose(
-    shape: &ShadowShape,
-    view: &ShadowView,
-    bounds: [u32; 7],
-    zeros: bool,
-    lights: &mut [ShadowLight],
-) -> Vec<[u32; 3]> {
-    let mut dispatches = vec![[0, 1, 1]; lights.len().div_ceil(32)];
-    for (batch, dispatch) in lights.chunks_mut(32).zip(&mut dispatches) {
-        for light in batch {
-            choose_light(shape, view, bounds, zeros, light);
-            let needs_caps = light.counting != COUNT_Z_PASS || light.end > 0.0;
-            if light.casting != CAST_NOTHING && needs_caps {
-                *dispatch = [shape.cap_groups, 1, 1];
-            }
-        }
+/// Sets `casting`, `counting`, `end`, `frustum_near` and `excludes` of each light, for the caster whose box is `bounds` (of
+/// [`super::bounds::bounds`]). `zeros` tells whether any light lies in the plane of a face.
+pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, lights: &mut [ShadowLight]) {
+    for light in lights {
+        choose_light(shape, view, bounds, zeros, light);
     }
-    dispatches
 }
 
 fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, light: &mut ShadowLight) {
@@ -109,15 +94,15 @@ fn frustum_near(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> f32 {
     let [x, y, z, w] = light.light;
     if w > 0.0 {
         let place = Vec3::new(x, y, z) / w;
+        let place = placed(view, place.to_array());
         let farthest = (Vec3::from(view.near_min) - place).abs().max((Vec3::from(view.near_max) - place).abs());
         return (distance_below(light, caster) / length_of(farthest)).clamp(0.001, 0.99);
     }
     let (normal, constant) = near_plane(view);
-    let origin = Vec3::from(view.origin);
     let highest = caster.corners().into_iter().fold(0.0_f32, |highest, corner| {
-        let position = Vec3::from(corner);
-        let height = dot_3(normal, position - origin) + constant;
-        let slack = SLACK * height_size(view, position.abs() + origin.abs());
+        let place = placed(view, corner);
+        let height = dot_3(normal, place) + constant;
+        let slack = SLACK * height_size(view, place.abs());
         highest.max(light_side(light) * height + slack)
     });
     if highest > 0.0 { highest } else { 1.0 }
@@ -138,11 +123,18 @@ fn out_of_range(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
     dot_3(e, e) > r * r * (1.0 + SLACK)
 }
 
-/// Whether the box meets the box of the near rectangle, with slack.
+/// Whether the box, moved to the camera's frame, meets the box of the near rectangle, with slack.
 fn boxes_meet(view: &ShadowView, Bounds { low, high }: Bounds) -> bool {
-    let (near_min, near_max) = (Vec3::from(view.near_min), Vec3::from(view.near_max));
-    let slack = SLACK * low.abs().max(high.abs()).max(near_min.abs().max(near_max.abs()));
-    (low - slack).cmple(near_max).all() && (high + slack).cmpge(near_min).all()
+    (0..3).all(|axis| {
+        let [x, y, z, w] = view.placement[axis];
+        let row = Vec3::new(x, y, z);
+        let (a, b) = (row * low, row * high);
+        let (begin, end) = (dot_3(a.min(b), Vec3::ONE) + w, dot_3(a.max(b), Vec3::ONE) + w);
+        let (near_min, near_max) = (view.near_min[axis], view.near_max[axis]);
+        let size = dot_3(row.abs(), low.abs().max(high.abs())) + w.abs();
+        let slack = SLACK * size.max(near_min.abs().max(near_max.abs()));
+        begin - slack <= near_max && end + slack >= near_min
+    })
 }
 
 /// Whether the light may be in the box, with slack. A light at infinity is not. Values are multiplied by w, so that
@@ -160,8 +152,9 @@ fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
     let [x, y, z, weight] = light.light;
     for position in caster.corners() {
         let v = corner(view, light, position);
-        let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
-        let away = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
+        let q = placed(view, position).abs();
+        let terms = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
+        let away = Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z).abs(), terms)));
         let (size, far_size) = (clip_size(view, q), clip_size(view, away));
         let sides = |c: glam::Vec4| [c.w + c.x, c.w - c.x, c.w + c.y, c.w - c.y];
         let sizes = |c: glam::Vec4| [c.w + c.x, c.w + c.x, c.w + c.y, c.w + c.y];

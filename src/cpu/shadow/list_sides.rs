@@ -4,9 +4,11 @@ use super::multiplicity::{EdgeFace, side_of_edge};
 use crate::cpu::extract::compact::WINDING;
 use crate::layout::ShadowLight;
 use crate::mesh::{INCONSISTENT_BIT, NO_FACE};
+use crate::shadow::{COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
-/// Two lists of sides for each light, in the order of the edges: those of weight 1, then those of weight 2. An entry is the
-/// edge's index, with the winding of its side as bit 31. `faces` are the packed faces of the edge records. `facing` and
+/// Two lists of sides for each light, in the order of the edges: plain ones, and those that are clipped at the near plane. An
+/// entry is the edge's index, with the winding of its side as bit 31. A side of weight 2 is there twice. `capped` tells
+/// for each light whether any near cap was found; without one its sides are not clipped. `faces` are the packed faces of the edge records. `facing` and
 /// `excluded` have ⌈N/32⌉ planes of masks, one `u32` a face of the mesh.
 ///
 /// # Panics
@@ -17,11 +19,19 @@ pub fn list_sides(
     excluded: &[u32],
     face_count: usize,
     lights: &[ShadowLight],
+    capped: &[bool],
 ) -> Vec<[Vec<u32>; 2]> {
     let mut lists = vec![[const { Vec::new() }; 2]; lights.len()];
     let planes = facing.chunks(face_count.max(1)).zip(excluded.chunks(face_count.max(1)));
-    for ((lights, lists), (facing, excluded)) in lights.chunks(32).zip(lists.chunks_mut(32)).zip(planes) {
-        for ((bit, light), [singles, doubles]) in (0..).zip(lights).zip(lists) {
+    let batches = lights.chunks(32).zip(capped.chunks(32)).zip(lists.chunks_mut(32)).zip(planes);
+    for (((lights, capped), lists), (facing, excluded)) in batches {
+        for (((bit, light), &capped), [plain, clipped]) in (0..).zip(lights).zip(capped).zip(lists) {
+            let is_clipped = match light.counting {
+                COUNT_ZP_PLUS => capped,
+                COUNT_ZP_PLUS_2005 => true,
+                _ => false,
+            };
+            let list = if is_clipped { clipped } else { plain };
             for (edge, &packed) in (0..).zip(faces) {
                 let at = packed.map(|face| match face {
                     NO_FACE => EdgeFace { facing: false, excluded: false },
@@ -31,13 +41,9 @@ pub fn list_sides(
                         EdgeFace { facing: is_set(facing), excluded: light.excludes != 0 && is_set(excluded) }
                     }
                 });
-                let (weight, winding) = side_of_edge(light, packed, at);
+                let (weight, winding) = side_of_edge(light.casting, packed, at);
                 let entry = edge | if winding { WINDING } else { 0 };
-                match weight {
-                    0 => {}
-                    1 => singles.push(entry),
-                    _ => doubles.push(entry),
-                }
+                list.extend((0..weight).map(|_| entry));
             }
         }
     }

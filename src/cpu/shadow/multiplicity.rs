@@ -1,6 +1,5 @@
 //! How often an edge's side is drawn, and which way it is wound. The WGSL is `wgsl/shadow/multiplicity.wgsl`.
 
-use crate::layout::ShadowLight;
 use crate::mesh::{INCONSISTENT_BIT, NO_FACE};
 use crate::shadow::{CAST_AVERTED, CAST_EVERY};
 
@@ -15,10 +14,10 @@ pub struct EdgeFace {
 
 /// The weight of an edge's side, 0 to 2, and its winding: if set, `(b, a, far a, far b)` is counter-clockwise as seen from
 /// outside the volume. `packed` is the edge record; see [`crate::mesh::EdgeRecords::packed_faces`]. `at` are its faces.
-pub fn side_of_edge(light: &ShadowLight, packed: [u32; 2], at: [EdgeFace; 2]) -> (u32, bool) {
+pub fn side_of_edge(casting: u32, packed: [u32; 2], at: [EdgeFace; 2]) -> (u32, bool) {
     let [first, second] = at;
     let is_boundary = packed[1] == NO_FACE;
-    match light.casting {
+    match casting {
         CAST_AVERTED => {
             let casts = |face: EdgeFace| !face.facing && !face.excluded;
             (u32::from(casts(first) != (!is_boundary && casts(second))), !casts(first))

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::shadow::{corner, dot_3, light_side, near_plane};
+use super::shadow::{corner, dot_3, light_side, near_plane, placed};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// The relative slack of all tests in the stages that choose. It is larger than the rounding error of the tests; see
@@ -39,7 +39,7 @@ pub(crate) fn height_size(view: &ShadowView, q: Vec3) -> f32 {
 fn pyramid_planes(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> PyramidPlanes {
     let s = light_side(light);
     let v = corner(view, light, position);
-    let q = (Vec3::from(position) - Vec3::from(view.origin)).abs();
+    let q = placed(view, position).abs();
     let size = clip_size(view, q);
     let height = height_size(view, q);
     let (at_light, weight) = (Vec4::from_array(light.clip), light.light[3]);

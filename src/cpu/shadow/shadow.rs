@@ -50,17 +50,27 @@ pub(crate) fn near_plane(view: &ShadowView) -> (Vec3, f32) {
     (Vec3::new(x, y, z), w)
 }
 
+/// A direction in the camera's frame.
+pub(crate) fn turned(view: &ShadowView, d: Vec3) -> Vec3 {
+    Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z), d)))
+}
+
+/// A position in the camera's frame.
+pub(crate) fn placed(view: &ShadowView, position: [f32; 3]) -> Vec3 {
+    turned(view, Vec3::from(position)) + Vec3::from(view.placement.map(|[.., w]| w))
+}
+
 /// A position in clip space. A caller's depth pass gets the same bits if it computes positions in this way.
 pub fn to_clip(view: &ShadowView, position: [f32; 3]) -> Vec4 {
-    let q = Vec3::from(position) - Vec3::from(view.origin);
+    let q = placed(view, position);
     let [x, y, z, w] = columns(view);
     x * q.x + y * q.y + z * q.z + w
 }
 
-/// The vector from the light to a position, times the light's w.
-pub fn extrusion(light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+/// The vector from the light to a position, times the light's w, in the camera's frame.
+pub fn extrusion(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
     let [x, y, z, w] = light.light;
-    w * Vec3::from(position) - Vec3::new(x, y, z)
+    turned(view, w * Vec3::from(position) - Vec3::new(x, y, z))
 }
 
 /// A direction in clip space: a point at infinity.
@@ -71,7 +81,7 @@ pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
 
 /// The far vertex of a position: at infinity, or where the volume ends.
 pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
-    direction_to_clip(view, extrusion(light, position)) + light.end * Vec4::from_array(light.clip)
+    direction_to_clip(view, extrusion(view, light, position)) + light.end * Vec4::from_array(light.clip)
 }
 
 /// Whether the camera is orthographic: clip w is the same everywhere.
@@ -81,8 +91,8 @@ pub(crate) fn is_orthographic(view: &ShadowView) -> bool {
 
 /// Computes the values that a volume's vertices are made of.
 pub fn corner(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Corner {
-    let d = extrusion(light, position);
-    let q = Vec3::from(position) - Vec3::from(view.origin);
+    let d = extrusion(view, light, position);
+    let q = placed(view, position);
     let (normal, constant) = near_plane(view);
     let height = dot_3(normal, q) + constant;
     Corner {

@@ -49,7 +49,7 @@ pub fn side_clipped(view: &ShadowView, light: &ShadowLight, [first, second]: [En
 /// quads of the paper's cases C1 and C2. A quad is `None` if its case does not apply.
 pub fn zp_plus_2005_side(view: &ShadowView, light: &ShadowLight, ends: [End; 2]) -> [Option<[Vec4; 4]>; 3] {
     let near = ends.map(|(_, position)| to_clip(view, position));
-    let far = ends.map(|(_, position)| direction_to_clip(view, extrusion(light, position)));
+    let far = ends.map(|(_, position)| direction_to_clip(view, extrusion(view, light, position)));
     let float = |nailed: [Vec4; 2]| {
         let moved = |end: usize| {
             let clip = nailed[end];

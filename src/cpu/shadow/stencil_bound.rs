@@ -4,28 +4,24 @@ use glam::Vec3;
 
 use crate::cpu::common::positions::is_finite;
 use crate::layout::ShadowLight;
-use crate::shadow::{CAST_EVERY, CAST_NOTHING};
+use crate::shadow::CAST_NOTHING;
 
 /// The number of bins of the pencil of half planes.
 const BINS: usize = 256;
 
 /// An upper bound of the caster's stencil counts for `light`. `low` and `high` are the corners of the caster's box.
-/// `faces` is the number of its faces. `edges` are its silhouette edges: the positions of their ends, and whether they
-/// are boundaries. The bound is 0 if nothing casts.
+/// `faces` is the number of its faces. `sides` are its sides: the positions of the ends of their edges, and their weights.
+/// The bound is 0 if nothing casts.
 pub fn stencil_bound(
     light: &ShadowLight,
     [low, high]: [[f32; 3]; 2],
     faces: u32,
-    edges: impl IntoIterator<Item = ([[f32; 3]; 2], bool)>,
+    sides: impl IntoIterator<Item = ([[f32; 3]; 2], i64)>,
 ) -> u32 {
     if light.casting == CAST_NOTHING {
         return 0;
     }
     let Some(pencil) = Pencil::new(light, Vec3::from(low), Vec3::from(high)) else { return faces };
-    // Silhouettes do not tell of excluded faces.
-    if light.excludes != 0 {
-        return faces;
-    }
     let corner =
         |number: u32| Vec3::from_array(std::array::from_fn(|axis| [low, high][(number >> axis & 1) as usize][axis]));
     let places = (0..8).map(|number| pencil.half_plane(corner(number)));
@@ -34,10 +30,9 @@ pub fn stencil_bound(
     let scale = BINS as f32 / (last - first).max(1e-30);
     let bin = |p: f32| p.clamp(0.0, (BINS - 1) as f32) as usize;
     let mut changes = [0_i64; BINS + 1];
-    for (ends, is_boundary) in edges {
+    for (ends, weight) in sides {
         if ends.iter().all(|&end| is_finite(end)) {
             let [p, q] = ends.map(|end| (pencil.half_plane(Vec3::from(end)) - first) * scale);
-            let weight = if light.casting == CAST_EVERY && !is_boundary { 2 } else { 1 };
             changes[bin(p.min(q))] += weight;
             changes[bin(p.max(q)) + 1] -= weight;
         }

@@ -2,12 +2,12 @@
 
 use glam::{Vec3, Vec4};
 
-use super::shadow::{dot_3, light_side, near_plane};
+use super::shadow::{dot_3, light_side, near_plane, placed};
 use crate::layout::{ShadowLight, ShadowView};
 
 /// A position transformed by the matrix of the light's frustum: x, y and w.
 fn in_frustum(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
-    let q = Vec3::from(position) - Vec3::from(view.origin);
+    let q = placed(view, position);
     let row = |[x, y, z, w]: [f32; 4]| dot_3(Vec3::new(x, y, z), q) + w;
     Vec3::new(row(light.frustum_x), row(light.frustum_y), row(light.frustum_w))
 }
@@ -17,7 +17,7 @@ pub(crate) fn frustum_to_clip(view: &ShadowView, light: &ShadowLight, position: 
     let p = in_frustum(view, light, position);
     let z = if light.light[3] == 0.0 {
         let (normal, constant) = near_plane(view);
-        let height = dot_3(normal, Vec3::from(position) - Vec3::from(view.origin)) + constant;
+        let height = dot_3(normal, placed(view, position)) + constant;
         p.z * (1.0 - light_side(light) * height / light.frustum_near)
     } else {
         let near_w = view.near_w * light.height.abs();

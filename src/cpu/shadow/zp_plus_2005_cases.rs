@@ -12,6 +12,6 @@ pub fn zp_plus_2005_cases(
     silhouettes: impl IntoIterator<Item = [[f32; 3]; 2]>,
 ) -> bool {
     let is_cut_at = |position| is_cut(view, to_clip(view, position));
-    let is_far_cut = |position| is_cut(view, direction_to_clip(view, extrusion(light, position)));
+    let is_far_cut = |position| is_cut(view, direction_to_clip(view, extrusion(view, light, position)));
     silhouettes.into_iter().any(|[a, b]| is_cut_at(a) != is_cut_at(b) && is_far_cut(a) != is_far_cut(b))
 }

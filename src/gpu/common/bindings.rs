@@ -33,6 +33,10 @@ impl Bindings {
         &self.entries
     }
 
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
     /// Numbers the resources by their names. If a name is not declared or is missing, the device refuses the bind
     /// group. Tests bind every stage.
     pub(crate) fn numbered<'a>(

@@ -256,6 +256,19 @@ impl Pipeline {
         }
     }
 
+    /// The names of the bindings of bind group 0.
+    pub(crate) fn names(&self) -> &[String] {
+        self.bindings.names()
+    }
+
+    /// The number of its uniforms, each with a dynamic offset.
+    pub(crate) fn uniforms(&self) -> usize {
+        let is_uniform = |entry: &&wgpu::BindGroupLayoutEntry| {
+            matches!(entry.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. })
+        };
+        self.bindings.entries().iter().filter(is_uniform).count()
+    }
+
     /// A bind group. Resources have the names that the WGSL gives them.
     pub(crate) fn bind(
         &self,

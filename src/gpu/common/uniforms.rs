@@ -43,19 +43,24 @@ pub(crate) fn entry<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     super::dispatch_limits::binding(buffer, 0..size_of::<T>() as u64)
 }
 
-/// Records that `target` is set to `contents` from here on. Commands recorded before still see the old content, so an
-/// encoder may hold several uses of the buffer. Records nothing if the device is lost.
+/// Records that each target is set to its contents from here on. Commands recorded before still see the old content, so an
+/// encoder may hold several uses of a buffer. Records nothing if the device is lost. Contents are whole words.
 pub(crate) fn upload(
     device: &wgpu::Device,
     encoder: &mut wgpu::CommandEncoder,
-    target: &wgpu::Buffer,
-    contents: &[u8],
+    targets: &[(&wgpu::Buffer, &[u8])],
 ) -> Result<(), DeviceError> {
+    let contents = targets.iter().map(|(_, contents)| *contents).collect::<Vec<_>>().concat();
     let make = || mapped(device, "upload", contents.len() as u64, wgpu::BufferUsages::COPY_SRC);
     let staging = any_error(device, make).map_err(|message| DeviceError::Refused { message })?;
-    if !write_mapped(&staging, contents) {
+    if !write_mapped(&staging, &contents) {
         return Err(DeviceError::Lost);
     }
-    encoder.copy_buffer_to_buffer(&staging, 0, target, 0, contents.len() as u64);
+    let mut at = 0;
+    for (target, contents) in targets {
+        let bytes = contents.len() as u64;
+        encoder.copy_buffer_to_buffer(&staging, at, target, 0, bytes);
+        at += bytes;
+    }
     Ok(())
 }

@@ -218,8 +218,7 @@ impl Deformer {
                 ..chunk
             });
         }
-        upload(&self.device, encoder, &self.chunks, table.bytes())?;
-        upload(&self.device, encoder, &self.pose, bytemuck::cast_slice(&words))?;
+        upload(&self.device, encoder, &[(&self.chunks, table.bytes()), (&self.pose, bytemuck::cast_slice(&words))])?;
         self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }

@@ -149,7 +149,7 @@ impl Extractor {
         for lights in lights.chunks(32) {
             batches.push(&LightBatch::new(lights, bound.offset_words, bound.stride_words));
         }
-        upload(self.shared.device(), encoder, &self.light_batches, batches.bytes())?;
+        upload(self.shared.device(), encoder, &[(&self.light_batches, batches.bytes())])?;
         encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
         encoder.clear_buffer(&buffers.counts, 0, None);
         let used = light::batches(lights.len());

@@ -7,116 +7,146 @@ use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::extraction;
-use crate::layout::{ShadowDraw, ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
 
-/// The buffers that the stages and draws share.
+/// The buffers that the stages and draws share. A `Vec` has one buffer for each batch of lights.
 #[derive(Debug)]
 pub(super) struct Buffers {
     pub(super) shape: wgpu::Buffer,
-    pub(super) view: wgpu::Buffer,
+    /// A [`ShadowDraw`] for each light.
     pub(super) draw_lights: wgpu::Buffer,
+    /// A [`SeenLight`] for each light.
+    pub(super) seen: wgpu::Buffer,
+    /// The caster, then a copy of `choices`.
+    pub(super) table: wgpu::Buffer,
     pub(super) faces: wgpu::Buffer,
-    pub(super) bounds: wgpu::Buffer,
-    pub(super) lights: wgpu::Buffer,
-    pub(super) cap_dispatches: wgpu::Buffer,
-    pub(super) cap_counts: wgpu::Buffer,
-    /// One for each batch of lights.
-    pub(super) cap_lists: Vec<wgpu::Buffer>,
-    /// One for each batch of lights.
+    pub(super) boxes: wgpu::Buffer,
+    /// Choices, then measures.
+    pub(super) choices: wgpu::Buffer,
+    pub(super) caps: Vec<wgpu::Buffer>,
     pub(super) sides: Vec<wgpu::Buffer>,
     pub(super) draws: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
 }
 
-/// Lists of cap faces of a light.
-const LISTS: u64 = 2;
+/// Entries of the lists of each light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Capacities {
+    /// Of both lists of sides together.
+    pub(super) sides: u32,
+    /// Of both lists of near caps together.
+    pub(super) near: u32,
+    /// Of both lists of other caps together.
+    pub(super) far: u32,
+}
+
 /// Bytes before the lists of sides of a batch: two counts for each light.
 pub(super) const SIDE_COUNTS: u64 = 4 * 64;
+/// Bytes before the lists of cap faces: four counts for each light.
+pub(super) const CAP_COUNTS: u64 = 4 * 128;
+/// Bytes of the choices of a caster for a batch of lights.
+pub(super) const CHOICES: u64 = 32;
+/// Bytes of its measures for a light.
+const MEASURES: u64 = 8;
 
-/// The largest number of entries of a list of sides for which one binding has room, beside the counts.
-pub(super) fn fitting_sides(lights: usize, split: &DispatchLimits) -> u64 {
-    split.binding.saturating_sub(SIDE_COUNTS) / (4 * lights as u64)
+/// The largest number of entries for which one binding has room, behind `head` bytes of counts.
+pub(super) fn fitting(lights: usize, head: u64, split: &DispatchLimits) -> u32 {
+    u32::try_from(split.binding.saturating_sub(head) / (4 * lights as u64)).unwrap_or(u32::MAX)
 }
 
-/// The buffers besides the lists of cap faces.
-fn per_light(lights: usize) -> [(&'static str, u64); 3] {
-    let lights = lights as u64;
-    [
-        ("shadow lights", lights * size_of::<ShadowLight>() as u64),
+fn side_bytes(capacities: Capacities, lights: usize) -> u64 {
+    SIDE_COUNTS + 4 * u64::from(capacities.sides) * lights as u64
+}
+
+fn cap_bytes(capacities: Capacities, lights: usize) -> u64 {
+    CAP_COUNTS + 4 * (u64::from(capacities.near) + u64::from(capacities.far)) * lights as u64
+}
+
+fn choice_bytes(shape: &Shape) -> u64 {
+    CHOICES * shape.batches() as u64 + MEASURES * shape.max_lights as u64
+}
+
+/// The buffers whose size the number of lights determines, and the lists of sides.
+fn besides_caps(shape: &Shape, capacities: Capacities) -> Vec<(&'static str, u64)> {
+    let lights = shape.max_lights as u64;
+    let mut wanted = vec![
+        ("seen lights", lights * size_of::<SeenLight>() as u64),
+        ("choices", choice_bytes(shape)),
+        ("shadow table", size_of::<SceneCaster>() as u64 + choice_bytes(shape)),
         ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
         ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
-    ]
+    ];
+    wanted.extend(
+        (0..shape.batches()).map(|batch| ("lists of sides", side_bytes(capacities, shape.batch_lights(batch)))),
+    );
+    wanted
 }
 
-/// The largest number of entries of a list of cap faces for which one binding and the memory limit have room.
-pub(super) fn fitting_capacity(
-    extraction: &Shape,
+/// The largest number of entries of a light's lists of cap faces for which one binding and the memory limit have room.
+pub(super) fn fitting_caps(
+    shape: &Shape,
     split: &DispatchLimits,
-    side_capacity: u32,
+    capacities: Capacities,
     memory_limit: Option<u64>,
-) -> usize {
-    let bound = split.binding / (4 * LISTS * extraction.batch_lights(0) as u64);
-    let sides = (0..extraction.batches()).map(|batch| side_bytes(extraction, side_capacity, batch));
-    let others: u64 = per_light(extraction.max_lights).iter().map(|&(_, bytes)| bytes).chain(sides).map(padded).sum();
-    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others));
-    let fitting = bound.min(left / (4 * LISTS * extraction.max_lights as u64));
-    usize::try_from(fitting).unwrap_or(usize::MAX)
-}
-
-/// The lists of sides of a batch, and their counts.
-fn side_bytes(extraction: &Shape, side_capacity: u32, batch: usize) -> u64 {
-    SIDE_COUNTS + 4 * u64::from(side_capacity) * extraction.batch_lights(batch) as u64
+) -> u32 {
+    let bound = fitting(shape.batch_lights(0), CAP_COUNTS, split);
+    let others: u64 = besides_caps(shape, capacities).iter().map(|&(_, bytes)| padded(bytes)).sum();
+    let counts = CAP_COUNTS * shape.batches() as u64;
+    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others + counts));
+    bound.min(u32::try_from(left / (4 * shape.max_lights as u64)).unwrap_or(u32::MAX))
 }
 
 impl Buffers {
     pub(super) fn new(
         source: &extraction::Shared,
-        cap_capacity: usize,
-        side_capacity: u32,
+        capacities: Capacities,
         memory_limit: Option<u64>,
     ) -> Result<Self, MemoryError> {
-        let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
-        let lights = extraction.max_lights as u64;
-        let batches = extraction.batches();
-        let list_bytes = |batch: usize| 4 * LISTS * cap_capacity as u64 * extraction.batch_lights(batch) as u64;
-        let widest = list_bytes(0);
-        if padded(widest) > split.binding {
-            let what = "lists of cap faces";
-            return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
+        let (device, split, shape) = (source.device(), &source.limits, &source.shape);
+        let lights = shape.max_lights as u64;
+        let per_batch = |bytes: fn(Capacities, usize) -> u64| {
+            (0..shape.batches()).map(move |batch| bytes(capacities, shape.batch_lights(batch)))
+        };
+        for (what, bytes) in [("lists of cap faces", cap_bytes as fn(_, _) -> _), ("lists of sides", side_bytes)] {
+            let widest = bytes(capacities, shape.batch_lights(0));
+            if padded(widest) > split.binding {
+                return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
+            }
         }
-        let wanted: Vec<Allocation> = (0..batches)
-            .map(|batch| ("lists of cap faces", list_bytes(batch)))
-            .chain((0..batches).map(|batch| ("lists of sides", side_bytes(extraction, side_capacity, batch))))
-            .chain(per_light(extraction.max_lights))
+        let caps = per_batch(cap_bytes).map(|bytes| ("lists of cap faces", bytes));
+        let wanted: Vec<Allocation> = caps
+            .chain(besides_caps(shape, capacities))
             .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
             .collect();
         let bytes = check(&wanted, split.buffer, memory_limit)?;
         let mut draw_lights = UniformTable::default();
-        for light in 0..extraction.max_lights as u32 {
-            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, reserved_0: 0, reserved_1: 0 });
+        for light in 0..shape.max_lights as u32 {
+            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, view: 0, reserved: 0 });
         }
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let stored = |label, bytes| buffer(device, label, bytes, storage);
         guarded(device, bytes, || Self {
-            shape: buffer(device, "shadow shape", size_of::<ShadowShape>() as u64, uniform),
-            view: buffer(device, "shadow view", size_of::<ShadowView>() as u64, uniform | BufferUsages::STORAGE),
+            shape: buffer(
+                device,
+                "shadow shape",
+                size_of::<ShadowShape>() as u64,
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            ),
             draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
+            seen: stored("seen lights", lights * size_of::<SeenLight>() as u64),
+            table: stored("shadow table", size_of::<SceneCaster>() as u64 + choice_bytes(shape)),
             faces: source.buffers.faces.clone(),
-            bounds: buffer(device, "caster bounds", 28, storage),
-            lights: buffer(device, "shadow lights", lights * size_of::<ShadowLight>() as u64, storage),
-            cap_dispatches: buffer(device, "cap dispatches", 12 * batches as u64, storage | BufferUsages::INDIRECT),
-            cap_counts: buffer(device, "cap counts", 4 * LISTS * lights, storage),
-            cap_lists: (0..batches).map(|batch| buffer(device, "cap faces", list_bytes(batch), storage)).collect(),
-            sides: (0..batches)
-                .map(|batch| buffer(device, "sides", side_bytes(extraction, side_capacity, batch), storage))
-                .collect(),
+            boxes: stored("caster boxes", 28),
+            choices: stored("choices", choice_bytes(shape)),
+            caps: per_batch(cap_bytes).map(|bytes| stored("cap faces", bytes)).collect(),
+            sides: per_batch(side_bytes).map(|bytes| stored("sides", bytes)).collect(),
             draws: buffer(
                 device,
                 "shadow draws",
                 lights * size_of::<ShadowDraws>() as u64,
                 storage | BufferUsages::INDIRECT,
             ),
-            statistics: buffer(device, "shadow statistics", size_of::<ShadowStatistics>() as u64, storage),
+            statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
         })
     }
 }

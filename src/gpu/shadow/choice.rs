@@ -9,8 +9,8 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::gpu::extract::results::ExtractionResults;
-use crate::layout::ShadowDraw;
+use crate::gpu::extract::extraction;
+use crate::layout::{SceneCaster, ShadowDraw};
 use crate::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
 
 /// Pipelines and bind groups of these stages.
@@ -20,10 +20,10 @@ pub(super) struct Choice {
     choose: Pipeline,
     /// Only for ZP+ as published.
     zp_plus_2005_cases: Option<Pipeline>,
-    /// Only if the caller asks for it.
-    stencil_bound: Option<Pipeline>,
     caps: Pipeline,
     list_sides: Pipeline,
+    /// Only if the caller asks for it.
+    stencil_bound: Option<Pipeline>,
     arguments: Pipeline,
     choose_group: wgpu::BindGroup,
     /// One for each batch of lights.
@@ -34,97 +34,93 @@ pub(super) struct Choice {
     position_groups: Option<PositionGroups>,
 }
 
-/// The bind groups of the stages that read positions.
+/// The bind groups of the stages that read positions. A `Vec` has one for each batch of lights.
 #[derive(Debug)]
 struct PositionGroups {
     bounds: wgpu::BindGroup,
-    /// One for each batch of lights. Empty except for ZP+ as published.
+    /// Empty except for ZP+ as published.
     zp_plus_2005_cases: Vec<wgpu::BindGroup>,
-    /// One for each batch of lights. Empty unless the caller asks for the bound.
-    stencil_bound: Vec<wgpu::BindGroup>,
     caps: Vec<wgpu::BindGroup>,
+    /// Empty unless the caller asks for the bound.
+    stencil_bound: Vec<wgpu::BindGroup>,
 }
 
 /// The number of workgroups of the stages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Groups {
     pub(super) bounds: u32,
+    /// For all lights.
     pub(super) lights: u32,
+    pub(super) caps: u32,
     /// For each light.
     pub(super) sides: u32,
+}
+
+/// What stages may bind, by the names that the WGSL gives it.
+struct Resources<'a> {
+    buffers: &'a Buffers,
+    source: &'a extraction::Shared,
+}
+
+impl<'a> Resources<'a> {
+    fn of<'n>(&self, names: &'n [String], batch: usize) -> Vec<(&'n str, wgpu::BindingResource<'a>)> {
+        names.iter().filter_map(|name| Some((name.as_str(), self.get(name, batch)?))).collect()
+    }
+
+    fn get(&self, name: &str, batch: usize) -> Option<wgpu::BindingResource<'a>> {
+        let Self { buffers, source } = *self;
+        let extracted = &source.buffers;
+        let buffer = match name {
+            "shape" => &buffers.shape,
+            "draw" => return Some(binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
+            "seen" => &buffers.seen,
+            "table" => &buffers.table,
+            "boxes" => &buffers.boxes,
+            "choices" => &buffers.choices,
+            "shadow_statistics" => &buffers.statistics,
+            "shadow_draws" => &buffers.draws,
+            "sides" => buffers.sides.get(batch)?,
+            "caps_listed" => buffers.caps.get(batch)?,
+            "faces" => &buffers.faces,
+            "edge_vertices" => &extracted.edge_vertices,
+            "edge_faces" => &extracted.edge_faces,
+            "facing_masks" => extracted.facing.get(batch)?,
+            "excluded_masks" => extracted.excluded.get(batch)?,
+            "silhouettes" => extracted.lists.get(batch)?,
+            "silhouette_counts" => &extracted.counts,
+            "extraction_statistics" => &extracted.statistics,
+            _ => return None,
+        };
+        Some(buffer.as_entire_binding())
+    }
 }
 
 impl Choice {
     pub(super) fn new(
         pipelines: &Pipelines,
         buffers: &Buffers,
-        results: &ExtractionResults<'_>,
-        excluded: &[wgpu::Buffer],
+        source: &extraction::Shared,
         counting: Counting,
         options: ShadowOptions,
     ) -> Self {
         let device = pipelines.device();
         let pipeline = |stage: &Stage| pipelines.compute(stage, stage.name, &[]);
-        let choose = pipeline(&CHOOSE);
-        let arguments = pipeline(&SHADOW_ARGUMENTS);
-        let whole = wgpu::Buffer::as_entire_binding;
-        let choose_group = choose.bind(
-            device,
-            &[
-                ("shape", whole(&buffers.shape)),
-                ("view", whole(&buffers.view)),
-                ("box", whole(&buffers.bounds)),
-                ("shadow_lights", whole(&buffers.lights)),
-                ("cap_dispatches", whole(&buffers.cap_dispatches)),
-                ("extraction_statistics", whole(results.statistics)),
-            ],
-        );
-        let draw = || binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64);
-        let list_sides = pipeline(&LIST_SIDES);
-        let per_batch = results.facing.iter().zip(excluded).zip(results.lists).zip(&buffers.sides);
-        let side_groups = per_batch.map(|(((facing, excluded), silhouettes), sides)| {
-            list_sides.bind(
-                device,
-                &[
-                    ("shape", whole(&buffers.shape)),
-                    ("draw", draw()),
-                    ("silhouette_counts", whole(results.counts)),
-                    ("silhouettes", whole(silhouettes)),
-                    ("edge_faces", whole(results.edge_faces)),
-                    ("facing_masks", whole(facing)),
-                    ("excluded_masks", whole(excluded)),
-                    ("shadow_lights", whole(&buffers.lights)),
-                    ("sides", whole(sides)),
-                ],
-            )
-        });
-        let side_groups = side_groups.collect();
-        let arguments_groups = buffers.sides.iter().map(|sides| {
-            arguments.bind(
-                device,
-                &[
-                    ("shape", whole(&buffers.shape)),
-                    ("draw", draw()),
-                    ("sides", whole(sides)),
-                    ("cap_counts", whole(&buffers.cap_counts)),
-                    ("shadow_lights", whole(&buffers.lights)),
-                    ("shadow_draws", whole(&buffers.draws)),
-                    ("shadow_statistics", whole(&buffers.statistics)),
-                ],
-            )
-        });
-        let arguments_groups = arguments_groups.collect();
+        let [choose, list_sides, arguments] = [&CHOOSE, &LIST_SIDES, &SHADOW_ARGUMENTS].map(pipeline);
+        let bind = |pipeline: &Pipeline, batch: usize| {
+            pipeline.bind(device, &Resources { buffers, source }.of(pipeline.names(), batch))
+        };
+        let batches = 0..source.shape.batches();
         Self {
             bounds: pipeline(&BOUNDS),
             zp_plus_2005_cases: counting.is_zp_plus_2005().then(|| pipeline(&ZP_PLUS_2005_CASES)),
-            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND)),
             caps: pipeline(&CAPS),
+            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND)),
+            choose_group: bind(&choose, 0),
+            side_groups: batches.clone().map(|batch| bind(&list_sides, batch)).collect(),
+            arguments_groups: batches.map(|batch| bind(&arguments, batch)).collect(),
             choose,
             list_sides,
             arguments,
-            choose_group,
-            side_groups,
-            arguments_groups,
             position_groups: None,
         }
     }
@@ -132,83 +128,22 @@ impl Choice {
     /// Binds positions to the stages that read them.
     pub(super) fn bind_positions(
         &mut self,
-        device: &wgpu::Device,
         buffers: &Buffers,
-        results: &ExtractionResults<'_>,
-        excluded: &[wgpu::Buffer],
+        source: &extraction::Shared,
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        let whole = wgpu::Buffer::as_entire_binding;
-        let positions = bound.first_binding(positions);
-        let bounds = self.bounds.bind(
-            device,
-            &[
-                ("shape", whole(&buffers.shape)),
-                ("positions", positions.clone()),
-                ("faces", whole(&buffers.faces)),
-                ("box", whole(&buffers.bounds)),
-            ],
-        );
-        let caps = results.facing.iter().zip(excluded).zip(&buffers.cap_lists).map(|((facing, excluded), list)| {
-            self.caps.bind(
-                device,
-                &[
-                    ("shape", whole(&buffers.shape)),
-                    ("view", whole(&buffers.view)),
-                    ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
-                    ("positions", positions.clone()),
-                    ("faces", whole(&buffers.faces)),
-                    ("facing_masks", whole(facing)),
-                    ("shadow_lights", whole(&buffers.lights)),
-                    ("cap_counts", whole(&buffers.cap_counts)),
-                    ("cap_list", whole(list)),
-                    ("excluded_masks", whole(excluded)),
-                ],
-            )
-        });
-        let zp_plus_2005_cases = self.zp_plus_2005_cases.iter().flat_map(|stage| {
-            results.lists.iter().map(|list| {
-                stage.bind(
-                    device,
-                    &[
-                        ("shape", whole(&buffers.shape)),
-                        ("view", whole(&buffers.view)),
-                        ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
-                        ("positions", positions.clone()),
-                        ("edge_vertices", whole(results.edge_vertices)),
-                        ("list", whole(list)),
-                        ("silhouette_counts", whole(results.counts)),
-                        ("shadow_lights", whole(&buffers.lights)),
-                    ],
-                )
-            })
-        });
-        let stencil_bound = self.stencil_bound.iter().flat_map(|stage| {
-            results.lists.iter().map(|list| {
-                stage.bind(
-                    device,
-                    &[
-                        ("shape", whole(&buffers.shape)),
-                        ("draw", binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
-                        ("box", whole(&buffers.bounds)),
-                        ("positions", positions.clone()),
-                        ("edge_vertices", whole(results.edge_vertices)),
-                        ("edge_faces", whole(results.edge_faces)),
-                        ("list", whole(list)),
-                        ("silhouette_counts", whole(results.counts)),
-                        ("shadow_lights", whole(&buffers.lights)),
-                        ("shadow_statistics", whole(&buffers.statistics)),
-                    ],
-                )
-            })
-        });
-        let stencil_bound = stencil_bound.collect();
+        let bind = |pipeline: &Pipeline, batch: usize| {
+            let mut resources = Resources { buffers, source }.of(pipeline.names(), batch);
+            resources.push(("positions", bound.first_binding(positions)));
+            pipeline.bind(source.device(), &resources)
+        };
+        let for_each = |pipeline: &Pipeline| (0..source.shape.batches()).map(|batch| bind(pipeline, batch)).collect();
         self.position_groups = Some(PositionGroups {
-            bounds,
-            zp_plus_2005_cases: zp_plus_2005_cases.collect(),
-            stencil_bound,
-            caps: caps.collect(),
+            bounds: bind(&self.bounds, 0),
+            zp_plus_2005_cases: self.zp_plus_2005_cases.as_ref().map_or_else(Vec::new, for_each),
+            caps: for_each(&self.caps),
+            stencil_bound: self.stencil_bound.as_ref().map_or_else(Vec::new, for_each),
         });
     }
 
@@ -221,50 +156,47 @@ impl Choice {
         lights: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let batches = crate::light::batches(lights);
-        let Some(PositionGroups { bounds, zp_plus_2005_cases, stencil_bound, caps }) = &self.position_groups else {
+        let Some(PositionGroups { bounds, zp_plus_2005_cases, caps, stencil_bound }) = &self.position_groups else {
             return;
         };
-        let mut pass = begin(encoder, &self.bounds, timer.as_deref_mut());
-        pass.set_bind_group(0, bounds, &[0]);
-        pass.dispatch_workgroups(groups.bounds, 1, 1);
-        drop(pass);
-        let mut pass = begin(encoder, &self.choose, timer.as_deref_mut());
-        pass.set_bind_group(0, &self.choose_group, &[0, 0]);
-        pass.dispatch_workgroups(groups.lights, 1, 1);
-        drop(pass);
-        let first_light = |batch: usize| (32 * batch * UniformTable::stride::<ShadowDraw>()) as u32;
+        let one = std::slice::from_ref::<wgpu::BindGroup>;
+        let mut record = |encoder: &mut _, stage, bound, workgroups: &dyn Fn(u32) -> [u32; 2]| {
+            dispatch(encoder, stage, bound, lights, workgroups, timer.as_deref_mut());
+        };
+        record(encoder, &self.bounds, one(bounds), &|_| [groups.bounds, 1]);
+        record(encoder, &self.choose, one(&self.choose_group), &|_| [groups.lights, 1]);
         if let Some(stage) = &self.zp_plus_2005_cases {
-            let mut pass = begin(encoder, stage, timer.as_deref_mut());
-            for (batch, group) in zp_plus_2005_cases.iter().enumerate().take(batches) {
-                pass.set_bind_group(0, group, &[0, 0, first_light(batch)]);
-                pass.dispatch_workgroups((lights - 32 * batch).min(32) as u32, 1, 1);
-            }
+            record(encoder, stage, zp_plus_2005_cases, &|lights| [lights, 1]);
         }
+        record(encoder, &self.caps, caps, &|_| [groups.caps, 1]);
+        let behind_caster = size_of::<SceneCaster>() as u64;
+        let choices = &buffers.choices;
+        encoder.copy_buffer_to_buffer(choices, 0, &buffers.table, behind_caster, choices.size());
+        record(encoder, &self.list_sides, &self.side_groups, &|lights| [groups.sides, lights]);
         if let Some(stage) = &self.stencil_bound {
-            let mut pass = begin(encoder, stage, timer.as_deref_mut());
-            for (batch, group) in stencil_bound.iter().enumerate().take(batches) {
-                pass.set_bind_group(0, group, &[0, first_light(batch)]);
-                pass.dispatch_workgroups((lights - 32 * batch).min(32) as u32, 1, 1);
-            }
+            record(encoder, stage, stencil_bound, &|lights| [lights, 1]);
         }
-        let mut pass = begin(encoder, &self.caps, timer.as_deref_mut());
-        for (batch, group) in caps.iter().enumerate().take(batches) {
-            pass.set_bind_group(0, group, &[0, 0, first_light(batch)]);
-            pass.dispatch_workgroups_indirect(&buffers.cap_dispatches, 12 * batch as u64);
-        }
-        drop(pass);
-        let mut pass = begin(encoder, &self.list_sides, timer.as_deref_mut());
-        for (batch, group) in self.side_groups.iter().enumerate().take(batches) {
-            pass.set_bind_group(0, group, &[0, first_light(batch)]);
-            pass.dispatch_workgroups(groups.sides, (lights - 32 * batch).min(32) as u32, 1);
-        }
-        drop(pass);
-        let mut pass = begin(encoder, &self.arguments, timer);
-        for (batch, group) in self.arguments_groups.iter().enumerate().take(batches) {
-            pass.set_bind_group(0, group, &[0, first_light(batch)]);
-            pass.dispatch_workgroups(1, 1, 1);
-        }
+        record(encoder, &self.arguments, &self.arguments_groups, &|_| [1, 1]);
+    }
+}
+
+/// Records a stage: a dispatch for each batch of lights that is bound, of workgroups that may depend on the lights in it.
+fn dispatch(
+    encoder: &mut wgpu::CommandEncoder,
+    stage: &Pipeline,
+    bound: &[wgpu::BindGroup],
+    lights: usize,
+    workgroups: &dyn Fn(u32) -> [u32; 2],
+    timer: Option<&mut StageTimer>,
+) {
+    let mut pass = begin(encoder, stage, timer);
+    for (batch, group) in bound.iter().enumerate().take(crate::light::batches(lights)) {
+        let first_light = (32 * batch * UniformTable::stride::<ShadowDraw>()) as u32;
+        // The shape, and the light if the stage goes by batches.
+        let offsets = [0, first_light];
+        pass.set_bind_group(0, group, offsets.get(..stage.uniforms()).unwrap_or(&offsets));
+        let [x, y] = workgroups((lights - 32 * batch).min(32) as u32);
+        pass.dispatch_workgroups(x, y, 1);
     }
 }
 

@@ -128,7 +128,7 @@ pub(crate) enum Count {
 pub(crate) struct VolumeKey {
     pub(super) entry_point: &'static str,
     /// The list of cap faces.
-    pub(super) class: u32,
+    pub(crate) kind: u32,
     pub(super) count: Count,
     pub(super) turned: bool,
     pub(super) format: ShadowFormat,

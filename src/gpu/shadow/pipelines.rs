@@ -9,10 +9,13 @@ use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
 use crate::stages::{CAP_FACES, SIDES, Stage};
 
+/// The first list of caps that are no near caps, as `casting.wgsl` numbers them.
+const FAR: u32 = 2;
+
 /// The layouts of the bind groups that draws use.
 #[derive(Clone, Debug)]
 pub(super) struct Layouts {
-    /// Camera and lights.
+    /// Casters, camera and lights.
     pub(super) frame: wgpu::BindGroupLayout,
     /// Edges and the lists of sides.
     pub(super) side_data: wgpu::BindGroupLayout,
@@ -45,12 +48,10 @@ pub struct ShadowPipelines {
     pub(super) layouts: Layouts,
     /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
     pub(super) side: wgpu::RenderPipeline,
-    /// Clipped sides with ZP+, and the near caps that count up on their front and on their back.
-    pub(super) clipped: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
+    pub(super) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// Dark caps of volumes that end, with z-pass: one for each list.
     pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
-    /// Sides with ZP+ as published, and the near caps that count up on their front and on their back.
-    pub(super) zp_plus_2005: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
     pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
@@ -88,24 +89,35 @@ impl ShadowPipelines {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let frame = shared.layout("shadow frame", entries(&[uniform(false), storage, uniform(true), storage]));
+        let seen = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: true,
+            min_binding_size: None,
+        };
+        let frame = shared.layout("shadow frame", entries(&[uniform(false), uniform(true), seen, storage]));
         let side_data = shared.layout("shadow sides", entries(&[storage; 6]));
-        let cap_data = shared.layout("shadow caps", entries(&[storage; 6]));
+        let cap_data = shared.layout("shadow caps", entries(&[storage; 5]));
         let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &side_data] };
         let caps = Maker { shared: &shared, format, stage: &CAP_FACES, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
-        let near = |cap| [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1));
+        let near = |side, cap| {
+            let side = sides.pipeline(side, 0, Count::Visible, false);
+            (side, [0, 1].map(|class| caps.pipeline(cap, class, Count::Always, class == 1)))
+        };
         // A dark cap is seen from its other side.
-        let dark = |class, count| caps.pipeline("dark_cap", class, count, class != 1);
-        let far = |class| [caps.pipeline("light_cap", class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
+        let dark = |class, count| caps.pipeline("dark_cap", FAR + class, count, class != 1);
+        let far =
+            |class| [caps.pipeline("light_cap", FAR + class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
         Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
             side: sides.pipeline("side", 0, count, false),
-            clipped: is_clipped.then(|| (sides.pipeline("side_clipped", 0, Count::Visible, false), near("near_cap"))),
-            zp_plus_2005: is_zp_plus_2005
-                .then(|| (sides.pipeline("zp_plus_2005_side", 0, Count::Visible, false), near("zp_plus_2005_cap"))),
+            near: match (is_clipped, is_zp_plus_2005) {
+                (true, _) => Some(near("side_clipped", "near_cap")),
+                (_, true) => Some(near("zp_plus_2005_side", "zp_plus_2005_cap")),
+                _ => None,
+            },
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
             layouts: Layouts { frame, side_data, cap_data },
@@ -172,13 +184,13 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
-    fn pipeline(&self, entry_point: &'static str, class: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
-        let key = VolumeKey { entry_point, class, count, turned, format: self.format.clone() };
+    fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
+        let key = VolumeKey { entry_point, kind, count, turned, format: self.format.clone() };
         self.shared.volume(&key, || self.make(&key))
     }
 
     fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { entry_point, class, count, turned, ref format } = key;
+        let &VolumeKey { entry_point, kind, count, turned, ref format } = key;
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
         let module = self.shared.module(stage.name, &stage.wgsl());
@@ -191,7 +203,7 @@ impl Maker<'_> {
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
         let stencil = stencil(count, turned);
-        let constants = [("CAP_CLASS", f64::from(class))];
+        let constants = [("CAP_KIND", f64::from(kind))];
         let constants = if is_caps { &constants[..] } else { &[] };
         let targets: Vec<_> = format
             .colors

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use super::buffers::{Buffers, SIDE_COUNTS, fitting_capacity, fitting_sides};
+use super::buffers::{Buffers, CAP_COUNTS, CHOICES, Capacities, SIDE_COUNTS, fitting, fitting_caps};
 use super::choice::{Choice, Groups};
 use super::draws::DrawGroups;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
 use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
 use super::pipelines::{Convention, ShadowPipelines};
-use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::group;
@@ -18,10 +17,17 @@ use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::errors::ExtractionIncludeError;
-use crate::gpu::extract::extraction::{Extraction, Place};
+use crate::gpu::extract::extraction::{self, Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
-use crate::layout::{ShadowDraw, ShadowLight, ShadowShape};
+use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowShape};
 use crate::light::{self, check_shadow_lights};
+use crate::{Counting, ShadowCamera};
+
+/// Where choices begin in the table of one caster, in units of 16 bytes.
+const BEHIND_CASTER: u32 = (size_of::<SceneCaster>() / 16) as u32;
+
+/// The largest number of turns of an invocation's loops. llvmpipe (Mesa 22.3) ends them after 65,535.
+const MOST_TURNS: u32 = 60_000;
 
 /// The shadow volumes of one caster, for the lights of its [`Extractor`]. It records compute passes into the caller's
 /// encoder after those of the extraction, and draws into the caller's render pass. It reads nothing back.
@@ -116,52 +122,37 @@ impl ShadowVolumes {
     ) -> Result<Self, ShadowVolumesError> {
         let source = extractor.shared();
         source.check_include()?;
-        let (device, split, extraction) = (source.device(), &source.limits, &source.shape);
+        let (split, extraction) = (&source.limits, &source.shape);
         let face_count = extraction.faces;
-        let fitting = u32::try_from(fitting_sides(extraction.batch_lights(0), split)).unwrap_or(u32::MAX);
-        let side_capacity = extraction.capacity.min(fitting);
-        let lists_all = options.end_at_range || pipelines.counting().may_fail();
-        let cap_capacity = options.cap_capacity.map_or_else(
-            || {
-                let wanted = if lists_all { face_count } else { 1024 + 16 * face_count.isqrt() };
-                wanted.min(fitting_capacity(extraction, split, side_capacity, options.memory_limit))
-            },
-            |capacity| capacity as usize,
-        );
-        let cap_capacity = cap_capacity.clamp(1, face_count.max(1));
-        let workgroups = device.limits().max_compute_workgroups_per_dimension;
-        let most = |wanted: usize| (wanted as u32).clamp(1, workgroups);
+        let capacities = capacities(source, pipelines.counting(), options);
         let shape = ShadowShape {
+            casters: 1,
             lights: 0,
+            batches: extraction.batches() as u32,
             faces: face_count as u32,
             edges: extraction.edges as u32,
             capacity: extraction.capacity,
-            cap_capacity: cap_capacity as u32,
-            averted: u32::from(source.is_closed && !options.every_face),
+            side_capacity: capacities.sides,
+            near_capacity: capacities.near,
+            far_capacity: capacities.far,
+            averted: u32::from(!options.every_face),
             counting: pipelines.counting().code(),
             skip_unseen: u32::from(options.skip_unseen),
-            position_offset: 0,
-            position_stride: 0,
-            cap_groups: most(face_count.div_ceil(WORKGROUP as usize)),
             end_at_range: u32::from(options.end_at_range),
-            side_capacity,
-            reserved_0: 0,
-            reserved_1: 0,
-            reserved_2: 0,
+            choices_at: BEHIND_CASTER,
+            measures_at: BEHIND_CASTER + 2 * extraction.batches() as u32,
+            lights_at: 0,
+            face_chunks_at: 0,
+            edge_chunks_at: 0,
+            views: 1,
+            reserved: 0,
         };
         if source.buffers.faces.size() > split.binding {
             let (bytes, limit) = (source.buffers.faces.size(), split.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let buffers = Buffers::new(source, cap_capacity, side_capacity, options.memory_limit)?;
-        let choice = Choice::new(
-            pipelines.shared(),
-            &buffers,
-            &source.results(),
-            &source.buffers.excluded,
-            pipelines.counting(),
-            options,
-        );
+        let buffers = Buffers::new(source, capacities, options.memory_limit)?;
+        let choice = Choice::new(pipelines.shared(), &buffers, source, pipelines.counting(), options);
         let shared = Shared::new(Arc::clone(source), buffers, pipelines, options.end_at_range);
         Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
@@ -186,37 +177,47 @@ impl ShadowVolumes {
         let lights = extraction.lights();
         let bound = extraction.bound()?;
         let groups = self.bind(extraction)?;
-        let shape = ShadowShape {
-            lights: lights.len() as u32,
-            position_offset: bound.offset_words,
-            position_stride: bound.stride_words,
-            ..self.shape
-        };
-        let seen: Vec<ShadowLight> = lights.iter().map(|&light| camera.light(&view, light)).collect();
-        let batches = light::batches(lights.len());
         let Shared { buffers, source, .. } = &*self.shared;
-        let device = source.device();
-        upload(device, encoder, &buffers.shape, bytemuck::bytes_of(&shape))?;
-        upload(device, encoder, &buffers.view, bytemuck::bytes_of(&view))?;
-        upload(device, encoder, &buffers.lights, bytemuck::cast_slice(&seen))?;
-        upload(device, encoder, &buffers.bounds, bytemuck::cast_slice(&[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0]))?;
-        upload(device, encoder, &buffers.cap_dispatches, bytemuck::cast_slice(&[0_u32, 1, 1].repeat(batches)))?;
-        encoder.clear_buffer(&buffers.cap_counts, 0, None);
-        for sides in buffers.sides.iter().take(batches) {
-            encoder.clear_buffer(sides, 0, Some(SIDE_COUNTS));
+        let shape = ShadowShape { lights: lights.len() as u32, ..self.shape };
+        let seen = |&light| SeenLight { view, light: camera.light(&view, light), reserved: [[0; 4]; 15] };
+        let seen: Vec<SeenLight> = lights.iter().map(seen).collect();
+        let caster = SceneCaster {
+            row_0: [1.0, 0.0, 0.0, 0.0],
+            row_1: [0.0, 1.0, 0.0, 0.0],
+            row_2: [0.0, 0.0, 1.0, 0.0],
+            low: [0.0; 3],
+            scale: 1.0,
+            high: [0.0; 3],
+            flags: u32::from(source.is_closed),
+            first_face_slot: 0,
+            faces: shape.faces,
+            first_face: 0,
+            position_offset: bound.offset_words,
+            first_edge_slot: 0,
+            edges: shape.edges,
+            first_edge: 0,
+            position_stride: bound.stride_words,
+            reserved: [0; 4],
+        };
+        let empty_box = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
+        let uploads: [(&wgpu::Buffer, &[u8]); 4] = [
+            (&buffers.shape, bytemuck::bytes_of(&shape)),
+            (&buffers.seen, bytemuck::cast_slice(&seen)),
+            (&buffers.table, bytemuck::bytes_of(&caster)),
+            (&buffers.boxes, bytemuck::cast_slice(&empty_box)),
+        ];
+        upload(source.device(), encoder, &uploads)?;
+        encoder.clear_buffer(&buffers.choices, 0, Some(CHOICES * u64::from(shape.batches)));
+        for (lists, counts) in [(&buffers.sides, SIDE_COUNTS), (&buffers.caps, CAP_COUNTS)] {
+            for list in lists.iter().take(light::batches(lights.len())) {
+                encoder.clear_buffer(list, 0, Some(counts));
+            }
         }
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
         if !lights.is_empty() {
-            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
-            let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
-            let groups = Groups {
-                bounds: (source.shape.faces as u32).div_ceil(64 * 64).clamp(1, 1024).min(most),
-                lights: (lights.len() as u32).div_ceil(64).min(most),
-                // An invocation takes some sixteen sides of a list that is full.
-                sides: self.shape.side_capacity.div_ceil(16 * 64).clamp(1, 256).min(most),
-            };
-            self.choice.record(encoder, buffers, groups, lights.len(), timer);
+            let work = self.workgroups(lights.len());
+            self.choice.record(encoder, buffers, work, lights.len(), timer);
         }
         Ok(ShadowFrame::new(Arc::clone(&self.shared), groups, extraction.clone()))
     }
@@ -227,11 +228,23 @@ impl ShadowVolumes {
         &self.shared.buffers.statistics
     }
 
-    /// The choices for each light of the last encode, as [`ShadowLight`]s, once its encoder was submitted. Usage
+    /// The choices for the last encode, once its encoder was submitted: what `reference::cpu::chosen` reads. Usage
     /// `COPY_SRC`.
     #[cfg(feature = "reference")]
-    pub fn lights(&self) -> &wgpu::Buffer {
-        &self.shared.buffers.lights
+    pub fn choices(&self) -> &wgpu::Buffer {
+        &self.shared.buffers.choices
+    }
+
+    /// Lights and camera of the last encode, as [`SeenLight`]s, once its encoder was submitted. Usage `COPY_SRC`.
+    #[cfg(feature = "reference")]
+    pub fn seen(&self) -> &wgpu::Buffer {
+        &self.shared.buffers.seen
+    }
+
+    /// The sizes of the volumes, for no lights.
+    #[cfg(feature = "reference")]
+    pub fn shape(&self) -> ShadowShape {
+        self.shape
     }
 
     /// The draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
@@ -239,6 +252,26 @@ impl ShadowVolumes {
     #[cfg(feature = "reference")]
     pub fn draw_arguments(&self) -> &wgpu::Buffer {
         &self.shared.buffers.draws
+    }
+
+    /// The workgroups of the stages for this number of lights.
+    fn workgroups(&self, lights: usize) -> Groups {
+        let source = &self.shared.source;
+        let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
+        let faces = source.shape.faces as u32;
+        // A CPU executes invocations without work one after another, so it gets few, each of which takes many faces. There
+        // are never so many that an invocation's loops end early: ARCHITECTURE.md, "Limits of devices".
+        let is_cpu = source.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let fewest = if is_cpu { 64 } else { 4096 };
+        let turns = MOST_TURNS / 33;
+        Groups {
+            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
+            bounds: faces.div_ceil(64 * 64).clamp(1, 1024).min(most),
+            lights: (lights as u32).div_ceil(64).min(most),
+            caps: faces.div_ceil(WORKGROUP).clamp(1, fewest).max(faces.div_ceil(WORKGROUP * turns)).min(most),
+            // An invocation takes some sixteen sides of a list that is full.
+            sides: self.shape.side_capacity.div_ceil(16 * 64).clamp(1, 256).min(most),
+        }
     }
 
     /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
@@ -274,7 +307,7 @@ impl ShadowVolumes {
         source.check_single_bindings(&bound).map_err(ExtractionIncludeError::from)?;
         let excluded = &source.buffers.excluded;
         positions::bound(device, || {
-            self.choice.bind_positions(device, buffers, &results, excluded, place.buffer, &bound);
+            self.choice.bind_positions(buffers, source, place.buffer, &bound);
         })?;
         let whole = wgpu::Buffer::as_entire_binding;
         let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
@@ -284,23 +317,49 @@ impl ShadowVolumes {
             &layouts.frame,
             &[
                 whole(&buffers.shape),
-                whole(&buffers.view),
                 binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
-                whole(&buffers.lights),
+                binding(&buffers.seen, 0..size_of::<SeenLight>() as u64),
+                whole(&buffers.table),
             ],
         );
         let placed = bound.first_binding(place.buffer);
-        let per_batch = || results.facing.iter().zip(excluded);
-        let caps = per_batch().zip(&buffers.cap_lists).map(|((facing, excluded), list)| {
-            let [faces, facing, counts] = [&buffers.faces, facing, &buffers.cap_counts].map(whole);
-            group(&layouts.cap_data, &[placed.clone(), faces, facing, counts, whole(list), whole(excluded)])
+        let per_batch = || results.facing.iter().zip(excluded).map(|(facing, excluded)| [facing, excluded].map(whole));
+        let caps = per_batch().zip(&buffers.caps).map(|([facing, excluded], list)| {
+            group(&layouts.cap_data, &[placed.clone(), whole(&buffers.faces), facing, excluded, whole(list)])
         });
-        let sides = per_batch().zip(&buffers.sides).map(|((facing, excluded), sides)| {
+        let sides = per_batch().zip(&buffers.sides).map(|([facing, excluded], list)| {
             let [vertices, faces] = [results.edge_vertices, results.edge_faces].map(whole);
-            group(&layouts.side_data, &[placed.clone(), vertices, faces, whole(facing), whole(excluded), whole(sides)])
+            group(&layouts.side_data, &[placed.clone(), vertices, faces, facing, excluded, whole(list)])
         });
         let groups = Arc::new(DrawGroups { frame, sides: sides.collect(), caps: caps.collect() });
         self.bound = Some((extraction.place.clone(), Arc::clone(&groups)));
         Ok(groups)
     }
+}
+
+/// Room for the lists of each light.
+fn capacities(source: &extraction::Shared, counting: Counting, options: ShadowOptions) -> Capacities {
+    let (split, shape) = (&source.limits, &source.shape);
+    let faces = shape.faces.max(1) as u32;
+    let sides = shape.capacity.min(fitting(shape.batch_lights(0), SIDE_COUNTS, split));
+    let has_near = !matches!(counting, Counting::ZPass | Counting::ZFail);
+    let has_far = counting.may_fail() || options.end_at_range;
+    if let Some(capacity) = options.cap_capacity {
+        let asked = |is_there: bool| if is_there { capacity.clamp(1, faces) } else { 1 };
+        return Capacities { sides, near: asked(has_near), far: asked(has_far) };
+    }
+    let some = faces.min(1024 + 16 * faces.isqrt());
+    let near = match (has_near, counting.is_zp_plus_2005()) {
+        (true, true) => faces,
+        (true, false) => some,
+        (false, _) => 1,
+    };
+    let far = if has_far { faces } else { 1 };
+    let room = fitting_caps(shape, split, Capacities { sides, near, far }, options.memory_limit);
+    // What is short is shared in proportion.
+    let share = |wanted: u32| {
+        let share = u64::from(wanted) * u64::from(room) / u64::from(near + far);
+        u32::try_from(share).unwrap_or(u32::MAX).clamp(1, wanted)
+    };
+    Capacities { sides, near: share(near), far: share(far) }
 }

@@ -12,22 +12,26 @@ use rimline_measure::random::Random;
 use rimline_measure::scenes::{PROJECTIONS, Pose, direction};
 
 const CLOSED: ShadowShape = ShadowShape {
+    casters: 1,
     lights: 1,
+    batches: 1,
     faces: 0,
     edges: 0,
     capacity: 0,
-    cap_capacity: 0,
+    side_capacity: 0,
+    near_capacity: 0,
+    far_capacity: 0,
     averted: 1,
     counting: COUNT_AUTO,
     skip_unseen: 0,
-    position_offset: 0,
-    position_stride: 0,
-    cap_groups: 1,
     end_at_range: 0,
-    side_capacity: 0,
-    reserved_0: 0,
-    reserved_1: 0,
-    reserved_2: 0,
+    choices_at: 0,
+    measures_at: 0,
+    lights_at: 0,
+    face_chunks_at: 0,
+    edge_chunks_at: 0,
+    views: 1,
+    reserved: 0,
 };
 
 /// A closed cube's faces with these lowest and highest corners.

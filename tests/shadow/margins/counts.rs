@@ -71,7 +71,9 @@ impl Case {
 
     fn bound(&self) -> u32 {
         let light = ShadowLight { light: self.light.to_array(), casting: self.casting, ..bytemuck::Zeroable::zeroed() };
-        cpu::stencil_bound(&light, self.corners, self.shape.faces.len() as u32, self.edges.iter().copied())
+        let weight = |is_boundary: bool| if self.casting == CAST_EVERY && !is_boundary { 2 } else { 1 };
+        let sides = self.edges.iter().map(|&(ends, is_boundary)| (ends, weight(is_boundary)));
+        cpu::stencil_bound(&light, self.corners, self.shape.faces.len() as u32, sides)
     }
 
     /// Casting faces that a ray meets which begins at the light, or comes from it.

@@ -72,7 +72,7 @@ pub(crate) fn chosen(
 ) -> (ShadowView, ShadowLight) {
     let view = shadow::view(camera).expect("a good camera");
     let mut lights = [shadow::light(camera, &view, light)];
-    let shape = ShadowShape { lights: 1, faces: faces.len() as u32, cap_groups: 1, ..shape };
+    let shape = ShadowShape { lights: 1, faces: faces.len() as u32, ..shape };
     cpu::choose(&shape, &view, cpu::bounds(positions, faces), false, &mut lights);
     (view, lights[0])
 }

@@ -1,7 +1,8 @@
 //! Whether eight bits of stencil hold what is counted.
 
 use rimline::gpu::{ReadError, read_back_vec};
-use rimline::reference::layout::{ShadowLight, ShadowStatistics};
+use rimline::reference::cpu;
+use rimline::reference::layout::{SeenLight, ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::CAST_NOTHING;
 
 use super::caster::Caster;
@@ -71,8 +72,10 @@ pub(super) fn read(
     caster: &Caster,
     samples: usize,
 ) -> Result<(Vec<ShadowLight>, ShadowStatistics), ReadError> {
-    let mut lights: Vec<ShadowLight> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.lights())?;
-    lights.truncate(samples);
+    let mut seen: Vec<SeenLight> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.seen())?;
+    seen.truncate(samples);
+    let words: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.choices())?;
+    let lights = cpu::chosen(&caster.volumes.shape(), &seen, &words);
     let statistics: Vec<ShadowStatistics> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.statistics())?;
     Ok((lights, statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed())))
 }

@@ -56,6 +56,12 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
     raise(found, "max_buffers_and_acceleration_structures_per_shader_stage", uniforms + storage);
     if is_drawn {
         raise(found, "max_bind_groups_plus_vertex_buffers", groups);
+        // A light and a camera that are read as one value, not as an array, have a dynamic offset.
+        let is_value = |ty| matches!(module.types[ty].inner, naga::TypeInner::Struct { .. });
+        let storage = |variable: &&naga::GlobalVariable| matches!(variable.space, AddressSpace::Storage { .. });
+        let bound = module.global_variables.iter().map(|(_, variable)| variable).filter(storage);
+        let dynamic = bound.filter(|variable| is_value(variable.ty)).count() as u64;
+        raise(found, "max_dynamic_storage_buffers_per_pipeline_layout", dynamic);
         return;
     }
     // Every uniform of a compute stage has a dynamic offset.
@@ -99,6 +105,7 @@ fn needed(wanted: Subject) -> Found {
         reflect(&mut found, &stage.wgsl(), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();
+    found.entry("max_dynamic_storage_buffers_per_pipeline_layout").or_default();
     // Bindings are cut to multiples of the alignment of offsets, so this is the smallest useful size.
     raise(&mut found, "max_storage_buffer_binding_size", 256);
     let largest = found["max_uniform_buffer_binding_size"].max(found["max_storage_buffer_binding_size"]);
