@@ -201,7 +201,7 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Every module that a pipeline may be made of, by name.
 fn modules() -> Result<Vec<(String, String)>, String> {
     let mut modules: Vec<_> =
-        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
+        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.module_name(), composed_stage(stage))).collect();
     let displaced = deform_wgsl(&Displacement::new(DISPLACE).map_err(text)?);
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);

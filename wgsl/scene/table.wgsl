@@ -1,0 +1,90 @@
+// The scene table: casters, then for each batch and caster its lights, then the ranges of the lights, the lights
+// themselves, and the casters of all chunks. The CPU writes it for every frame.
+
+// Slots of a chunk.
+const CHUNK: u32 = 32u;
+// No slot: the invocation has nothing to do.
+const NO_SLOT: u32 = 0xffffffffu;
+// Flags of a caster.
+const RIGID: u32 = 4u;
+
+// A caster. Slots are places in the masks of its group; other places are in the buffers of its page.
+struct SceneCaster {
+  // Rows of the matrix from mesh space to world space.
+  row_0: vec4<f32>,
+  row_1: vec4<f32>,
+  row_2: vec4<f32>,
+  // The box of the finite faces in mesh space. Low is above high if there is none.
+  low: vec3<f32>,
+  // At most the smallest factor by which the matrix scales a length.
+  scale: f32,
+  high: vec3<f32>,
+  // 1: closed, and in the depth buffer, so averted faces may cast. 2: mirrored. 4: rigid. 8: a face is not finite.
+  flags: u32,
+  first_face_slot: u32,
+  faces: u32,
+  first_face: u32,
+  // The word of vertex 0 in the bound positions.
+  position_offset: u32,
+  first_edge_slot: u32,
+  edges: u32,
+  first_edge: u32,
+  // Words from one vertex to the next.
+  position_stride: u32,
+  reserved: vec4<u32>,
+}
+
+// The lights of a caster in a batch.
+struct CasterLights {
+  // The bits of the lights that its mask allows and that its space has.
+  allowed: u32,
+  // Where its lights begin in the table: for each the bits as given, and scaled as in LightBatch.
+  first: u32,
+  // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
+  reach: vec2<f32>,
+}
+
+// A dispatch over a group of casters for a batch of lights.
+struct SceneDispatch {
+  // Casters and batches of the scene.
+  casters: u32,
+  batches: u32,
+  batch: u32,
+  // The first invocation's number.
+  first: u32,
+  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge chunks.
+  lights_at: u32,
+  ranges_at: u32,
+  face_chunks_at: u32,
+  edge_chunks_at: u32,
+  // Chunks of the group.
+  face_chunks: u32,
+  edge_chunks: u32,
+  // The words of the work lists where the group and batch have the number of face chunks (that of edge chunks is next),
+  // the face chunks and the edge chunks.
+  work_count: u32,
+  face_work: u32,
+  edge_work: u32,
+  // Entries that the list of each light has room for.
+  capacity: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+}
+
+@group(0) @binding(0) var<uniform> group: SceneDispatch;
+@group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
+
+// Part `part` of a caster, four words, in the order of SceneCaster.
+fn caster_part(caster: u32, part: u32) -> vec4<u32> {
+  return table[8u * caster + part];
+}
+
+fn caster_lights(caster: u32, batch: u32) -> CasterLights {
+  let words = table[group.lights_at + batch * group.casters + caster];
+  return CasterLights(words.x, words.y, bitcast<vec2<f32>>(words.zw));
+}
+
+// The caster of a chunk. `chunks_at` is where the casters of the group's chunks begin.
+fn caster_of(chunks_at: u32, chunk: u32) -> u32 {
+  return table[chunks_at + chunk / 4u][chunk % 4u];
+}
