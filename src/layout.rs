@@ -26,6 +26,13 @@ pub struct StructLayout {
     pub fields: &'static [FieldLayout],
 }
 
+/// Slots of a chunk of a scene. With 32 the stages of 200 figures took 1.36 times as long as those of one mesh, with 64
+/// 1.22 times. Boxes of 12 faces leave most of 64 slots empty, which costs memory and no time.
+pub const CHUNK: u32 = 64;
+/// Invocations that share a chunk, in facing and edges. Each takes slots in turn, so that it finds their caster once, and
+/// ends where the caster ends.
+pub const LANES: u32 = 8;
+
 /// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`].
 macro_rules! shared_structs {
     ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
@@ -239,7 +246,7 @@ shared_structs! {
         high: [f32; 3],
         /// 1: closed, and in the depth buffer, so averted faces may cast. 2: mirrored. 4: rigid. 8: a face is not finite.
         flags: u32,
-        /// First face slot, a multiple of 32.
+        /// First face slot, a multiple of [`CHUNK`].
         first_face_slot: u32,
         /// Number of faces.
         faces: u32,
@@ -247,7 +254,7 @@ shared_structs! {
         first_face: u32,
         /// Word of vertex 0 in the bound positions.
         position_offset: u32,
-        /// First edge slot, a multiple of 32.
+        /// First edge slot, a multiple of [`CHUNK`].
         first_edge_slot: u32,
         /// Number of edge records.
         edges: u32,

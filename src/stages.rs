@@ -24,6 +24,7 @@ pub const FACING: Stage = Stage {
     files: files![
         "common/common",
         "extract/one_caster",
+        "extract/one_item",
         "common/positions",
         "common/determinant",
         "common/filter",
@@ -49,7 +50,14 @@ pub const EXACT_FACING: Stage = Stage {
 /// Computes silhouette and winding masks from facing masks, and unordered lists.
 pub const EDGES: Stage = Stage {
     name: "edges",
-    files: files!["common/common", "extract/one_caster", "extract/facing_windows", "extract/emit", "extract/edges"],
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "extract/one_item",
+        "extract/facing_windows",
+        "extract/emit",
+        "extract/edges"
+    ],
     entry_points: &["edges"],
 };
 /// Computes the same from positions, as published in 2003.
@@ -86,7 +94,7 @@ pub const SCENE_FACING: Stage = Stage {
         "common/common",
         "scene/table",
         "scene/many_casters",
-        "scene/listed_chunks",
+        "scene/listed_faces",
         "scene/caster_positions",
         "common/determinant",
         "common/filter",
@@ -115,7 +123,7 @@ pub const SCENE_EDGES: Stage = Stage {
         "common/common",
         "scene/table",
         "scene/many_casters",
-        "scene/listed_chunks",
+        "scene/listed_edges",
         "scene/scene_lists",
         "extract/edges"
     ],

@@ -10,7 +10,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
-use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SIDES, STAGES, Stage};
+use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SCENE_FACING, SIDES, STAGES, Stage};
 
 type Outcome = Result<(), String>;
 /// Modules of vertex shaders, which no compute pipeline is made of.
@@ -171,6 +171,9 @@ fn constants() -> Outcome {
         ("COUNT_AUTO", COUNT_AUTO),
         ("COUNT_ZP_PLUS_2005", COUNT_ZP_PLUS_2005),
     ];
+    use rimline::reference::layout::{CHUNK, LANES};
+    let (module, _) = validated(&composed_stage(&SCENE_FACING))?;
+    check_constants(&module, &[("CHUNK", CHUNK), ("LANES", LANES)])?;
     let (module, _) = validated(&composed_stage(&SIDES))?;
     check_constants(&module, &listed)?;
     match check_constants(&module, &[("COUNT_AUTO", COUNT_Z_FAIL)]) {

@@ -2,7 +2,7 @@
 
 use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable};
-use rimline::reference::layout::DrawArguments;
+use rimline::reference::layout::{CHUNK, DrawArguments};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
@@ -62,12 +62,12 @@ impl Found {
             found.groups.push(GroupFound {
                 group: group.group,
                 batch: group.batch,
-                facing: gpu.read(group.facing, 32 * group.dispatch.face_chunks as usize)?,
-                excluded: gpu.read(group.excluded, 32 * group.dispatch.face_chunks as usize)?,
+                facing: gpu.read(group.facing, (CHUNK * group.dispatch.face_chunks) as usize)?,
+                excluded: gpu.read(group.excluded, (CHUNK * group.dispatch.face_chunks) as usize)?,
                 counts: counts.to_vec(),
                 lists: counts.iter().enumerate().map(list).collect(),
                 capacity: group.capacity,
-                edge_slots: 32 * group.dispatch.edge_chunks,
+                edge_slots: CHUNK * group.dispatch.edge_chunks,
                 draws: gpu.read(group.draws, 32)?,
                 statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record)),
             });

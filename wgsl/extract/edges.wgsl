@@ -4,13 +4,9 @@
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 
-@compute @workgroup_size(256)
-fn edges(@builtin(global_invocation_id) id: vec3<u32>) {
-  let item = edge_of_invocation(id.x);
-  if (!item.exists) {
-    return;
-  }
-  let faces = edge_faces[item.index];
+// Decides an edge record. `slot` is its place in masks and lists, `index` that in the topology.
+fn take_item(slot: u32, index: u32) {
+  let faces = edge_faces[index];
   let winding = facing_mask(faces.x & ~INCONSISTENT);
   var silhouette = live_lights();
   if (faces.y != NO_FACE) {
@@ -19,5 +15,10 @@ fn edges(@builtin(global_invocation_id) id: vec3<u32>) {
       silhouette = ~silhouette & live_lights();
     }
   }
-  emit(item.slot, silhouette, winding);
+  emit(slot, silhouette, winding);
+}
+
+@compute @workgroup_size(256)
+fn edges(@builtin(global_invocation_id) id: vec3<u32>) {
+  take_items(id.x);
 }

@@ -2,9 +2,9 @@
 // side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
 // whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
-// One text serves a single mesh and a scene: one_caster.wgsl or scene/many_casters.wgsl says which face an invocation takes,
-// and has the lights and the layout of the positions. A light's place is its bit for a single mesh. In a scene it is its
-// number among the lights of the caster.
+// One text serves a single mesh and a scene. one_caster.wgsl or scene/many_casters.wgsl has the lights and the layout of the
+// positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a single mesh.
+// In a scene it is its number among the lights of the caster.
 
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
@@ -56,13 +56,9 @@ fn list(slot: u32) {
   }
 }
 
-@compute @workgroup_size(256)
-fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
-  let item = face_of_invocation(id.x);
-  if (!item.exists) {
-    return;
-  }
-  let corners = vec3<u32>(faces[3u * item.index], faces[3u * item.index + 1u], faces[3u * item.index + 2u]);
+// Decides a face. `slot` is its place in the masks, `index` that in the topology.
+fn take_item(slot: u32, index: u32) {
+  let corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
   let a_bits = position_bits(corners.x, position_offset(), position_stride());
   let b_bits = position_bits(corners.y, position_offset(), position_stride());
   let c_bits = position_bits(corners.z, position_offset(), position_stride());
@@ -73,19 +69,24 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
   if (EXACT) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-    facing_masks[item.slot] = signs.mask;
+    facing_masks[slot] = signs.mask;
     let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
     // A large magnitude also covers numbers that are not finite.
     if (signs.smallest <= bound || magnitude >= LARGE) {
-      list(item.slot);
+      list(slot);
     }
   } else if (magnitude >= INFINITE) {
-    facing_masks[item.slot] = 0u;
+    facing_masks[slot] = 0u;
     if (counts_non_finite()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
   } else {
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-    facing_masks[item.slot] = select(signs.mask, 0u, is_degenerate);
+    facing_masks[slot] = select(signs.mask, 0u, is_degenerate);
   }
+}
+
+@compute @workgroup_size(256)
+fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
+  take_items(id.x);
 }

@@ -1,24 +1,15 @@
-// What facing, exact facing and edges know of a single mesh: the items of a dispatch, the lights, the layout of the
-// positions. scene/many_casters.wgsl has the same functions for scenes.
+// What facing, exact facing and edges know of a single mesh: the faces, the lights, the layout of the positions. scene/many_casters.wgsl has the same functions for scenes.
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;
 
-// A face or an edge record.
+// A face.
 struct Item {
   exists: bool,
-  // Its place in masks and lists.
+  // Its place in the masks.
   slot: u32,
   // Its place in the topology.
   index: u32,
-}
-
-fn face_of_invocation(invocation: u32) -> Item {
-  return Item(invocation < chunk.count, invocation, invocation);
-}
-
-fn edge_of_invocation(invocation: u32) -> Item {
-  return Item(invocation < chunk.count, invocation, invocation);
 }
 
 // The number of slots of faces.

@@ -5,16 +5,16 @@
 // For each batch and caster the lights that matter; `reach` writes it.
 @group(0) @binding(3) var<storage, read> lit: array<u32>;
 
-// A face or an edge record.
+// A face.
 struct Item {
   exists: bool,
-  // Its place in masks and lists.
+  // Its place in the masks.
   slot: u32,
   // Its place in the page.
   index: u32,
 }
 
-// The caster of the item at hand, its lights, and those of them that matter.
+// The caster of the face or edge record at hand, its lights, and those of them that matter.
 var<private> caster: u32;
 var<private> of_faces: vec4<u32>;
 var<private> of_edges: vec4<u32>;
@@ -39,12 +39,6 @@ fn face_in_slot(slot: u32) -> Item {
   take_caster(caster_of(group.face_chunks_at, slot / CHUNK));
   let number = slot - of_faces.x;
   return Item(number < of_faces.y && matter != 0u, slot, of_faces.z + number);
-}
-
-fn edge_in_slot(slot: u32) -> Item {
-  take_caster(caster_of(group.edge_chunks_at, slot / CHUNK));
-  let number = slot - of_edges.x;
-  return Item(number < of_edges.y && matter != 0u, slot, of_edges.z + number);
 }
 
 // Whether faces that are not finite are counted here: in the first batch that has a light for the caster.

@@ -2,9 +2,9 @@
 // themselves, and the casters of all chunks. The CPU writes it for every frame.
 
 // Slots of a chunk.
-const CHUNK: u32 = 32u;
-// No slot: the invocation has nothing to do.
-const NO_SLOT: u32 = 0xffffffffu;
+const CHUNK: u32 = 64u;
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
 // Flags of a caster.
 const RIGID: u32 = 4u;
 

@@ -1,11 +1,11 @@
 //! The buffers of a scene beside its pages. They are kept while they are large enough.
 
-use super::layout::{CHUNK, Group};
+use super::layout::Group;
 use super::options::SceneOptions;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::extract::buffers::RECORD_HEAD;
-use crate::layout::DrawArguments;
+use crate::layout::{CHUNK, DrawArguments};
 use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights.

@@ -7,12 +7,11 @@ use slotmap::{DefaultKey, SecondaryMap, SlotMap};
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::LightMask;
-use super::table::{LIGHT_PARTS, Slots, Table};
+use super::table::{LIGHT_PARTS, Part, Slots, Table};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::MemoryError;
+use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
-
-/// Slots of a chunk. Boxes of 12 faces leave more of larger ones empty, and smaller ones make lists longer.
-pub(crate) const CHUNK: u32 = 32;
 
 /// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A source
 /// with more slots than a binding holds has several groups.
@@ -93,7 +92,7 @@ impl Layout {
         meshes: &SlotMap<DefaultKey, MeshEntry>,
         lights: &Lights,
         limits: &DispatchLimits,
-    ) -> Self {
+    ) -> Result<Self, MemoryError> {
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
         let mut sources = Vec::new();
         for (key, caster) in &*casters {
@@ -122,30 +121,29 @@ impl Layout {
             }
             layout.groups.push(group);
         }
+        layout.find_places(table, casters, lights, limits)?;
         layout.write(table, casters, meshes, lights, &slots);
-        layout
+        Ok(layout)
     }
 
-    fn write(
+    /// Finds the place of everything in the table.
+    fn find_places(
         &mut self,
         table: &mut Table,
         casters: &mut SlotMap<DefaultKey, CasterEntry>,
-        meshes: &SlotMap<DefaultKey, MeshEntry>,
         lights: &Lights,
-        slots: &[Slots],
-    ) {
-        *table =
-            Table { parts: std::mem::take(&mut table.parts), casters: self.order.len(), batches: lights.batches() };
-        // Places of lights first, because they tell the size of the table.
-        let mut next = table.pairs_at() as u32;
+        limits: &DispatchLimits,
+    ) -> Result<(), MemoryError> {
+        let parts = std::mem::take(&mut table.parts);
+        *table = Table { parts, casters: self.order.len(), batches: lights.batches() };
+        let mut next = table.pairs_at();
         for (index, &key) in (0..).zip(&self.order) {
             let Some(caster) = casters.get_mut(key) else { continue };
             let mask = caster.lights.and(&lights.used);
-            let parts = LIGHT_PARTS * mask.count(table.batches);
             let mut own = || {
                 let first = next;
-                next += parts;
-                first
+                next += (LIGHT_PARTS * mask.count(table.batches)) as usize;
+                first as u32
             };
             caster.index = index;
             caster.first_light = match caster.placement {
@@ -153,15 +151,30 @@ impl Layout {
                 Placement::World { .. } => *self.in_world.entry(mask).or_insert_with(own),
             };
         }
-        self.uploaded = next as usize;
-        let mut at = self.uploaded;
+        self.uploaded = next;
         for group in &mut self.groups {
-            group.face_chunks_at = at;
-            group.edge_chunks_at = at + group.face_chunks.div_ceil(4) as usize;
-            at = group.edge_chunks_at + group.edge_chunks.div_ceil(4) as usize;
+            group.face_chunks_at = next;
+            group.edge_chunks_at = next + group.face_chunks.div_ceil(4) as usize;
+            next = group.edge_chunks_at + group.edge_chunks.div_ceil(4) as usize;
+        }
+        // The shaders hold places in 32 bits, which one binding never exceeds.
+        let bytes = (next * size_of::<Part>()) as u64;
+        if bytes > limits.binding {
+            return Err(MemoryError::Binding { what: "the scene table", bytes, limit: limits.binding });
         }
         table.parts.clear();
-        table.parts.resize(at, [0; 4]);
+        table.parts.resize(next, [0; 4]);
+        Ok(())
+    }
+
+    fn write(
+        &self,
+        table: &mut Table,
+        casters: &mut SlotMap<DefaultKey, CasterEntry>,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+        lights: &Lights,
+        slots: &[Slots],
+    ) {
         for (&key, &slots) in self.order.iter().zip(slots) {
             let Some(caster) = casters.get_mut(key) else { continue };
             caster.is_moved = false;

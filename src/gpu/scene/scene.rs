@@ -1,7 +1,5 @@
 //! The scene: meshes, casters and lights, and their extraction.
 
-use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,10 +14,10 @@ use super::lights::Lights;
 use super::mask::LightMask;
 use super::options::SceneOptions;
 use super::pages::Pages;
+use super::sources::{Sources, bind};
+use super::stages::Passes;
 use super::structure::{Making, Structure};
 use super::table::{Part, Table};
-use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{Subject, check_timer};
@@ -39,8 +37,7 @@ pub struct Scene {
     options: SceneOptions,
     meshes: SlotMap<DefaultKey, MeshEntry>,
     casters: SlotMap<DefaultKey, CasterEntry>,
-    sources: SlotMap<DefaultKey, Source>,
-    sources_by_key: HashMap<SourceKey, DefaultKey>,
+    sources: Sources,
     lights: Lights,
     pages: Pages,
     table: Table,
@@ -50,32 +47,9 @@ pub struct Scene {
     structure: Option<Arc<Structure>>,
     /// The structure before, whose buffers are taken where they are large enough.
     last: Option<Arc<Structure>>,
+    /// The passes of the structure.
+    passes: Passes,
     encodes: Arc<AtomicU64>,
-}
-
-/// Where casters of one page read their positions.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct SourceKey {
-    page: usize,
-    /// A caller's buffer, and where its bound part begins.
-    buffer: Option<(wgpu::Buffer, u64)>,
-}
-
-/// A source of positions that casters use.
-#[derive(Debug)]
-pub(crate) struct Source {
-    pub(crate) page: usize,
-    /// `None`: the page's own positions.
-    pub(crate) buffer: Option<BoundBuffer>,
-    casters: usize,
-    key: SourceKey,
-}
-
-/// The part of a caller's buffer that is bound.
-#[derive(Clone, Debug)]
-pub(crate) struct BoundBuffer {
-    pub(crate) buffer: wgpu::Buffer,
-    pub(crate) range: Range<u64>,
 }
 
 impl Scene {
@@ -100,13 +74,13 @@ impl Scene {
             options,
             meshes: SlotMap::new(),
             casters: SlotMap::new(),
-            sources: SlotMap::new(),
-            sources_by_key: HashMap::new(),
+            sources: Sources::default(),
             pages: Pages::new(),
             table: Table::default(),
             moved: Vec::new(),
             structure: None,
             last: None,
+            passes: Passes::default(),
             encodes: Arc::default(),
         })
     }
@@ -188,11 +162,12 @@ impl Scene {
         let (placement, bound) = match positions {
             CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
             CasterPositions::Buffer { buffer, offset, stride } => {
-                let (placement, bound) = self.bind(&PositionBuffer { buffer: &buffer, offset, stride }, vertices)?;
+                let positions = PositionBuffer { buffer: &buffer, offset, stride };
+                let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;
                 (placement, Some(bound))
             }
         };
-        let source = self.source(page, bound);
+        let source = self.sources.take(page, bound);
         if let Some(entry) = self.meshes.get_mut(mesh) {
             entry.casters += 1;
         }
@@ -200,35 +175,6 @@ impl Scene {
         let (is_moved, index, first_light) = (false, 0, 0);
         let entry = CasterEntry { mesh, source, lights, in_depth, placement, is_moved, index, first_light };
         Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
-    }
-
-    /// Checks a caller's buffer. A buffer that one binding holds is bound whole, so that its casters share a group.
-    fn bind(&self, positions: &PositionBuffer<'_>, vertices: u32) -> Result<(Placement, BoundBuffer), SceneError> {
-        let end = positions.end(vertices)?;
-        self.pipelines.check_bindable(positions.buffer)?;
-        let limits = DispatchLimits::new(&self.pipelines.device().limits());
-        let whole = positions.buffer.size() / 4 * 4;
-        let base = if whole <= limits.binding { 0 } else { limits.align_down(positions.offset) };
-        let range = base..whole.min(base + limits.binding);
-        if end > range.end {
-            let bytes = end - base;
-            return Err(MemoryError::Binding { what: "positions of a caster", bytes, limit: limits.binding }.into());
-        }
-        let offset = ((positions.offset - base) / 4) as u32;
-        let placement = Placement::World { offset, stride: (positions.stride / 4) as u32 };
-        Ok((placement, BoundBuffer { buffer: positions.buffer.clone(), range }))
-    }
-
-    /// The source of a further caster.
-    fn source(&mut self, page: usize, buffer: Option<BoundBuffer>) -> DefaultKey {
-        let key = SourceKey { page, buffer: buffer.as_ref().map(|bound| (bound.buffer.clone(), bound.range.start)) };
-        let Self { sources, sources_by_key, .. } = self;
-        let new = || sources.insert(Source { page, buffer, casters: 0, key: key.clone() });
-        let source = *sources_by_key.entry(key.clone()).or_insert_with(new);
-        if let Some(source) = sources.get_mut(source) {
-            source.casters += 1;
-        }
-        source
     }
 
     /// Moves a rigid caster.
@@ -271,13 +217,7 @@ impl Scene {
         if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
             mesh.casters -= 1;
         }
-        let is_unused = self.sources.get_mut(entry.source).is_some_and(|source| {
-            source.casters -= 1;
-            source.casters == 0
-        });
-        if is_unused && let Some(source) = self.sources.remove(entry.source) {
-            self.sources_by_key.remove(&source.key);
-        }
+        self.sources.give_back(entry.source);
         self.structure = None;
         Ok(())
     }
@@ -301,7 +241,7 @@ impl Scene {
         if !structure.parts.is_empty() {
             upload(self.pipelines.device(), encoder, &structure.table, bytemuck::cast_slice(uploaded))?;
         }
-        structure.record(encoder, timer);
+        self.passes.record(&structure, encoder, timer);
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
@@ -327,6 +267,7 @@ impl Scene {
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref())?);
+        self.passes = Passes::new(&making, &made)?;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
         Ok(made)

@@ -7,10 +7,11 @@ use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::positions::{PositionError, bound};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::gpu::extract::buffers::RECORD_HEAD;
-use crate::layout::{DrawShape, ExtractionStatistics, SceneDispatch};
+use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
 
@@ -29,8 +30,35 @@ fn exact_turns(device: &wgpu::Device) -> u64 {
 pub(crate) struct Passes(Vec<Pass>);
 
 impl Passes {
-    /// Records all passes.
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, mut timer: Option<&mut StageTimer>) {
+    /// The passes of a structure.
+    ///
+    /// # Errors
+    /// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
+    pub(crate) fn new(making: &Making<'_>, structure: &Structure) -> Result<Self, PositionError> {
+        let device = making.pipelines.device();
+        let limits = &DispatchLimits::new(&device.limits());
+        bound(device, || Binder { pipelines: making.pipelines, structure, making, limits }.passes())
+    }
+
+    /// Records the extraction. The encoder has uploaded the table.
+    pub(crate) fn record(
+        &self,
+        structure: &Structure,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        let Structure { parts, buffers, .. } = structure;
+        if parts.is_empty() {
+            return;
+        }
+        encoder.clear_buffer(&buffers.work, 0, Some(2 * 4 * parts.len() as u64));
+        for (part, buffers) in parts.iter().zip(buffers.groups.iter().flatten()) {
+            encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
+            encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
+            if part.sizes.excluded > 0 {
+                encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.excluded));
+            }
+        }
         for pass in &self.0 {
             pass.record_with(encoder, |_| true, timer.as_deref_mut(), None);
         }
@@ -38,11 +66,11 @@ impl Passes {
 }
 
 /// Makes the passes of a structure.
-pub(crate) struct Binder<'a> {
-    pub(crate) pipelines: &'a Pipelines,
-    pub(crate) structure: &'a Structure,
-    pub(crate) making: &'a Making<'a>,
-    pub(crate) limits: &'a DispatchLimits,
+struct Binder<'a> {
+    pipelines: &'a Pipelines,
+    structure: &'a Structure,
+    making: &'a Making<'a>,
+    limits: &'a DispatchLimits,
 }
 
 /// The size of what a stage walks along, for a group and batch.
@@ -56,7 +84,7 @@ enum Items {
 type Resources<'a> = Vec<(&'static str, BindingResource<'a>)>;
 
 impl<'a> Binder<'a> {
-    pub(crate) fn passes(&self) -> Passes {
+    fn passes(&self) -> Passes {
         if self.structure.parts.is_empty() {
             return Passes::default();
         }
@@ -96,15 +124,15 @@ impl<'a> Binder<'a> {
         Pass { pipeline, dispatches }
     }
 
-    /// A thread for each item of each group and batch, in as many dispatches as the device's limits ask for.
+    /// The invocations of a stage for each group and batch, in as many dispatches as the device's limits ask for.
     fn walk(&self, pipeline: Pipeline, items: Items, resources: impl Fn(&GroupBatch) -> Option<Resources<'a>>) -> Pass {
         let mut dispatches = Vec::new();
         for part in &self.structure.parts {
             let Some(group) = self.structure.layout.groups.get(part.group) else { continue };
             let count = match items {
                 Items::Chunks => group.face_chunks.max(group.edge_chunks),
-                Items::Faces => group.face_slots(),
-                Items::Edges => group.edge_slots(),
+                Items::Faces => LANES * group.face_chunks,
+                Items::Edges => LANES * group.edge_chunks,
             };
             let Some(resources) = resources(part) else { continue };
             for (uniform, offset) in part.dispatches.iter().filter(|(uniform, _)| uniform.first < count) {
@@ -199,24 +227,5 @@ impl<'a> Binder<'a> {
             ("lists", binding(&buffers.lists, 0..part.sizes.lists)),
         ]);
         Some(resources)
-    }
-}
-
-impl Structure {
-    /// Records the extraction. The encoder has uploaded the table.
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) {
-        if self.parts.is_empty() {
-            return;
-        }
-        let counts = 2 * 4 * self.parts.len() as u64;
-        encoder.clear_buffer(&self.buffers.work, 0, Some(counts));
-        for (part, buffers) in self.parts.iter().zip(self.buffers.groups.iter().flatten()) {
-            encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
-            encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
-            if part.sizes.excluded > 0 {
-                encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.excluded));
-            }
-        }
-        self.passes.record(encoder, timer);
     }
 }

@@ -1,4 +1,4 @@
-//! What is made anew only when casters or lights come and go: the layout, the buffers, the passes with their bind groups.
+//! What is made anew only when casters or lights come and go: the layout, the buffers, the uniforms.
 
 use slotmap::{DefaultKey, SlotMap};
 
@@ -8,16 +8,14 @@ use super::layout::Layout;
 use super::lights::Lights;
 use super::options::SceneOptions;
 use super::pages::{Page, Pages};
-use super::scene::Source;
-use super::stages::{Binder, Passes};
+use super::sources::{Source, Sources};
 use super::table::{Part, Table};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, MemoryError, check, guarded, mapped, write_mapped};
+use crate::gpu::common::memory::{Allocation, check, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
-use crate::gpu::common::positions::bound;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{DrawShape, SceneDispatch};
+use crate::layout::{DrawShape, LANES, SceneDispatch};
 
 use super::errors::SceneError;
 
@@ -47,14 +45,13 @@ pub(crate) struct Structure {
     pub(crate) parts: Vec<GroupBatch>,
     pub(crate) uniforms: wgpu::Buffer,
     pub(crate) shapes: wgpu::Buffer,
-    pub(crate) passes: Passes,
 }
 
 /// All that a structure is made from.
 pub(crate) struct Making<'a> {
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) meshes: &'a SlotMap<DefaultKey, MeshEntry>,
-    pub(crate) sources: &'a SlotMap<DefaultKey, Source>,
+    pub(crate) sources: &'a Sources,
     pub(crate) pages: &'a Pages,
     pub(crate) lights: &'a Lights,
     pub(crate) options: &'a SceneOptions,
@@ -71,7 +68,7 @@ impl Structure {
         let Making { pipelines, meshes, pages, lights, options, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let layout = Layout::new(table, casters, meshes, lights, &limits);
+        let layout = Layout::new(table, casters, meshes, lights, &limits)?;
         let batches = table.batches;
         let sizes: Vec<Vec<GroupSizes>> = layout
             .groups
@@ -84,22 +81,13 @@ impl Structure {
         let lit = (table.casters * batches) as u64;
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64;
         let others = pages.bytes + table_bytes;
-        if table_bytes > limits.binding {
-            return Err(
-                MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit: limits.binding }.into()
-            );
-        }
         let old = old.map(|old| &old.buffers);
         let buffers = Buffers::new(device, old, &sizes, [lit, words], others, options, &limits)?;
         let table_buffer = table_buffer(device, table)?;
         let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, &limits);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
-        let mut made =
-            Self { layout, table: table_buffer, buffers, batches, parts, uniforms, shapes, passes: Passes::default() };
-        // A caller may have destroyed the buffer of a caster since.
-        made.passes = bound(device, || Binder { pipelines, structure: &made, making, limits: &limits }.passes())?;
-        Ok(made)
+        Ok(Self { layout, table: table_buffer, buffers, batches, parts, uniforms, shapes })
     }
 
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the page's.
@@ -160,12 +148,12 @@ fn parts(
                 reserved_0: 0,
                 reserved_1: 0,
             };
-            let slots = group.face_slots().max(group.edge_slots());
+            let invocations = LANES * group.face_chunks.max(group.edge_chunks);
             let mut dispatch = |first: u32| {
                 let dispatch = SceneDispatch { first, ..whole };
                 (dispatch, uniforms.push(&dispatch))
             };
-            let dispatches = (0..slots).step_by(run).map(&mut dispatch).collect();
+            let dispatches = (0..invocations).step_by(run).map(&mut dispatch).collect();
             let shape = shapes.push(&DrawShape {
                 lights: 32,
                 capacity: sizes.capacity,
