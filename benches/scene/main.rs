@@ -141,7 +141,8 @@ impl Bench {
                 None => ms,
                 Some(timer) => {
                     let times = timer.read(&self.device, &self.queue).expect("times");
-                    stages = times.iter().map(|(name, ms)| format!("{name} {ms:.3} ")).collect();
+                    let times_of_stages: Vec<_> = times.iter().map(|(name, ms)| format!("{name} {ms:.3}")).collect();
+                    stages = times_of_stages.join(" ");
                     times.iter().map(|(_, ms)| ms).sum()
                 }
             }

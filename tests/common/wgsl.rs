@@ -159,6 +159,7 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 
 /// What `casting` and `counting` of shared structs may hold.
 fn constants() -> Outcome {
+    use rimline::reference::layout::{CHUNK, LANES};
     use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
     use rimline::reference::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
     let listed = [
@@ -171,7 +172,6 @@ fn constants() -> Outcome {
         ("COUNT_AUTO", COUNT_AUTO),
         ("COUNT_ZP_PLUS_2005", COUNT_ZP_PLUS_2005),
     ];
-    use rimline::reference::layout::{CHUNK, LANES};
     let (module, _) = validated(&composed_stage(&SCENE_FACING))?;
     check_constants(&module, &[("CHUNK", CHUNK), ("LANES", LANES)])?;
     let (module, _) = validated(&composed_stage(&SIDES))?;

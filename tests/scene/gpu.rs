@@ -1,5 +1,6 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod found;
 mod frames;
 mod random_scene;
 mod refusals;

@@ -1,5 +1,7 @@
 //! Random scenes that change from frame to frame, and what each of their casters must come to when it is alone.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, LightHandle, LightMask, MeshHandle, Scene, SceneFrame, SceneOptions,
@@ -13,6 +15,7 @@ use rimline_measure::random::Random;
 use rimline_measure::shapes::{self, Shape};
 
 /// A caster, as the test knows it.
+#[derive(Clone)]
 pub(crate) struct Own {
     pub(crate) handle: CasterHandle,
     pub(crate) mesh: usize,
@@ -21,6 +24,7 @@ pub(crate) struct Own {
     pub(crate) lights: LightMask,
 }
 
+#[derive(Clone)]
 pub(crate) enum Placed {
     Rigid(Matrix3x4),
     World(Vec<[f32; 3]>),
@@ -30,7 +34,13 @@ pub(crate) enum Placed {
 pub(crate) struct RandomScene {
     pub(crate) random: Random,
     pub(crate) scene: Scene,
-    pub(crate) meshes: Vec<(Case, MeshHandle)>,
+    pub(crate) content: Content,
+}
+
+/// What is in a scene at a moment.
+#[derive(Clone)]
+pub(crate) struct Content {
+    pub(crate) meshes: Vec<(Arc<Case>, MeshHandle)>,
     pub(crate) casters: Vec<Own>,
     pub(crate) lights: Vec<(LightHandle, Light)>,
 }
@@ -71,10 +81,10 @@ impl RandomScene {
         meshes.truncate(2 + random.below(5));
         let add = |case: Case| {
             let handle = scene.add_mesh(&case.2, &case.1).map_err(text)?;
-            Ok::<_, String>((case, handle))
+            Ok::<_, String>((Arc::new(case), handle))
         };
         let meshes = meshes.into_iter().map(add).collect::<Result<_, _>>()?;
-        Ok(Self { random, scene, meshes, casters: Vec::new(), lights: Vec::new() })
+        Ok(Self { random, scene, content: Content { meshes, casters: Vec::new(), lights: Vec::new() } })
     }
 
     /// Rotations, mirrored, scales of 1e-3 to 1e3, translations up to 1e6; now and then singular or not finite.
@@ -128,62 +138,74 @@ impl RandomScene {
     fn mask(&mut self) -> LightMask {
         match self.random.below(3) {
             0 => LightMask::ALL,
-            1 => LightMask::only(self.lights.iter().map(|(handle, _)| *handle).filter(|_| self.random.below(2) == 0)),
-            _ => self.lights.first().map_or(LightMask::ALL, |(handle, _)| LightMask::ALL.without(*handle)),
+            1 => LightMask::only(
+                self.content.lights.iter().map(|(handle, _)| *handle).filter(|_| self.random.below(2) == 0),
+            ),
+            _ => self.content.lights.first().map_or(LightMask::ALL, |(handle, _)| LightMask::ALL.without(*handle)),
         }
     }
 
+    /// A caster of any mesh: as a rule a rigid one.
     pub(crate) fn insert(&mut self, gpu: &Gpu) -> Result<(), String> {
-        let mesh = self.random.below(self.meshes.len());
-        let (transform, lights) = (self.transform(), self.mask());
-        let ((_, rest, _), handle) = &self.meshes[mesh];
-        let handle = *handle;
-        let (placed, positions) = if self.random.below(4) == 0 {
-            let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
-            let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
-            let buffer = gpu.storage(&interleaved(&world, offset, stride));
-            (Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })
-        } else {
-            (Placed::Rigid(transform), CasterPositions::Rigid(transform))
-        };
+        if self.random.below(4) > 0 {
+            return self.insert_rigid();
+        }
+        let mesh = self.random.below(self.content.meshes.len());
+        let transform = self.transform();
+        let rest = &self.content.meshes[mesh].0.1;
+        let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
+        let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
+        let buffer = gpu.storage(&interleaved(&world, offset, stride));
+        self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })
+    }
+
+    pub(crate) fn insert_rigid(&mut self) -> Result<(), String> {
+        let mesh = self.random.below(self.content.meshes.len());
+        let transform = self.transform();
+        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform))
+    }
+
+    fn insert_as(&mut self, mesh: usize, placed: Placed, positions: CasterPositions) -> Result<(), String> {
+        let lights = self.mask();
         let in_depth = self.random.below(2) == 0;
-        let caster = Caster { mesh: handle, positions, lights, in_depth };
+        let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
-        self.casters.push(Own { handle, mesh, placed, lights });
+        self.content.casters.push(Own { handle, mesh, placed, lights });
         Ok(())
     }
 
     pub(crate) fn add_light(&mut self) -> Result<(), String> {
         let light = self.light();
         let handle = self.scene.add_light(light).map_err(text)?;
-        self.lights.push((handle, light));
+        self.content.lights.push((handle, light));
         Ok(())
     }
 
     /// Changes a few things, as a game would between frames.
     pub(crate) fn change(&mut self, gpu: &Gpu) -> Result<(), String> {
-        for _ in 0..1 + self.random.below(4) {
-            let (caster, light) = (self.random.below(self.casters.len()), self.random.below(self.lights.len()));
+        for _ in 0..=self.random.below(3) {
+            let (caster, light) =
+                (self.random.below(self.content.casters.len()), self.random.below(self.content.lights.len()));
             match self.random.below(8) {
-                0 if !self.casters.is_empty() => {
-                    let own = self.casters.swap_remove(caster);
+                0 if !self.content.casters.is_empty() => {
+                    let own = self.content.casters.swap_remove(caster);
                     self.scene.remove(own.handle).map_err(text)?;
                 }
                 1 => self.insert(gpu)?,
-                2 if !self.lights.is_empty() => {
-                    let (handle, _) = self.lights.swap_remove(light);
+                2 if !self.content.lights.is_empty() => {
+                    let (handle, _) = self.content.lights.swap_remove(light);
                     self.scene.remove_light(handle).map_err(text)?;
                 }
-                3 if self.lights.len() < 40 => self.add_light()?,
-                4 if !self.lights.is_empty() => {
+                3 if self.content.lights.len() < 40 => self.add_light()?,
+                4 if !self.content.lights.is_empty() => {
                     let moved = self.light();
-                    self.lights[light].1 = moved;
-                    self.scene.set_light(self.lights[light].0, moved).map_err(text)?;
+                    self.content.lights[light].1 = moved;
+                    self.scene.set_light(self.content.lights[light].0, moved).map_err(text)?;
                 }
-                5 if !self.casters.is_empty() => {
+                5 if !self.content.casters.is_empty() => {
                     let mask = self.mask();
-                    self.casters[caster].lights = mask;
-                    self.scene.set_lights(self.casters[caster].handle, mask).map_err(text)?;
+                    self.content.casters[caster].lights = mask;
+                    self.scene.set_lights(self.content.casters[caster].handle, mask).map_err(text)?;
                 }
                 _ => self.move_casters()?,
             }
@@ -192,10 +214,10 @@ impl RandomScene {
     }
 
     fn move_casters(&mut self) -> Result<(), String> {
-        for index in 0..self.casters.len() {
-            if matches!(self.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
+        for index in 0..self.content.casters.len() {
+            if matches!(self.content.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
                 let transform = self.transform();
-                let own = &mut self.casters[index];
+                let own = &mut self.content.casters[index];
                 own.placed = Placed::Rigid(transform);
                 self.scene.set_transform(own.handle, transform).map_err(text)?;
             }
@@ -206,7 +228,9 @@ impl RandomScene {
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<SceneFrame, String> {
         self.scene.encode(encoder, None).map_err(text)
     }
+}
 
+impl Content {
     /// The light of a bit as a caster sees it, unless the mask or the space has none.
     pub(crate) fn own_light(&self, own: &Own, bit: u32) -> Option<Light> {
         let (handle, light) = self.lights.iter().find(|(handle, _)| handle.bit() == bit)?;
@@ -220,10 +244,16 @@ impl RandomScene {
         }
     }
 
+    /// A caster's mesh, and its positions in the space of its lights.
+    pub(crate) fn mesh_and_positions<'a>(&'a self, own: &'a Own) -> (&'a Mesh, &'a [[f32; 3]]) {
+        let (case, _) = &self.meshes[own.mesh];
+        let (_, rest, mesh) = &**case;
+        (mesh, if let Placed::World(world) = &own.placed { world } else { rest })
+    }
+
     /// What a caster comes to alone, for the lights of `lit`, a word for each batch.
     pub(crate) fn alone(&self, own: &Own, lit: &[u32]) -> Result<Expected, String> {
-        let ((_, rest, mesh), _) = &self.meshes[own.mesh];
-        let positions = if let Placed::World(world) = &own.placed { world } else { rest };
+        let (mesh, positions) = self.mesh_and_positions(own);
         let mut expected = Expected { facing: Vec::new(), lists: Vec::new(), excluded: Vec::new() };
         for (batch, lit) in (0..).zip(lit) {
             let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();

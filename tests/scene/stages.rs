@@ -37,10 +37,10 @@ fn twins() -> Result<(), String> {
     for seed in 2001..2031 {
         println!("seed {seed}");
         let mut scene = RandomScene::new(gpu, seed, SceneOptions { max_lights: 40, ..Default::default() })?;
-        for _ in 0..1 + scene.random.below(40) {
+        for _ in 0..=scene.random.below(40) {
             scene.add_light()?;
         }
-        for _ in 0..1 + scene.random.below(20) {
+        for _ in 0..=scene.random.below(20) {
             scene.insert(gpu)?;
         }
         let frame = gpu.submit(|encoder| scene.encode(encoder))?;

@@ -37,7 +37,7 @@ pub(crate) struct Page {
 /// All pages of a scene. A page keeps its buffers, so growing copies nothing.
 #[derive(Debug)]
 pub(crate) struct Pages {
-    pages: Vec<Page>,
+    all: Vec<Page>,
     /// Runs that were freed, and the number of encodes then.
     freed: Vec<(Run, u64)>,
     /// The size of all pages in bytes.
@@ -74,11 +74,11 @@ impl Page {
 
 impl Pages {
     pub(crate) fn new() -> Self {
-        Self { pages: Vec::new(), freed: Vec::new(), bytes: 0 }
+        Self { all: Vec::new(), freed: Vec::new(), bytes: 0 }
     }
 
     pub(crate) fn get(&self, page: usize) -> Option<&Page> {
-        self.pages.get(page)
+        self.all.get(page)
     }
 
     /// Finds room for a mesh, in a new page if no page has it. `used` are the bytes of the scene beside its pages.
@@ -91,12 +91,12 @@ impl Pages {
     ) -> Result<Run, MemoryError> {
         // The allocator refuses empty runs.
         let items = [mesh.faces().len(), mesh.edges().len(), mesh.vertex_count() as usize].map(|n| n.max(1) as u64);
-        for (page, pool) in self.pages.iter_mut().enumerate() {
+        for (page, pool) in self.all.iter_mut().enumerate() {
             if let Some(ranges) = pool.allocate(items) {
                 return Ok(Run { page, ranges });
             }
         }
-        let page = self.pages.len();
+        let page = self.all.len();
         let limits = DispatchLimits::new(&device.limits());
         let sizes = page_sizes(page, items, limits.binding)?;
         let [faces, edges, vertices] = sizes;
@@ -113,7 +113,7 @@ impl Pages {
         let mut made = guarded(device, bytes + rest, || Page::new(device, sizes))?;
         // A page is at least as large as the mesh.
         let ranges = made.allocate(items).unwrap_or([0..0, 0..0, 0..0]);
-        self.pages.push(made);
+        self.all.push(made);
         self.bytes += bytes;
         Ok(Run { page, ranges })
     }
@@ -128,7 +128,7 @@ impl Pages {
         mesh: &Mesh,
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
-        let Some(page) = self.pages.get(run.page) else { return Ok(()) };
+        let Some(page) = self.all.get(run.page) else { return Ok(()) };
         let [faces, edges, vertices] = run.ranges.clone().map(|range| u64::from(range.start));
         let write = || {
             queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(mesh.faces()));
@@ -148,7 +148,7 @@ impl Pages {
     /// frames that were recorded and not submitted yet.
     pub(crate) fn reclaim(&mut self, encodes: u64) {
         for (run, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
-            if let Some(page) = self.pages.get_mut(run.page) {
+            if let Some(page) = self.all.get_mut(run.page) {
                 page.free.iter_mut().zip(run.ranges).for_each(|(free, range)| free.free_range(range));
             }
         }

@@ -94,7 +94,7 @@ impl<'a> Binder<'a> {
         let facing = self.pipelines.compute(&SCENE_FACING, SCENE_FACING.name, &[plane, exact]);
         let mut passes = vec![
             self.reach(),
-            self.walk(self.stage(&CHUNKS), Items::Chunks, |part| self.work(part)),
+            self.walk(self.stage(&CHUNKS), Items::Chunks, |_| Some(self.with_work(self.common()))),
             self.walk(facing, Items::Faces, |part| self.facing(part)),
         ];
         if predicate == Predicate::Exact {
@@ -187,10 +187,10 @@ impl<'a> Binder<'a> {
         ]
     }
 
-    fn work(&self, _: &GroupBatch) -> Option<Resources<'a>> {
-        let mut resources = self.common();
+    /// What is bound by those that write or read the lists of chunks.
+    fn with_work(&self, mut resources: Resources<'a>) -> Resources<'a> {
         resources.push(("work", self.structure.buffers.work.as_entire_binding()));
-        Some(resources)
+        resources
     }
 
     /// What both facing stages bind.
@@ -212,15 +212,13 @@ impl<'a> Binder<'a> {
     }
 
     fn facing(&self, part: &GroupBatch) -> Option<Resources<'a>> {
-        let mut resources = self.faces(part)?;
-        resources.push(("work", self.structure.buffers.work.as_entire_binding()));
-        Some(resources)
+        Some(self.with_work(self.faces(part)?))
     }
 
     fn edges(&self, part: &GroupBatch) -> Option<Resources<'a>> {
         let (page, _) = self.structure.source(self.making, part.group)?;
         let buffers = self.of(part)?;
-        let mut resources = self.work(part)?;
+        let mut resources = self.with_work(self.common());
         resources.extend([
             ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
             ("edge_faces", page.edge_faces.as_entire_binding()),
