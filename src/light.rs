@@ -1,6 +1,6 @@
 //! Lights as homogeneous points, and checks of lists of lights.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// The largest number of lights in one extraction.
 pub const MAX_LIGHTS: usize = 1024;
@@ -67,15 +67,31 @@ impl Light {
     ///
     /// Returns `None` when the transform is singular or the result is not finite. Such an instance casts nothing.
     pub fn to_mesh_space(self, mesh_to_world: &[[f64; 3]; 4]) -> Option<Self> {
-        let mesh_to_world = DAffine3::from_cols_array_2d(mesh_to_world);
+        MeshSpace::new(DAffine3::from_cols_array_2d(mesh_to_world))?.light(self)
+    }
+}
+
+/// The space of a mesh that a transform places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MeshSpace {
+    pub(crate) inverse: DMat3,
+    translation: DVec3,
+}
+
+impl MeshSpace {
+    /// `None` for a singular transform.
+    pub(crate) fn new(mesh_to_world: DAffine3) -> Option<Self> {
         let determinant = mesh_to_world.matrix3.determinant();
-        if determinant == 0.0 || !determinant.is_finite() {
-            return None;
-        }
-        let [x, y, z] = self.xyz.map(f64::from);
-        let from_origin = DVec3::new(x, y, z) - f64::from(self.w) * mesh_to_world.translation;
-        let xyz = (mesh_to_world.matrix3.inverse() * from_origin).as_vec3().to_array();
-        xyz.iter().all(|c| c.is_finite()).then_some(Self { xyz, ..self })
+        let is_regular = determinant != 0.0 && determinant.is_finite();
+        is_regular.then(|| Self { inverse: mesh_to_world.matrix3.inverse(), translation: mesh_to_world.translation })
+    }
+
+    /// A light of world space. `None` if a component is not finite.
+    pub(crate) fn light(&self, light: Light) -> Option<Light> {
+        let [x, y, z] = light.xyz.map(f64::from);
+        let from_origin = DVec3::new(x, y, z) - f64::from(light.w) * self.translation;
+        let xyz = (self.inverse * from_origin).as_vec3().to_array();
+        xyz.iter().all(|c| c.is_finite()).then_some(Light { xyz, ..light })
     }
 }
 

@@ -21,7 +21,15 @@ pub const DEFORM: Stage =
 /// Computes facing masks, and lists undecided faces.
 pub const FACING: Stage = Stage {
     name: "facing",
-    files: files!["common/common", "common/positions", "common/determinant", "common/filter", "extract/facing"],
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "extract/one_item",
+        "common/positions",
+        "common/determinant",
+        "common/filter",
+        "extract/facing"
+    ],
     entry_points: &["facing"],
 };
 /// Decides the faces that the facing stage left undecided, exactly.
@@ -29,6 +37,7 @@ pub const EXACT_FACING: Stage = Stage {
     name: "exact_facing",
     files: files![
         "common/common",
+        "extract/one_caster",
         "common/positions",
         "common/determinant",
         "common/filter",
@@ -39,12 +48,29 @@ pub const EXACT_FACING: Stage = Stage {
     entry_points: &["exact_facing"],
 };
 /// Computes silhouette and winding masks from facing masks, and unordered lists.
-pub const EDGES: Stage =
-    Stage { name: "edges", files: files!["common/common", "extract/emit", "extract/edges"], entry_points: &["edges"] };
+pub const EDGES: Stage = Stage {
+    name: "edges",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "extract/one_item",
+        "extract/facing_windows",
+        "extract/emit",
+        "extract/edges"
+    ],
+    entry_points: &["edges"],
+};
 /// Computes the same from positions, as published in 2003.
 pub const PER_EDGE: Stage = Stage {
     name: "per_edge",
-    files: files!["common/common", "common/positions", "common/determinant", "extract/emit", "extract/per_edge"],
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "extract/emit",
+        "extract/per_edge"
+    ],
     entry_points: &["per_edge"],
 };
 /// Makes ordered lists from masks.
@@ -56,6 +82,53 @@ pub const COMPACT: Stage = Stage {
 /// Computes indirect draw arguments from counts.
 pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common/common", "extract/arguments"], entry_points: &["arguments"] };
+/// Finds the lights that matter to each caster of a scene.
+pub const REACH: Stage =
+    Stage { name: "reach", files: files!["common/common", "scene/table", "scene/reach"], entry_points: &["reach"] };
+/// Lists the chunks of the casters of a scene that lights reach.
+pub const CHUNKS: Stage =
+    Stage { name: "chunks", files: files!["common/common", "scene/table", "scene/chunks"], entry_points: &["chunks"] };
+/// [`FACING`] for the casters of a scene.
+pub const SCENE_FACING: Stage = Stage {
+    files: files![
+        "common/common",
+        "scene/table",
+        "scene/many_casters",
+        "scene/listed_faces",
+        "scene/caster_positions",
+        "common/determinant",
+        "common/filter",
+        "extract/facing"
+    ],
+    ..FACING
+};
+/// [`EXACT_FACING`] for the casters of a scene.
+pub const SCENE_EXACT_FACING: Stage = Stage {
+    files: files![
+        "common/common",
+        "scene/table",
+        "scene/many_casters",
+        "scene/caster_positions",
+        "common/determinant",
+        "common/filter",
+        "common/exact_sign",
+        "common/fixed_sign",
+        "extract/exact_facing"
+    ],
+    ..EXACT_FACING
+};
+/// [`EDGES`] for the casters of a scene.
+pub const SCENE_EDGES: Stage = Stage {
+    files: files![
+        "common/common",
+        "scene/table",
+        "scene/many_casters",
+        "scene/listed_edges",
+        "scene/scene_lists",
+        "extract/edges"
+    ],
+    ..EDGES
+};
 /// Computes the bounding box of a caster.
 pub const BOUNDS: Stage = Stage {
     name: "bounds",
@@ -174,7 +247,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 18] = [
+pub const STAGES: [Stage; 23] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -182,6 +255,11 @@ pub const STAGES: [Stage; 18] = [
     PER_EDGE,
     COMPACT,
     ARGUMENTS,
+    REACH,
+    CHUNKS,
+    SCENE_FACING,
+    SCENE_EXACT_FACING,
+    SCENE_EDGES,
     BOUNDS,
     CHOOSE,
     ZP_PLUS_2005_CASES,
@@ -237,6 +315,13 @@ pub const INCLUDES: [(&str, &str); 2] = [
 ];
 
 impl Stage {
+    /// The name of its module. A stage with one text for a single mesh and for scenes has two modules.
+    pub fn module_name(&self) -> String {
+        let own = self.files.last().map_or("", |(name, _)| name);
+        let is_of_scene = self.files.iter().any(|(name, _)| *name == "scene/many_casters");
+        if is_of_scene && !own.starts_with("scene/") { format!("scene_{}", self.name) } else { self.name.to_owned() }
+    }
+
     /// The stage's whole WGSL module. The deform stage lacks its `displace`; see [`plain_deform_wgsl`].
     pub fn wgsl(&self) -> String {
         self.files.iter().map(|(_, source)| *source).collect::<Vec<_>>().join("\n")

@@ -8,6 +8,8 @@ pub(crate) mod deform;
 pub(crate) mod extract;
 pub(crate) mod query;
 #[cfg(feature = "reference")]
+pub(crate) mod scene;
+#[cfg(feature = "reference")]
 pub(crate) mod shadow;
 
 pub use crate::layout::EdgeMasks;

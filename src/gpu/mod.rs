@@ -5,6 +5,7 @@ mod common;
 mod deform;
 mod extract;
 mod query;
+mod scene;
 mod shadow;
 
 pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, ShadowStatistics};
@@ -26,6 +27,15 @@ pub use extract::results::ExtractionResults;
 pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
 pub use query::options::ShadowQueryOptions;
 pub use query::shadow_query::ShadowQuery;
+pub use scene::caster::{Caster, CasterPositions};
+pub use scene::errors::SceneError;
+pub use scene::frame::SceneFrame;
+#[cfg(feature = "reference")]
+pub use scene::frame::{SceneGroupResults, SceneResults};
+pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::mask::LightMask;
+pub use scene::options::SceneOptions;
+pub use scene::scene::Scene;
 pub use shadow::{
     ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
     ShadowVolumes, ShadowVolumesError,

@@ -10,7 +10,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
-use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SIDES, STAGES, Stage};
+use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, SCENE_FACING, SIDES, STAGES, Stage};
 
 type Outcome = Result<(), String>;
 /// Modules of vertex shaders, which no compute pipeline is made of.
@@ -158,6 +158,7 @@ fn check_constants(module: &Module, listed: &[(&str, u32)]) -> Outcome {
 
 /// What `casting` and `counting` of shared structs may hold.
 fn constants() -> Outcome {
+    use rimline::reference::layout::{CHUNK, LANES};
     use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY, CAST_NOTHING};
     use rimline::reference::shadow::{COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
     let listed = [
@@ -170,6 +171,8 @@ fn constants() -> Outcome {
         ("COUNT_AUTO", COUNT_AUTO),
         ("COUNT_ZP_PLUS_2005", COUNT_ZP_PLUS_2005),
     ];
+    let (module, _) = validated(&composed_stage(&SCENE_FACING))?;
+    check_constants(&module, &[("CHUNK", CHUNK), ("LANES", LANES)])?;
     let (module, _) = validated(&composed_stage(&SIDES))?;
     check_constants(&module, &listed)?;
     match check_constants(&module, &[("COUNT_AUTO", COUNT_Z_FAIL)]) {
@@ -200,7 +203,7 @@ fn user(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Every module that a pipeline may be made of, by name.
 fn modules() -> Result<Vec<(String, String)>, String> {
     let mut modules: Vec<_> =
-        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.name.to_owned(), composed_stage(stage))).collect();
+        STAGES.iter().chain(&VERTEX_STAGES).map(|stage| (stage.module_name(), composed_stage(stage))).collect();
     let displaced = deform_wgsl(&Displacement::new(DISPLACE).map_err(text)?);
     modules.push(("deform_displaced".to_owned(), displaced));
     let include = rimline::gpu::include_wgsl(0);

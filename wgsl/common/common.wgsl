@@ -155,6 +155,14 @@ struct DeformChunk {
   time: f32,
 }
 
+// Slots of a chunk, which are those of one caster.
+const CHUNK: u32 = 64u;
+// Flags of a caster.
+const CLOSED: u32 = 1u;
+const MIRRORED: u32 = 2u;
+const RIGID: u32 = 4u;
+const HOLED: u32 = 8u;
+
 // A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
 // of the mesh.
 struct SceneCaster {

@@ -2,8 +2,8 @@
 // most signs of det[b - a, c - a, l - w a] (NUMERICS.md, "Filter"). Integers decide the rest, because no compiler can
 // round, fuse or flush them: in fixed point where the numbers fit, else for every finite f32 ("Exact facing").
 
-@group(0) @binding(0) var<uniform> batch: LightBatch;
-@group(0) @binding(1) var<uniform> chunk: Chunk;
+// As in facing.wgsl, one text serves a single mesh and a scene, and lights go by their places.
+
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
@@ -18,13 +18,13 @@ struct Face {
   c: vec3<u32>,
 }
 
-// The bits of facing lights and those of undecided lights.
+// The places of facing lights and those of undecided lights.
 struct Decision {
   facing: u32,
   undecided: u32,
 }
 
-// Bits of facing lights, and of those for which the face is excluded.
+// Facing lights, and those for which the face is excluded: places, and bits once all are decided.
 struct Signs {
   facing: u32,
   excluded: u32,
@@ -33,7 +33,7 @@ struct Signs {
 // Decides lights by f32 if the bound of the light allows it.
 fn filter_lights(face: Face) -> Decision {
   let largest = largest_magnitude(face.a, face.b, face.c);
-  var decision = Decision(0u, batch.live);
+  var decision = Decision(0u, live_places());
   if (largest >= LARGE) {
     return decision;
   }
@@ -48,41 +48,41 @@ fn filter_lights(face: Face) -> Decision {
     abs(u.x) * abs(v.y) + abs(u.y) * abs(v.x),
   );
   let underflow = underflow_bound(bitcast<f32>(largest));
-  for (var rest = batch.live; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
-    let l = batch.lights[light];
+  for (var rest = decision.undecided; rest != 0u; rest &= rest - 1u) {
+    let place = firstTrailingBit(rest);
+    let l = scaled_light(place);
     let to_light = l.xyz - l.w * a;
     let d = local_form(n, a, l);
     // The error of w a counts only if w is not a power of two, or is tiny.
-    let sizes = abs(to_light) + batch.inexact_w[light / 4u][light % 4u] * abs(a);
+    let sizes = abs(to_light) + inexact_w(place) * abs(a);
     let bound = RELATIVE * (n_abs.x * sizes.x + n_abs.y * sizes.y + n_abs.z * sizes.z) +
       underflow * (1.0 + sizes.x + sizes.y + sizes.z);
     if (abs(d) > bound) {
-      decision.undecided &= ~(1u << light);
-      decision.facing |= select(0u, 1u, d > 0.0) << light;
+      decision.undecided &= ~(1u << place);
+      decision.facing |= select(0u, 1u, d > 0.0) << place;
     }
   }
   return decision;
 }
 
-// The bits of the undecided lights, by integers. There are two loops, because some GPUs execute a branch once for each
+// The undecided lights, by integers. There are two loops, because some GPUs execute a branch once for each
 // turn of the loop around it, whether any face needs it or not.
 fn settle(undecided: u32, face: Face) -> Signs {
   let fixed = fixed_face(face.a, face.b, face.c);
   var signs = Signs(0u, 0u);
   var beyond_fixed = 0u;
   for (var rest = undecided; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
-    let sign = fixed_sign(fixed, batch.light_bits[light]);
-    signs.facing |= select(0u, 1u, sign == 1) << light;
-    signs.excluded |= select(0u, 1u, sign == 0) << light;
-    beyond_fixed |= select(0u, 1u, sign == 2) << light;
+    let place = firstTrailingBit(rest);
+    let sign = fixed_sign(fixed, given_light(place));
+    signs.facing |= select(0u, 1u, sign == 1) << place;
+    signs.excluded |= select(0u, 1u, sign == 0) << place;
+    beyond_fixed |= select(0u, 1u, sign == 2) << place;
   }
   for (var rest = beyond_fixed; rest != 0u; rest &= rest - 1u) {
-    let light = firstTrailingBit(rest);
-    let sign = exact_sign(face.a, face.b, face.c, batch.light_bits[light]);
-    signs.facing |= select(0u, 1u, sign > 0) << light;
-    signs.excluded |= select(0u, 1u, sign == 0) << light;
+    let place = firstTrailingBit(rest);
+    let sign = exact_sign(face.a, face.b, face.c, given_light(place));
+    signs.facing |= select(0u, 1u, sign > 0) << place;
+    signs.excluded |= select(0u, 1u, sign == 0) << place;
   }
   atomicAdd(&record.statistics.undecided_pairs, countOneBits(undecided));
   if (signs.excluded != 0u) {
@@ -95,14 +95,14 @@ fn settle(undecided: u32, face: Face) -> Signs {
 fn decide(index: u32) -> Signs {
   var face: Face;
   face.corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
-  face.a = position_bits(face.corners.x, batch.position_offset, batch.position_stride);
-  face.b = position_bits(face.corners.y, batch.position_offset, batch.position_stride);
-  face.c = position_bits(face.corners.z, batch.position_offset, batch.position_stride);
+  face.a = position_bits(face.corners.x, position_offset(), position_stride());
+  face.b = position_bits(face.corners.y, position_offset(), position_stride());
+  face.c = position_bits(face.corners.z, position_offset(), position_stride());
   if (largest_magnitude(face.a, face.b, face.c) >= INFINITE) {
-    if (chunk.first_light == 0u) {
+    if (counts_non_finite()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    return Signs(0u, batch.live);
+    return Signs(0u, live_lights());
   }
   if (face.corners.x == face.corners.y || face.corners.y == face.corners.z || face.corners.z == face.corners.x) {
     return Signs(0u, 0u);
@@ -112,8 +112,7 @@ fn decide(index: u32) -> Signs {
   if (decision.undecided != 0u) {
     signs = settle(decision.undecided, face);
   }
-  signs.facing |= decision.facing;
-  return signs;
+  return Signs(lights_at(signs.facing | decision.facing), lights_at(signs.excluded));
 }
 
 // Few invocations take many faces in turn, because nearly no face is undecided as a rule.
@@ -122,16 +121,19 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
   // If the list overflowed, every face is decided. `decide` is called once, because each call is compiled by itself.
   let undecided = atomicLoad(&record.undecided_count);
   let overflowed = undecided > arrayLength(&record.undecided);
-  let items = select(undecided, chunk.count, overflowed);
+  let items = select(undecided, face_slots(), overflowed);
   for (var index = id.x; index < items; index += 64u * groups.x) {
-    var face = index;
+    var slot = index;
     if (!overflowed) {
-      face = record.undecided[index];
+      slot = record.undecided[index];
     }
-    let signs = decide(face);
-    facing_masks[face] = signs.facing;
-    if (face < arrayLength(&excluded_masks)) {
-      excluded_masks[face] = signs.excluded;
+    let item = face_in_slot(slot);
+    if (item.exists) {
+      let signs = decide(item.index);
+      facing_masks[slot] = signs.facing;
+      if (slot < arrayLength(&excluded_masks)) {
+        excluded_masks[slot] = signs.excluded;
+      }
     }
   }
 }

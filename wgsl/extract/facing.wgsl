@@ -2,8 +2,10 @@
 // side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
 // whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
-@group(0) @binding(0) var<uniform> batch: LightBatch;
-@group(0) @binding(1) var<uniform> chunk: Chunk;
+// One text serves a single mesh and a scene. one_caster.wgsl or scene/many_casters.wgsl has the lights and the layout of the
+// positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a single mesh.
+// In a scene it is its number among the lights of the caster.
+
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(8) var<storage, read_write> record: FacingRecord;
@@ -13,12 +15,12 @@
 // If false, signs are those that f32 gives.
 override EXACT: bool = true;
 
-// The determinant for one light of the batch.
-fn determinant(n: vec3<f32>, a: vec3<f32>, light: u32) -> f32 {
+// The determinant for one light.
+fn determinant(n: vec3<f32>, a: vec3<f32>, place: u32) -> f32 {
   if (PLANE) {
-    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(batch.light_bits[light]));
+    return plane_form(plane_through(n, a), bitcast<vec4<f32>>(given_light(place)));
   }
-  return local_form(n, a, batch.lights[light]);
+  return local_form(n, a, scaled_light(place));
 }
 
 // The bits of all lights, and the smallest absolute determinant.
@@ -27,45 +29,41 @@ struct Signs {
   smallest: f32,
 }
 
-// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Entries past `count`
-// repeat the last light.
+// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Places past the last repeat
+// the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
-  for (var light = 0u; light < batch.count; light += 4u) {
+  for (var place = 0u; place < light_places(); place += 4u) {
     let d = vec4<f32>(
-      determinant(n, a, light),
-      determinant(n, a, light + 1u),
-      determinant(n, a, light + 2u),
-      determinant(n, a, light + 3u),
+      determinant(n, a, place),
+      determinant(n, a, place + 1u),
+      determinant(n, a, place + 2u),
+      determinant(n, a, place + 3u),
     );
     let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), d > vec4<f32>(0.0));
-    signs.mask |= (bits.x | bits.y | bits.z | bits.w) << light;
+    signs.mask |= (bits.x | bits.y | bits.z | bits.w) << place;
     if (EXACT) {
       let size = abs(d);
       signs.smallest = min(signs.smallest, min(min(size.x, size.y), min(size.z, size.w)));
     }
   }
-  signs.mask &= batch.live;
+  signs.mask = lights_at(signs.mask);
   return signs;
 }
 
-fn list(face: u32) {
+fn list(slot: u32) {
   let place = atomicAdd(&record.undecided_count, 1u);
   if (place < arrayLength(&record.undecided)) {
-    record.undecided[place] = face;
+    record.undecided[place] = slot;
   }
 }
 
-@compute @workgroup_size(256)
-fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
-  let face = id.x;
-  if (face >= chunk.count) {
-    return;
-  }
-  let corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  let a_bits = position_bits(corners.x, batch.position_offset, batch.position_stride);
-  let b_bits = position_bits(corners.y, batch.position_offset, batch.position_stride);
-  let c_bits = position_bits(corners.z, batch.position_offset, batch.position_stride);
+// Decides a face. `slot` is its place in the masks, `index` that in the topology.
+fn take_item(slot: u32, index: u32) {
+  let corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
+  let a_bits = position_bits(corners.x, position_offset(), position_stride());
+  let b_bits = position_bits(corners.y, position_offset(), position_stride());
+  let c_bits = position_bits(corners.z, position_offset(), position_stride());
   let a = bitcast<vec3<f32>>(a_bits);
   let u = bitcast<vec3<f32>>(b_bits) - a;
   let v = bitcast<vec3<f32>>(c_bits) - a;
@@ -73,22 +71,27 @@ fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
   if (EXACT) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-    facing_masks[face] = signs.mask;
-    let bound = face_bound(size, bitcast<f32>(magnitude), batch.reach);
+    facing_masks[slot] = signs.mask;
+    let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
     // A large magnitude also covers numbers that are not finite.
     if (signs.smallest <= bound || magnitude >= LARGE) {
-      list(face);
+      list(slot);
     }
   } else if (magnitude >= INFINITE) {
-    facing_masks[face] = 0u;
-    if (face < arrayLength(&excluded_masks)) {
-      excluded_masks[face] = batch.live;
+    facing_masks[slot] = 0u;
+    if (slot < arrayLength(&excluded_masks)) {
+      excluded_masks[slot] = live_lights();
     }
-    if (chunk.first_light == 0u) {
+    if (counts_non_finite()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
   } else {
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-    facing_masks[face] = select(signs.mask, 0u, is_degenerate);
+    facing_masks[slot] = select(signs.mask, 0u, is_degenerate);
   }
+}
+
+@compute @workgroup_size(256)
+fn facing(@builtin(global_invocation_id) id: vec3<u32>) {
+  take_items(id.x);
 }

@@ -2,8 +2,6 @@
 // gathers four positions and tests both faces against every light. It uses the plane equations, as published, or the
 // local form. A face's side is decided again at each of its edges, so loops may fail to close.
 
-@group(0) @binding(0) var<uniform> batch: LightBatch;
-@group(0) @binding(1) var<uniform> chunk: Chunk;
 // (a, b, c, d): face 0 is (a, b, c); face 1 is (b, a, d), or (a, b, d) where bit 31 of a is set; no face 1: d is NO_FACE.
 @group(0) @binding(6) var<storage, read> edge_corners: array<vec4<u32>>;
 

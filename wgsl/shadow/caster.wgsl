@@ -4,13 +4,6 @@
 // Whether there may be several casters. If not, all slots are those of the first caster, which is in world space.
 override MANY: bool = false;
 
-const CHUNK: u32 = 32u;
-// Flags of a caster.
-const CLOSED: u32 = 1u;
-const MIRRORED: u32 = 2u;
-const RIGID: u32 = 4u;
-const HOLED: u32 = 8u;
-
 fn caster_part(caster: u32, part: u32) -> vec4<u32> {
   return table[8u * caster + part];
 }

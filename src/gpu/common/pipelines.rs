@@ -48,8 +48,8 @@ struct Shared {
     /// Shader modules by their source.
     modules: Cache<String, wgpu::ShaderModule>,
     layouts: Cache<LayoutKey, wgpu::BindGroupLayout>,
-    /// Bindings by the name of the stage.
-    bindings: Mutex<HashMap<&'static str, Arc<Bindings>>>,
+    /// Bindings by the name of the stage's module.
+    bindings: Mutex<HashMap<String, Arc<Bindings>>>,
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
     /// Whether the device has what each [`Subject`] needs. It is checked once.
@@ -62,7 +62,9 @@ type LayoutKey = (&'static str, Vec<wgpu::BindGroupLayoutEntry>);
 /// Everything that a compute pipeline depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct ComputeKey {
+    /// The name of the stage, and of its module.
     stage: &'static str,
+    module: String,
     entry_point: &'static str,
     /// Names and bits of the constants.
     constants: Vec<(&'static str, u64)>,
@@ -122,7 +124,8 @@ impl Pipelines {
         constants: &[(&'static str, f64)],
     ) -> Pipeline {
         let constants = constants.iter().map(|&(name, value)| (name, value.to_bits())).collect();
-        let key = ComputeKey { stage: stage.name, entry_point, constants, displacement: None, further: None };
+        let (stage_name, module) = (stage.name, stage.module_name());
+        let key = ComputeKey { stage: stage_name, module, entry_point, constants, displacement: None, further: None };
         self.made(&key, || stage.wgsl())
     }
 
@@ -134,6 +137,7 @@ impl Pipelines {
     ) -> Pipeline {
         let key = ComputeKey {
             stage: DEFORM.name,
+            module: DEFORM.module_name(),
             entry_point: DEFORM.name,
             constants: Vec::new(),
             displacement: displacement.cloned(),
@@ -151,10 +155,10 @@ impl Pipelines {
         self.0.volumes.get(self.device(), key, make)
     }
 
-    /// The bindings of a stage. They are read from its WGSL once.
-    fn bindings(&self, stage: &'static str, wgsl: &str) -> Arc<Bindings> {
+    /// The bindings of a module. They are read from its WGSL once.
+    fn bindings(&self, module: &str, wgsl: &str) -> Arc<Bindings> {
         let mut read = self.0.bindings.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(read.entry(stage).or_insert_with(|| Arc::new(Bindings::of(wgsl))))
+        Arc::clone(read.entry(module.to_owned()).or_insert_with(|| Arc::new(Bindings::of(wgsl))))
     }
 
     /// A shader module.
@@ -226,10 +230,11 @@ pub(crate) struct Pipeline {
 impl Pipeline {
     fn new(pipelines: &Pipelines, key: &ComputeKey, wgsl: &str) -> Self {
         let ComputeKey { stage, entry_point, ref constants, ref further, .. } = *key;
+        let module_name = &*key.module;
         let constants: Vec<_> = constants.iter().map(|&(name, bits)| (name, f64::from_bits(bits))).collect();
         let windows = constants.iter().find(|(name, _)| *name == "WINDOW_WORDS");
-        let module = pipelines.module(stage, wgsl);
-        let bindings = pipelines.bindings(stage, wgsl);
+        let module = pipelines.module(module_name, wgsl);
+        let bindings = pipelines.bindings(module_name, wgsl);
         let layout = pipelines.layout(stage, bindings.entries().to_vec());
         let mut groups = vec![Some(&layout)];
         groups.extend(further.as_ref().map(Some));

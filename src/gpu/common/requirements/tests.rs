@@ -15,7 +15,8 @@ type Found = BTreeMap<&'static str, u64>;
 fn subject(stage: &Stage) -> Subject {
     let own = stage.files.last().expect("a stage has files").0;
     match own.split_once('/').expect("files lie in folders").0 {
-        "extract" => Subject::Extract,
+        // A scene is an extraction of many casters.
+        "extract" | "scene" => Subject::Extract,
         "shadow" => Subject::Shadow,
         "query" => Subject::Query,
         "deform" => Subject::Deform,

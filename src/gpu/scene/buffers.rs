@@ -1,0 +1,208 @@
+//! The buffers of a scene beside its pages. They are kept while they are large enough.
+
+use super::layout::Group;
+use super::options::SceneOptions;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::extract::buffers::RECORD_HEAD;
+use crate::layout::{CHUNK, DrawArguments};
+use crate::method::Predicate;
+
+/// Bytes before the entries of lists: a count for each of 32 lights.
+pub(crate) const LISTS_HEAD: u64 = 32 * 4;
+
+/// What a group of casters has for a batch of lights.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupBuffers {
+    /// One `u32` a face slot: the lights that the face faces.
+    pub(crate) facing: wgpu::Buffer,
+    /// One `u32` a face slot: the lights for which the face is excluded.
+    pub(crate) excluded: wgpu::Buffer,
+    /// A `FacingRecord`: statistics, and the undecided faces.
+    pub(crate) record: wgpu::Buffer,
+    /// For each light of the batch the number of its silhouette edges, then the lists.
+    pub(crate) lists: wgpu::Buffer,
+    /// A [`DrawArguments`] for each light of the batch.
+    pub(crate) draws: wgpu::Buffer,
+}
+
+/// The bytes of each buffer of a group, and what they have room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GroupSizes {
+    pub(crate) masks: u64,
+    pub(crate) record: u64,
+    pub(crate) lists: u64,
+    /// Entries that the list of each light has room for.
+    pub(crate) capacity: u32,
+}
+
+const DRAWS: u64 = 32 * size_of::<DrawArguments>() as u64;
+
+impl GroupSizes {
+    /// The sizes for a batch with `lights` bits.
+    pub(crate) fn new(group: &Group, lights: u32, options: &SceneOptions, limits: &DispatchLimits) -> Self {
+        let slots = u64::from(group.face_slots());
+        let is_exact = options.predicate == Predicate::Exact;
+        let undecided = match options.undecided_capacity {
+            _ if !is_exact => 1,
+            Some(capacity) => u64::from(capacity.max(1)),
+            None => (slots / 4).max(4096),
+        };
+        let undecided = undecided.min(slots).min((limits.binding - RECORD_HEAD) / 4).max(1);
+        let fitting = (limits.binding - LISTS_HEAD) / 4 / u64::from(lights.max(1));
+        let capacity = options.list_capacity.map_or_else(|| default_capacity(group, lights), u64::from);
+        let capacity = capacity.min(fitting).min(u64::from(group.edge_slots())).max(1);
+        Self {
+            masks: 4 * slots,
+            record: RECORD_HEAD + 4 * undecided,
+            lists: LISTS_HEAD + 4 * capacity * u64::from(lights.max(1)),
+            capacity: capacity as u32,
+        }
+    }
+}
+
+/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and each
+/// light has room for the silhouettes of smooth casters.
+fn default_capacity(group: &Group, lights: u32) -> u64 {
+    let counts = group.counts;
+    let shared = 4 * counts.consistent / lights.max(1) as usize;
+    let consistent = group.smooth.max(shared).max(1024).min(counts.consistent);
+    (counts.boundary + counts.inconsistent + consistent) as u64
+}
+
+/// The buffers of all groups and batches, and those that they share.
+#[derive(Clone, Debug)]
+pub(crate) struct Buffers {
+    /// For each group and batch.
+    pub(crate) groups: Vec<Vec<GroupBuffers>>,
+    /// For each batch and caster the lights that matter.
+    pub(crate) lit: wgpu::Buffer,
+    /// The counts of listed chunks, then the lists.
+    pub(crate) work: wgpu::Buffer,
+}
+
+/// Makes buffers, or takes old ones that are large enough.
+struct Maker<'a> {
+    device: &'a wgpu::Device,
+    wanted: Vec<Allocation>,
+}
+
+impl Maker<'_> {
+    fn is_kept(old: Option<&wgpu::Buffer>, bytes: u64) -> bool {
+        // What is far too large is given back.
+        old.is_some_and(|old| old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16))
+    }
+
+    fn want(&mut self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) {
+        let bytes = if Self::is_kept(old, bytes) { old.map_or(0, wgpu::Buffer::size) } else { padded(bytes) };
+        self.wanted.push(Allocation { label, bytes });
+    }
+
+    fn take(&self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) -> wgpu::Buffer {
+        match old {
+            Some(old) if Self::is_kept(Some(old), bytes) => old.clone(),
+            _ => {
+                let usage = wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_SRC
+                    | wgpu::BufferUsages::COPY_DST
+                    | wgpu::BufferUsages::INDIRECT;
+                buffer(self.device, label, bytes, usage)
+            }
+        }
+    }
+}
+
+impl Buffers {
+    /// Buffers for groups of these sizes, `casters` casters, and work lists of `work` words. `others` are the bytes of
+    /// the rest of the scene.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        old: Option<&Self>,
+        groups: &[Vec<GroupSizes>],
+        [lit, work]: [u64; 2],
+        others: u64,
+        options: &SceneOptions,
+        limits: &DispatchLimits,
+    ) -> Result<Self, MemoryError> {
+        for (what, bytes) in [("lights of casters", 4 * lit), ("lists of chunks", 4 * work)] {
+            if bytes > limits.binding {
+                return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
+            }
+        }
+        let mut maker = Maker { device, wanted: Vec::new() };
+        let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
+        for (group, batches) in groups.iter().enumerate() {
+            for (batch, sizes) in batches.iter().enumerate() {
+                let old = of_group(group, batch);
+                maker.want("facing masks", sizes.masks, old.map(|old| &old.facing));
+                maker.want("excluded masks", sizes.masks, old.map(|old| &old.excluded));
+                maker.want("undecided faces", sizes.record, old.map(|old| &old.record));
+                maker.want("edge lists", sizes.lists, old.map(|old| &old.lists));
+                maker.want("draw arguments", DRAWS, old.map(|old| &old.draws));
+            }
+        }
+        maker.want("lights of casters", 4 * lit, old.map(|old| &old.lit));
+        maker.want("lists of chunks", 4 * work, old.map(|old| &old.work));
+        maker.wanted.push(Allocation { label: "pages and table", bytes: others });
+        let own = maker.wanted.len() - 1;
+        check(maker.wanted.get(..own).unwrap_or_default(), limits.buffer, None)?;
+        let bytes = check(&maker.wanted, u64::MAX, options.memory_limit)?;
+        guarded(device, bytes, || Self {
+            groups: groups
+                .iter()
+                .enumerate()
+                .map(|(group, batches)| {
+                    let sizes = batches.iter().enumerate();
+                    sizes.map(|(batch, sizes)| maker.group(sizes, of_group(group, batch))).collect()
+                })
+                .collect(),
+            lit: maker.take("lights of casters", 4 * lit, old.map(|old| &old.lit)),
+            work: maker.take("lists of chunks", 4 * work, old.map(|old| &old.work)),
+        })
+    }
+
+    /// The size of all buffers in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let of_group = |group: &GroupBuffers| {
+            let GroupBuffers { facing, excluded, record, lists, draws } = group;
+            [facing, excluded, record, lists, draws].map(wgpu::Buffer::size).iter().sum::<u64>()
+        };
+        self.groups.iter().flatten().map(of_group).sum::<u64>() + self.lit.size() + self.work.size()
+    }
+}
+
+impl Maker<'_> {
+    fn group(&self, sizes: &GroupSizes, old: Option<&GroupBuffers>) -> GroupBuffers {
+        GroupBuffers {
+            facing: self.take("facing masks", sizes.masks, old.map(|old| &old.facing)),
+            excluded: self.take("excluded masks", sizes.masks, old.map(|old| &old.excluded)),
+            record: self.take("undecided faces", sizes.record, old.map(|old| &old.record)),
+            lists: self.take("edge lists", sizes.lists, old.map(|old| &old.lists)),
+            draws: self.take("draw arguments", DRAWS, old.map(|old| &old.draws)),
+        }
+    }
+}
+
+/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of edge
+/// chunks follows, and the two lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WorkPlace {
+    pub(crate) count: u64,
+    pub(crate) faces: u64,
+    pub(crate) edges: u64,
+}
+
+/// The places of all groups and batches, and the number of words. Counts come first, so that they are cleared together.
+pub(crate) fn work_places(groups: &[Group], batches: usize) -> (Vec<Vec<WorkPlace>>, u64) {
+    let mut next = 2 * (groups.len() * batches) as u64;
+    let mut count = 0;
+    let mut place = |group: &Group| {
+        let faces = next;
+        let edges = faces + u64::from(group.face_slots() / CHUNK);
+        next = edges + u64::from(group.edge_slots() / CHUNK);
+        count += 2;
+        WorkPlace { count: count - 2, faces, edges }
+    };
+    let places = groups.iter().map(|group| (0..batches).map(|_| place(group)).collect()).collect();
+    (places, next)
+}

@@ -1,0 +1,200 @@
+//! Casters: what a caller gives, and what the scene keeps of it.
+
+use glam::{DAffine3, DMat3, DVec3};
+use slotmap::DefaultKey;
+
+use super::handles::MeshHandle;
+use super::mask::LightMask;
+use crate::light::MeshSpace;
+use crate::mesh::{EdgeCounts, is_degenerate};
+use crate::{Matrix3x4, Mesh};
+
+use super::pages::Run;
+
+/// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
+#[derive(Clone, Debug)]
+pub struct Caster {
+    /// The mesh. Many casters may have the same.
+    pub mesh: MeshHandle,
+    /// Where its vertices are.
+    pub positions: CasterPositions,
+    /// The lights for which it throws shadows.
+    pub lights: LightMask,
+    /// Whether the surface is in the depth buffer that shadows are drawn against. False for a proxy, a simpler mesh in
+    /// place of what is drawn: every face of it casts.
+    pub in_depth: bool,
+}
+
+impl Caster {
+    /// A rigid caster in the depth buffer, for all lights.
+    pub fn rigid(mesh: MeshHandle, mesh_to_world: Matrix3x4) -> Self {
+        let positions = CasterPositions::Rigid(mesh_to_world);
+        Self { mesh, positions, lights: LightMask::ALL, in_depth: true }
+    }
+}
+
+/// Where the vertices of a caster are.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum CasterPositions {
+    /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four. Lights
+    /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
+    /// singular matrix, or one that is not finite, casts nothing.
+    Rigid(Matrix3x4),
+    /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode.
+    Buffer {
+        /// The buffer, with usage `STORAGE`.
+        buffer: wgpu::Buffer,
+        /// Bytes from the start of the buffer to the x of vertex 0. A multiple of 4.
+        offset: u64,
+        /// Bytes from one vertex to the next. A multiple of 4, at least 12.
+        stride: u64,
+    },
+}
+
+/// What the scene keeps of a mesh.
+#[derive(Debug)]
+pub(crate) struct MeshEntry {
+    pub(crate) run: Run,
+    pub(crate) vertices: u32,
+    pub(crate) faces: u32,
+    pub(crate) counts: EdgeCounts,
+    pub(crate) is_closed: bool,
+    /// The box of the faces whose corners are finite. Low is above high if there is none.
+    pub(crate) low: [f32; 3],
+    pub(crate) high: [f32; 3],
+    /// Whether another face has a corner that is not finite.
+    pub(crate) is_holed: bool,
+    pub(crate) casters: usize,
+}
+
+impl MeshEntry {
+    pub(crate) fn new(run: Run, mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
+        let (mut low, mut high, mut is_holed) = ([f32::MAX; 3], [f32::MIN; 3], false);
+        for &face in mesh.faces() {
+            let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
+            if corners.iter().flatten().all(|c| c.is_finite()) {
+                for corner in corners {
+                    low = std::array::from_fn(|axis| low[axis].min(corner[axis]));
+                    high = std::array::from_fn(|axis| high[axis].max(corner[axis]));
+                }
+            } else {
+                is_holed |= !is_degenerate(face);
+            }
+        }
+        let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
+        Self { run, vertices, faces, counts, is_closed: mesh.is_closed(), low, high, is_holed, casters: 0 }
+    }
+
+    pub(crate) fn edges(&self) -> u32 {
+        let EdgeCounts { consistent, inconsistent, boundary } = self.counts;
+        (consistent + inconsistent + boundary) as u32
+    }
+}
+
+/// What the scene keeps of a caster.
+#[derive(Debug)]
+pub(crate) struct CasterEntry {
+    pub(crate) mesh: DefaultKey,
+    /// The source of its positions.
+    pub(crate) source: DefaultKey,
+    pub(crate) lights: LightMask,
+    pub(crate) in_depth: bool,
+    pub(crate) placement: Placement,
+    /// Whether it waits for its new transform to be written to the table.
+    pub(crate) is_moved: bool,
+    /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
+    pub(crate) index: u32,
+    pub(crate) first_light: u32,
+}
+
+/// Where a caster's positions are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Placement {
+    /// In the page.
+    Rigid(Rigid),
+    /// In the bound part of a caller's buffer: the word of vertex 0, and the words from one vertex to the next.
+    World { offset: u32, stride: u32 },
+}
+
+/// A transform, and what follows from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rigid {
+    pub(crate) rows: Matrix3x4,
+    /// `None`: the transform is singular or not finite.
+    pub(crate) space: Option<MeshSpace>,
+    /// At most the smallest factor by which the transform scales a length.
+    pub(crate) scale: f32,
+    pub(crate) is_mirrored: bool,
+}
+
+impl Rigid {
+    pub(crate) fn new(rows: Matrix3x4) -> Self {
+        let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
+        let transform = DAffine3::from_cols_array_2d(&columns);
+        let is_finite = rows.iter().flatten().all(|c| c.is_finite());
+        let space = MeshSpace::new(transform).filter(|_| is_finite);
+        let scale = space.map_or(0.0, |space| least_scale(transform.matrix3, space.inverse));
+        Self { rows, space, scale, is_mirrored: transform.matrix3.determinant() < 0.0 }
+    }
+}
+
+/// A lower bound of the smallest singular value of a matrix, or 0 where rounding may spoil the inverse.
+fn least_scale(matrix: DMat3, inverse: DMat3) -> f32 {
+    let squares = |matrix: DMat3| matrix.to_cols_array().iter().map(|c| c * c).sum::<f64>();
+    let (whole, of_inverse) = (squares(matrix), squares(inverse));
+    // The condition number is at most the root of this.
+    let condition = whole * of_inverse;
+    if condition.is_nan() || condition > 1e16 {
+        return 0.0;
+    }
+    // The Frobenius norm of the inverse is at least its largest singular value. It is √3 too large for equal scales, so
+    // the eigenvalue is computed, too.
+    let bound = of_inverse.sqrt().recip().max(least_eigenvalue(matrix.transpose() * matrix).sqrt());
+    let rounded = (bound * (1.0 - 1e-9)) as f32;
+    // Rounding to f32 may have gone up, and may have left the finite numbers.
+    if rounded.is_finite() { rounded.next_down().max(0.0) } else { f32::MAX }
+}
+
+/// A lower bound of the smallest eigenvalue of a symmetric matrix without negative ones, by the cosine formula.
+fn least_eigenvalue(matrix: DMat3) -> f64 {
+    let mean = (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z) / 3.0;
+    let apart = matrix - DMat3::from_diagonal(DVec3::splat(mean));
+    let spread = (apart.to_cols_array().iter().map(|c| c * c).sum::<f64>() / 6.0).sqrt();
+    let angle = if spread > 0.0 { ((apart * spread.recip()).determinant() / 2.0).clamp(-1.0, 1.0).acos() } else { 0.0 };
+    let least = mean + 2.0 * spread * (angle / 3.0 + 2.0 * std::f64::consts::FRAC_PI_3).cos();
+    // Near its ends the arc cosine loses half of the digits.
+    (least - 1e-7 * spread - 1e-12 * mean).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_scales_are_lower_bounds_and_close() {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.1);
+        let other = DMat3::from_axis_angle(DVec3::new(0.0, 0.8, -0.6), 2.3);
+        for scales in [[1.0, 1.0, 1.0], [2.0, 3.0, 5.0], [1e-3, 1e-3, 1e3], [-0.5, 7.0, 7.0], [1e3, 1e3, 1e3]] {
+            let matrix = turn * DMat3::from_diagonal(DVec3::from(scales)) * other;
+            let scale = f64::from(least_scale(matrix, matrix.inverse()));
+            let least = scales.iter().fold(f64::MAX, |least, c| least.min(c.abs()));
+            assert!(scale <= least && scale > 0.57 * least, "{scales:?}: {scale}");
+            if scales[0].abs() * 10.0 > scales[2].abs() {
+                assert!(scale > 0.9999 * least, "{scales:?}: {scale}");
+            }
+        }
+        let flat = turn * DMat3::from_diagonal(DVec3::new(1.0, 1.0, 1e-12)) * other;
+        assert_eq!(least_scale(flat, flat.inverse()), 0.0);
+    }
+
+    #[test]
+    fn singular_and_non_finite_transforms_have_no_space() {
+        let rows = |x: f32, shift: f32| [[x, 0.0, 0.0, shift], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        assert!(Rigid::new(rows(2.0, 1.0)).space.is_some());
+        assert!(Rigid::new(rows(-2.0, 1.0)).is_mirrored);
+        for (x, shift) in [(0.0, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 1.0), (1.0, f32::NAN), (1.0, f32::INFINITY)] {
+            assert_eq!(Rigid::new(rows(x, shift)).space, None, "{x} {shift}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Why a scene refuses something.
+
+use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::positions::PositionError;
+use crate::gpu::common::requirements::DeviceError;
+use crate::light::LightError;
+
+/// Why a scene cannot be made, changed or recorded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The device lacks what extraction needs, is lost, or is not the timer's.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// A light is refused, or `max_lights` is impossible.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// All bits of lights are in use.
+    #[error("the scene has room for {limit} lights; remove one first, or make the scene with a larger `max_lights`")]
+    NoLightBit {
+        /// The `max_lights` of the scene.
+        limit: usize,
+    },
+    /// The position buffer of a caster is refused.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// A mesh, or the scene as a whole, does not fit the device or the memory limit.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
+    /// There are fewer positions than the mesh has vertices.
+    #[error("{given} positions given, and the mesh has {needed} vertices; give one for each source vertex")]
+    TooFewPositions {
+        /// Positions given.
+        given: usize,
+        /// Vertices of the mesh.
+        needed: u32,
+    },
+    /// A handle belongs to another scene.
+    #[error("the handle of a {what} is of another scene; use it with the scene that returned it")]
+    OtherScene {
+        /// What the handle names.
+        what: &'static str,
+    },
+    /// What a handle names was removed.
+    #[error("the {what} of this handle was removed from the scene; use the handle that the last insertion returned")]
+    Stale {
+        /// What the handle named.
+        what: &'static str,
+    },
+    /// A mesh cannot be removed while casters use it.
+    #[error("{casters} casters still use the mesh; remove them first")]
+    MeshInUse {
+        /// The number of casters.
+        casters: usize,
+    },
+    /// A transform was given for a caster whose positions lie in a buffer in world space.
+    #[error(
+        "the caster has positions in a buffer, in world space, and no transform; insert it as `CasterPositions::Rigid`"
+    )]
+    NotRigid,
+    /// A later encode overwrote the results of the frame.
+    #[error(
+        "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \
+         last encode returned"
+    )]
+    StaleFrame,
+}

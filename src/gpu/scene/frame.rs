@@ -1,0 +1,129 @@
+//! The result of one encode of a scene.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::errors::SceneError;
+#[cfg(feature = "reference")]
+use super::handles::CasterHandle;
+use super::handles::{LightHandle, SceneId};
+use super::structure::Structure;
+use crate::Light;
+#[cfg(feature = "reference")]
+use crate::layout::SceneDispatch;
+
+/// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later encode of
+/// the same scene overwrites the results. This value is then refused with [`SceneError::StaleFrame`].
+///
+/// A clone is cheap. It keeps the scene's buffers alive.
+#[derive(Clone, Debug)]
+pub struct SceneFrame {
+    pub(crate) structure: Arc<Structure>,
+    pub(crate) scene: SceneId,
+    pub(crate) lights: Arc<[(LightHandle, Light)]>,
+    pub(crate) encodes: Arc<AtomicU64>,
+    pub(crate) encode: u64,
+}
+
+/// The results of a group of casters for a batch of lights. A group has one page of topology and one source of positions.
+#[cfg(feature = "reference")]
+#[derive(Clone, Copy, Debug)]
+pub struct SceneGroupResults<'a> {
+    /// The group and the batch.
+    pub group: usize,
+    /// Bit `bit` of a mask is light `32 · batch + bit`.
+    pub batch: usize,
+    /// One `u32` a face slot: the lights that the face faces. Slots of casters that no light of the batch reaches have no
+    /// meaning.
+    pub facing: &'a wgpu::Buffer,
+    /// One `u32` a face slot: the lights in the plane of the face.
+    pub excluded: &'a wgpu::Buffer,
+    /// The number of silhouette edges of each of 32 lights, then [`Self::capacity`] entries for each light. An entry is an
+    /// edge slot, with the winding bit as bit 31.
+    pub lists: &'a wgpu::Buffer,
+    /// Entries that the list of each light has room for.
+    pub capacity: u32,
+    /// A [`DrawArguments`](crate::gpu::DrawArguments) for each of 32 lights.
+    pub draws: &'a wgpu::Buffer,
+    /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
+    pub record: &'a wgpu::Buffer,
+    /// The uniform of the stages.
+    pub dispatch: SceneDispatch,
+}
+
+/// The buffers of a frame.
+#[cfg(feature = "reference")]
+#[derive(Clone, Debug)]
+pub struct SceneResults<'a> {
+    /// The scene table, in units of 16 bytes.
+    pub table: &'a wgpu::Buffer,
+    /// For each batch and caster the bits of the lights that matter.
+    pub lit: &'a wgpu::Buffer,
+    /// The counts of listed chunks, then the lists.
+    pub work: &'a wgpu::Buffer,
+    /// All groups and batches, batch after batch in each group.
+    pub groups: Vec<SceneGroupResults<'a>>,
+    /// The size of all buffers but pages, in bytes.
+    pub bytes: u64,
+}
+
+impl SceneFrame {
+    /// The lights, in the order of their bits.
+    pub fn lights(&self) -> &[(LightHandle, Light)] {
+        &self.lights
+    }
+
+    /// The number of batches of 32 lights: as many as hold the highest bit.
+    pub fn batches(&self) -> usize {
+        self.structure.batches
+    }
+
+    /// The number of groups of casters. A group has one page of topology and one source of positions.
+    pub fn groups(&self) -> usize {
+        self.structure.layout.groups.len()
+    }
+
+    /// Refuses a frame whose results a later encode overwrites.
+    ///
+    /// # Errors
+    /// [`SceneError::StaleFrame`].
+    pub fn check_current(&self) -> Result<(), SceneError> {
+        if self.encodes.load(Ordering::Relaxed) == self.encode { Ok(()) } else { Err(SceneError::StaleFrame) }
+    }
+
+    /// The buffers that hold the results once the encoder is submitted.
+    ///
+    /// # Errors
+    /// [`SceneError::StaleFrame`] if a later encode overwrites them.
+    #[cfg(feature = "reference")]
+    pub fn results(&self) -> Result<SceneResults<'_>, SceneError> {
+        self.check_current()?;
+        let Structure { table, buffers, parts, .. } = &*self.structure;
+        let groups = parts.iter().zip(buffers.groups.iter().flatten()).filter_map(|(part, buffers)| {
+            Some(SceneGroupResults {
+                group: part.group,
+                batch: part.batch,
+                facing: &buffers.facing,
+                excluded: &buffers.excluded,
+                lists: &buffers.lists,
+                capacity: part.sizes.capacity,
+                draws: &buffers.draws,
+                record: &buffers.record,
+                dispatch: part.dispatches.first()?.0,
+            })
+        });
+        let bytes = buffers.bytes() + table.size();
+        Ok(SceneResults { table, lit: &buffers.lit, work: &buffers.work, groups: groups.collect(), bytes })
+    }
+
+    /// The place of a caster in the scene table, and its group.
+    #[cfg(feature = "reference")]
+    pub fn place(&self, caster: CasterHandle) -> Option<(u32, usize)> {
+        let layout = &self.structure.layout;
+        if caster.scene != self.scene {
+            return None;
+        }
+        let index = layout.order.iter().position(|&key| key == caster.key)? as u32;
+        layout.groups.iter().rposition(|group| group.first <= index).map(|group| (index, group))
+    }
+}

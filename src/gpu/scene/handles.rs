@@ -1,0 +1,61 @@
+//! Handles. Each names one thing of one scene, and nothing else after its removal.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use slotmap::DefaultKey;
+
+use super::errors::SceneError;
+
+/// The identity of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct SceneId(u64);
+
+impl SceneId {
+    pub(crate) fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// A mesh of a [`Scene`](crate::gpu::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MeshHandle {
+    pub(crate) scene: SceneId,
+    pub(crate) key: DefaultKey,
+}
+
+/// A caster of a [`Scene`](crate::gpu::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CasterHandle {
+    pub(crate) scene: SceneId,
+    pub(crate) key: DefaultKey,
+}
+
+/// A light of a [`Scene`](crate::gpu::Scene). It keeps its bit until it is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightHandle {
+    pub(crate) scene: SceneId,
+    pub(crate) bit: u32,
+    /// How many lights had this bit before.
+    pub(crate) generation: u64,
+}
+
+impl LightHandle {
+    /// The light's bit: bit `bit mod 32`, least significant first, of batch `bit div 32`. No two lights of a scene have
+    /// the same bit at the same time.
+    pub const fn bit(self) -> u32 {
+        self.bit
+    }
+}
+
+impl MeshHandle {
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
+        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "mesh" }) }
+    }
+}
+
+impl CasterHandle {
+    pub(crate) fn key_in(self, scene: SceneId) -> Result<DefaultKey, SceneError> {
+        if self.scene == scene { Ok(self.key) } else { Err(SceneError::OtherScene { what: "caster" }) }
+    }
+}

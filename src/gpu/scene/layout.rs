@@ -1,0 +1,236 @@
+//! Lays a scene out: groups, slots, and what lies where in the scene table.
+
+use std::collections::HashMap;
+
+use slotmap::{DefaultKey, SecondaryMap, SlotMap};
+
+use super::caster::{CasterEntry, MeshEntry, Placement};
+use super::lights::Lights;
+use super::mask::LightMask;
+use super::table::{LIGHT_PARTS, Part, Slots, Table};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::MemoryError;
+use crate::layout::CHUNK;
+use crate::mesh::EdgeCounts;
+
+/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A source
+/// with more slots than a binding holds has several groups.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) source: DefaultKey,
+    /// Its first caster in the table. The casters of a group lie one after the other.
+    pub(crate) first: u32,
+    pub(crate) face_chunks: u32,
+    pub(crate) edge_chunks: u32,
+    /// Edge records of all casters.
+    pub(crate) counts: EdgeCounts,
+    /// Consistent edges that silhouettes may take, see [`smooth_edges`].
+    pub(crate) smooth: usize,
+    /// Where the casters of its chunks begin in the table.
+    pub(crate) face_chunks_at: usize,
+    pub(crate) edge_chunks_at: usize,
+}
+
+/// What changes only when casters or lights come and go.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    pub(crate) groups: Vec<Group>,
+    /// The casters in the order of the table.
+    pub(crate) order: Vec<DefaultKey>,
+    /// The parts of the table that each encode uploads. The casters of the chunks, which follow, are written once.
+    pub(crate) uploaded: usize,
+    /// The lights of casters that are not rigid, for each of their masks: which, and where they begin in the table.
+    pub(crate) in_world: HashMap<LightMask, u32>,
+}
+
+/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their number.
+fn smooth_edges(consistent: usize) -> usize {
+    (16 * consistent.isqrt()).min(consistent)
+}
+
+impl Group {
+    fn new(source: DefaultKey, first: u32) -> Self {
+        let counts = EdgeCounts::default();
+        let (face_chunks_at, edge_chunks_at) = (0, 0);
+        Self { source, first, face_chunks: 0, edge_chunks: 0, counts, smooth: 0, face_chunks_at, edge_chunks_at }
+    }
+
+    /// Adds a caster and returns its slots.
+    fn add(&mut self, mesh: &MeshEntry) -> Slots {
+        let slots = Slots { first_face: CHUNK * self.face_chunks, first_edge: CHUNK * self.edge_chunks };
+        self.face_chunks += mesh.faces.div_ceil(CHUNK);
+        self.edge_chunks += mesh.edges().div_ceil(CHUNK);
+        self.counts.consistent += mesh.counts.consistent;
+        self.counts.inconsistent += mesh.counts.inconsistent;
+        self.counts.boundary += mesh.counts.boundary;
+        self.smooth += smooth_edges(mesh.counts.consistent);
+        slots
+    }
+
+    /// Whether the slots of another mesh fit, too.
+    fn has_room(&self, mesh: &MeshEntry, limits: &DispatchLimits) -> bool {
+        let face_slots = u64::from(CHUNK) * (u64::from(self.face_chunks) + u64::from(mesh.faces.div_ceil(CHUNK)));
+        let edge_slots = u64::from(CHUNK) * (u64::from(self.edge_chunks) + u64::from(mesh.edges().div_ceil(CHUNK)));
+        // A list entry has 31 bits for a slot.
+        4 * face_slots <= limits.binding && edge_slots < 1 << 31
+    }
+
+    pub(crate) fn face_slots(&self) -> u32 {
+        CHUNK * self.face_chunks
+    }
+
+    pub(crate) fn edge_slots(&self) -> u32 {
+        CHUNK * self.edge_chunks
+    }
+}
+
+impl Layout {
+    /// Lays out casters and lights. Writes the table and the places of the casters.
+    pub(crate) fn new(
+        table: &mut Table,
+        casters: &mut SlotMap<DefaultKey, CasterEntry>,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+        lights: &Lights,
+        limits: &DispatchLimits,
+    ) -> Result<Self, MemoryError> {
+        let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
+        let mut sources = Vec::new();
+        for (key, caster) in &*casters {
+            if let Some(entry) = by_source.entry(caster.source) {
+                entry.or_insert_with(|| {
+                    sources.push(caster.source);
+                    Vec::new()
+                });
+            }
+            if let Some(of_source) = by_source.get_mut(caster.source) {
+                of_source.push(key);
+            }
+        }
+        let mut layout = Self::default();
+        let mut slots = Vec::with_capacity(casters.len());
+        for source in sources {
+            let mut group = Group::new(source, layout.order.len() as u32);
+            for &key in by_source.get(source).into_iter().flatten() {
+                let Some(mesh) = casters.get(key).and_then(|caster| meshes.get(caster.mesh)) else { continue };
+                if group.face_chunks > 0 && !group.has_room(mesh, limits) {
+                    let next = Group::new(source, layout.order.len() as u32);
+                    layout.groups.push(std::mem::replace(&mut group, next));
+                }
+                slots.push(group.add(mesh));
+                layout.order.push(key);
+            }
+            layout.groups.push(group);
+        }
+        layout.find_places(table, casters, lights, limits)?;
+        layout.write(table, casters, meshes, lights, &slots);
+        Ok(layout)
+    }
+
+    /// Finds the place of everything in the table.
+    fn find_places(
+        &mut self,
+        table: &mut Table,
+        casters: &mut SlotMap<DefaultKey, CasterEntry>,
+        lights: &Lights,
+        limits: &DispatchLimits,
+    ) -> Result<(), MemoryError> {
+        let parts = std::mem::take(&mut table.parts);
+        *table = Table { parts, casters: self.order.len(), batches: lights.batches() };
+        let mut next = table.pairs_at();
+        for (index, &key) in (0..).zip(&self.order) {
+            let Some(caster) = casters.get_mut(key) else { continue };
+            let mask = caster.lights.and(&lights.used);
+            let mut own = || {
+                let first = next;
+                next += (LIGHT_PARTS * mask.count(table.batches)) as usize;
+                first as u32
+            };
+            caster.index = index;
+            caster.first_light = match caster.placement {
+                Placement::Rigid(_) => own(),
+                Placement::World { .. } => *self.in_world.entry(mask).or_insert_with(own),
+            };
+        }
+        self.uploaded = next;
+        for group in &mut self.groups {
+            group.face_chunks_at = next;
+            group.edge_chunks_at = next + group.face_chunks.div_ceil(4) as usize;
+            next = group.edge_chunks_at + group.edge_chunks.div_ceil(4) as usize;
+        }
+        // The shaders hold places in 32 bits, which one binding never exceeds.
+        let bytes = (next * size_of::<Part>()) as u64;
+        if bytes > limits.binding {
+            return Err(MemoryError::Binding { what: "the scene table", bytes, limit: limits.binding });
+        }
+        table.parts.clear();
+        table.parts.resize(next, [0; 4]);
+        Ok(())
+    }
+
+    fn write(
+        &self,
+        table: &mut Table,
+        casters: &mut SlotMap<DefaultKey, CasterEntry>,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+        lights: &Lights,
+        slots: &[Slots],
+    ) {
+        for (&key, &slots) in self.order.iter().zip(slots) {
+            let Some(caster) = casters.get_mut(key) else { continue };
+            caster.is_moved = false;
+            if let Some(mesh) = meshes.get(caster.mesh) {
+                table.put_caster(caster, mesh, slots);
+            }
+            put_lights(table, caster, lights);
+        }
+        table.put_ranges(lights);
+        self.write_chunks(table, casters, meshes);
+    }
+
+    /// Writes the caster of each chunk.
+    fn write_chunks(
+        &self,
+        table: &mut Table,
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+    ) {
+        let ends = self.groups.iter().skip(1).map(|group| group.first).chain([self.order.len() as u32]);
+        for (group, end) in self.groups.iter().zip(ends) {
+            let of_group = || {
+                let keys = self.order.get(group.first as usize..end as usize).unwrap_or_default();
+                let meshes = keys.iter().map(|&key| casters.get(key).and_then(|caster| meshes.get(caster.mesh)));
+                (group.first..).zip(meshes).filter_map(|(index, mesh)| mesh.map(|mesh| (index, mesh)))
+            };
+            for (at, chunks_of) in [
+                (group.face_chunks_at, MeshEntry::face_chunks as fn(&MeshEntry) -> u32),
+                (group.edge_chunks_at, MeshEntry::edge_chunks),
+            ] {
+                let words = table.parts.get_mut(at..).unwrap_or_default().as_flattened_mut();
+                let chunks = of_group().flat_map(|(index, mesh)| std::iter::repeat_n(index, chunks_of(mesh) as usize));
+                words.iter_mut().zip(chunks).for_each(|(word, index)| *word = index);
+            }
+        }
+    }
+}
+
+impl MeshEntry {
+    fn face_chunks(&self) -> u32 {
+        self.faces.div_ceil(CHUNK)
+    }
+
+    fn edge_chunks(&self) -> u32 {
+        self.edges().div_ceil(CHUNK)
+    }
+}
+
+/// Writes the lights of a caster.
+pub(crate) fn put_lights(table: &mut Table, caster: &CasterEntry, lights: &Lights) {
+    let mask = caster.lights.and(&lights.used);
+    let (index, first) = (caster.index, caster.first_light);
+    match caster.placement {
+        Placement::World { .. } => table.put_lights(index, first, &mask, lights, Some),
+        Placement::Rigid(rigid) => {
+            table.put_lights(index, first, &mask, lights, |light| rigid.space.and_then(|space| space.light(light)));
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! The lights of a scene. Each has a bit that it keeps.
+
+use std::sync::Arc;
+
+use super::errors::SceneError;
+use super::handles::{LightHandle, SceneId};
+use super::mask::LightMask;
+use crate::Light;
+use crate::light::{MAX_LIGHTS, check_lights, check_room};
+
+/// A bit, and the light that has it.
+#[derive(Clone, Debug, Default)]
+struct Bit {
+    light: Option<Light>,
+    generation: u64,
+}
+
+/// The lights of a scene, by their bits. A new light takes the lowest free bit, so that few lights take few batches.
+/// (The crate slotmap gives the bit that became free last.)
+#[derive(Debug)]
+pub(crate) struct Lights {
+    scene: SceneId,
+    limit: usize,
+    bits: Vec<Bit>,
+    /// The bits in use.
+    pub(crate) used: LightMask,
+    /// Lights that changed since the last encode.
+    pub(crate) moved: LightMask,
+    /// The lights as frames list them; made again when a light changed.
+    listed: Option<Arc<[(LightHandle, Light)]>>,
+}
+
+impl Lights {
+    pub(crate) fn new(scene: SceneId, limit: usize) -> Result<Self, SceneError> {
+        check_room(limit)?;
+        Ok(Self { scene, limit, bits: Vec::new(), used: LightMask::NONE, moved: LightMask::NONE, listed: None })
+    }
+
+    pub(crate) fn add(&mut self, light: Light) -> Result<LightHandle, SceneError> {
+        check_lights(&[light], MAX_LIGHTS)?;
+        let free = self.bits.iter().position(|bit| bit.light.is_none()).unwrap_or(self.bits.len());
+        if free >= self.limit {
+            return Err(SceneError::NoLightBit { limit: self.limit });
+        }
+        if free == self.bits.len() {
+            self.bits.push(Bit::default());
+        }
+        let generation = self.bits.get(free).map_or(0, |bit| bit.generation);
+        let handle = LightHandle { scene: self.scene, bit: free as u32, generation };
+        self.put(handle, Some(light));
+        Ok(handle)
+    }
+
+    pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
+        self.check(handle)?;
+        check_lights(&[light], MAX_LIGHTS)?;
+        self.put(handle, Some(light));
+        Ok(())
+    }
+
+    pub(crate) fn remove(&mut self, handle: LightHandle) -> Result<(), SceneError> {
+        self.check(handle)?;
+        self.put(handle, None);
+        Ok(())
+    }
+
+    pub(crate) fn check(&self, handle: LightHandle) -> Result<(), SceneError> {
+        if handle.scene != self.scene {
+            return Err(SceneError::OtherScene { what: "light" });
+        }
+        match self.bits.get(handle.bit as usize) {
+            Some(bit) if bit.light.is_some() && bit.generation == handle.generation => Ok(()),
+            _ => Err(SceneError::Stale { what: "light" }),
+        }
+    }
+
+    fn put(&mut self, handle: LightHandle, light: Option<Light>) {
+        if let Some(bit) = self.bits.get_mut(handle.bit as usize) {
+            bit.light = light;
+            bit.generation = handle.generation + u64::from(light.is_none());
+        }
+        self.used.set(handle.bit, light.is_some());
+        self.moved.set(handle.bit, true);
+        self.listed = None;
+    }
+
+    pub(crate) fn get(&self, bit: u32) -> Option<Light> {
+        self.bits.get(bit as usize).and_then(|bit| bit.light)
+    }
+
+    /// The number of batches up to the last light.
+    pub(crate) fn batches(&self) -> usize {
+        self.used.batches()
+    }
+
+    /// All lights, in the order of their bits.
+    pub(crate) fn listed(&mut self) -> Arc<[(LightHandle, Light)]> {
+        let Self { scene, bits, listed, .. } = self;
+        let list = || {
+            let with_light = (0..).zip(bits.iter()).filter_map(|(bit, Bit { light, generation })| {
+                light.map(|light| (LightHandle { scene: *scene, bit, generation: *generation }, light))
+            });
+            with_light.collect()
+        };
+        Arc::clone(listed.get_or_insert_with(list))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_free_bit_is_taken_and_old_handles_are_stale() {
+        let light = Light::point([1.0, 2.0, 3.0]);
+        let mut lights = Lights::new(SceneId::next(), 3).expect("room");
+        let handles: Vec<_> = (0..3).map(|_| lights.add(light).expect("room")).collect();
+        assert_eq!(handles.iter().map(|handle| handle.bit()).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(lights.add(light), Err(SceneError::NoLightBit { limit: 3 }));
+        lights.remove(handles[2]).expect("there");
+        lights.remove(handles[0]).expect("there");
+        let again = lights.add(light).expect("room");
+        assert_eq!(again.bit(), 0);
+        assert_ne!(again, handles[0]);
+        assert_eq!(lights.set(handles[0], light), Err(SceneError::Stale { what: "light" }));
+        assert_eq!(lights.remove(handles[2]), Err(SceneError::Stale { what: "light" }));
+        let other = Lights::new(SceneId::next(), 3).expect("room");
+        assert_eq!(other.check(again), Err(SceneError::OtherScene { what: "light" }));
+        assert_eq!(lights.listed().len(), 2);
+    }
+}

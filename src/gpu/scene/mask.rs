@@ -1,0 +1,115 @@
+//! Sets of lights, by their bits.
+
+use super::handles::LightHandle;
+use crate::light::{MAX_LIGHTS, batches};
+
+/// Words of a mask.
+const WORDS: usize = batches(MAX_LIGHTS);
+
+/// The lights for which a caster throws shadows. A mask holds bits, not lights: a light that takes the bit of a removed
+/// one takes its place in the masks, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightMask([u32; WORDS]);
+
+impl LightMask {
+    /// All lights, also those that are added later.
+    pub const ALL: Self = Self([u32::MAX; WORDS]);
+    /// No light.
+    pub const NONE: Self = Self([0; WORDS]);
+
+    /// Only these lights.
+    pub fn only(lights: impl IntoIterator<Item = LightHandle>) -> Self {
+        lights.into_iter().fold(Self::NONE, Self::with)
+    }
+
+    /// This mask with a light.
+    #[must_use]
+    pub fn with(mut self, light: LightHandle) -> Self {
+        if let Some(word) = self.0.get_mut(light.bit as usize / 32) {
+            *word |= 1 << (light.bit % 32);
+        }
+        self
+    }
+
+    /// This mask without a light.
+    #[must_use]
+    pub fn without(mut self, light: LightHandle) -> Self {
+        if let Some(word) = self.0.get_mut(light.bit as usize / 32) {
+            *word &= !(1 << (light.bit % 32));
+        }
+        self
+    }
+
+    /// Whether a light is in it.
+    pub fn contains(&self, light: LightHandle) -> bool {
+        self.word(light.bit as usize / 32) >> (light.bit % 32) & 1 != 0
+    }
+
+    /// The bits of a batch.
+    pub(crate) fn word(&self, batch: usize) -> u32 {
+        self.0.get(batch).copied().unwrap_or(0)
+    }
+
+    /// The lights in both masks.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let mut both = *self;
+        both.0.iter_mut().zip(other.0).for_each(|(word, other)| *word &= other);
+        both
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// The number of batches up to the last bit.
+    pub(crate) fn batches(&self) -> usize {
+        self.0.iter().rposition(|&word| word != 0).map_or(0, |last| last + 1)
+    }
+
+    /// The number of lights in the first `batches` batches.
+    pub(crate) fn count(&self, batches: usize) -> u32 {
+        self.0.iter().take(batches).map(|word| word.count_ones()).sum()
+    }
+
+    pub(crate) fn set(&mut self, bit: u32, is_set: bool) {
+        if let Some(word) = self.0.get_mut(bit as usize / 32) {
+            *word = *word & !(1 << (bit % 32)) | u32::from(is_set) << (bit % 32);
+        }
+    }
+}
+
+/// All lights.
+impl Default for LightMask {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// The set bits of a word, lowest first.
+pub(crate) fn bits(mut word: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros();
+        word &= word.wrapping_sub(1);
+        (bit < 32).then_some(bit)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::scene::handles::SceneId;
+
+    #[test]
+    fn masks_hold_the_bits_of_their_lights() {
+        let scene = SceneId::next();
+        let light = |bit| LightHandle { scene, bit, generation: 0 };
+        let mask = LightMask::only([light(0), light(31), light(32), light(1023)]);
+        assert_eq!([mask.word(0), mask.word(1), mask.word(31)], [1 << 31 | 1, 1, 1 << 31]);
+        assert_eq!((mask.count(1), mask.count(32), mask.batches()), (2, 4, 32));
+        assert!(mask.contains(light(31)) && !mask.contains(light(30)));
+        assert_eq!(mask.without(light(1023)).batches(), 2);
+        assert_eq!(LightMask::ALL.and(&mask), mask);
+        assert!(LightMask::NONE.is_empty() && LightMask::NONE.batches() == 0);
+        assert_eq!(bits(1 << 31 | 5).collect::<Vec<_>>(), [0, 2, 31]);
+    }
+}

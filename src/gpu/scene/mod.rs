@@ -1,0 +1,18 @@
+//! Extraction of many casters: pools of topology, the scene table, work lists, and lists of silhouette edges for each
+//! light of a group of casters.
+
+pub(crate) mod buffers;
+pub(crate) mod caster;
+pub(crate) mod errors;
+pub(crate) mod frame;
+pub(crate) mod handles;
+pub(crate) mod layout;
+pub(crate) mod lights;
+pub(crate) mod mask;
+pub(crate) mod options;
+pub(crate) mod pages;
+pub(crate) mod scene;
+pub(crate) mod sources;
+pub(crate) mod stages;
+pub(crate) mod structure;
+pub(crate) mod table;

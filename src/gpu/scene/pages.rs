@@ -1,0 +1,186 @@
+//! Pools of topology: the faces, edge records and positions of many meshes in few buffers.
+
+use std::ops::Range;
+
+use range_alloc::RangeAllocator;
+
+use crate::Mesh;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::{Allocation, MemoryError, any_error, buffer, check, guarded};
+use crate::gpu::common::requirements::DeviceError;
+
+/// Faces, edge records and vertices of the first page. Page k has 4^k times as many, so that few pages hold any scene.
+const FIRST: [u64; 3] = [1 << 14, 3 << 13, 1 << 14];
+/// Bytes of a face, an edge record in one of its two buffers, and a vertex.
+const BYTES: [u64; 3] = [12, 8, 12];
+const WHAT: [&str; 3] = ["faces", "edge records", "rest positions"];
+
+/// The place of a mesh: a page, and runs of its faces, edge records and vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Run {
+    pub(crate) page: usize,
+    /// Faces, edge records and vertices.
+    pub(crate) ranges: [Range<u32>; 3],
+}
+
+/// The buffers of a page.
+#[derive(Debug)]
+pub(crate) struct Page {
+    pub(crate) faces: wgpu::Buffer,
+    pub(crate) edge_vertices: wgpu::Buffer,
+    pub(crate) edge_faces: wgpu::Buffer,
+    pub(crate) positions: wgpu::Buffer,
+    /// Free faces, edge records and vertices.
+    free: [RangeAllocator<u32>; 3],
+}
+
+/// All pages of a scene. A page keeps its buffers, so growing copies nothing.
+#[derive(Debug)]
+pub(crate) struct Pages {
+    all: Vec<Page>,
+    /// Runs that were freed, and the number of encodes then.
+    freed: Vec<(Run, u64)>,
+    /// The size of all pages in bytes.
+    pub(crate) bytes: u64,
+}
+
+impl Page {
+    fn new(device: &wgpu::Device, items: [u64; 3]) -> Self {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let [faces, edges, vertices] = items;
+        Self {
+            faces: buffer(device, "scene faces", 12 * faces, usage),
+            edge_vertices: buffer(device, "scene edge vertices", 8 * edges, usage),
+            edge_faces: buffer(device, "scene edge faces", 8 * edges, usage),
+            positions: buffer(device, "scene rest positions", 12 * vertices, usage),
+            free: items.map(|items| RangeAllocator::new(0..items as u32)),
+        }
+    }
+
+    /// Runs of so many faces, edge records and vertices, if there is room for all of them.
+    fn allocate(&mut self, items: [u64; 3]) -> Option<[Range<u32>; 3]> {
+        let mut ranges = [0..0, 0..0, 0..0];
+        for (kind, free) in self.free.iter_mut().enumerate() {
+            let Ok(range) = free.allocate_range(items[kind] as u32) else {
+                let taken = ranges.into_iter().take(kind);
+                self.free.iter_mut().zip(taken).for_each(|(free, range)| free.free_range(range));
+                return None;
+            };
+            ranges[kind] = range;
+        }
+        Some(ranges)
+    }
+}
+
+impl Pages {
+    pub(crate) fn new() -> Self {
+        Self { all: Vec::new(), freed: Vec::new(), bytes: 0 }
+    }
+
+    pub(crate) fn get(&self, page: usize) -> Option<&Page> {
+        self.all.get(page)
+    }
+
+    /// Finds room for a mesh, in a new page if no page has it. `used` are the bytes of the scene beside its pages.
+    pub(crate) fn add(
+        &mut self,
+        device: &wgpu::Device,
+        mesh: &Mesh,
+        used: u64,
+        memory_limit: Option<u64>,
+    ) -> Result<Run, MemoryError> {
+        // The allocator refuses empty runs.
+        let items = [mesh.faces().len(), mesh.edges().len(), mesh.vertex_count() as usize].map(|n| n.max(1) as u64);
+        for (page, pool) in self.all.iter_mut().enumerate() {
+            if let Some(ranges) = pool.allocate(items) {
+                return Ok(Run { page, ranges });
+            }
+        }
+        let page = self.all.len();
+        let limits = DispatchLimits::new(&device.limits());
+        let sizes = page_sizes(page, items, limits.binding)?;
+        let [faces, edges, vertices] = sizes;
+        let allocations = [
+            Allocation { label: "scene faces", bytes: 12 * faces },
+            Allocation { label: "scene edge vertices", bytes: 8 * edges },
+            Allocation { label: "scene edge faces", bytes: 8 * edges },
+            Allocation { label: "scene rest positions", bytes: 12 * vertices },
+            Allocation { label: "the rest of the scene", bytes: used + self.bytes },
+        ];
+        let (own, rest) = (&allocations[..4], used + self.bytes);
+        let bytes = check(own, limits.buffer, None)?;
+        check(&allocations, u64::MAX, memory_limit)?;
+        let mut made = guarded(device, bytes + rest, || Page::new(device, sizes))?;
+        // A page is at least as large as the mesh.
+        let ranges = made.allocate(items).unwrap_or([0..0, 0..0, 0..0]);
+        self.all.push(made);
+        self.bytes += bytes;
+        Ok(Run { page, ranges })
+    }
+
+    /// Uploads a mesh and its positions. The queue writes them before the commands of its next submission, and no
+    /// command that was recorded before reads this run; see [`Self::free`].
+    pub(crate) fn upload(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        run: &Run,
+        mesh: &Mesh,
+        positions: &[[f32; 3]],
+    ) -> Result<(), DeviceError> {
+        let Some(page) = self.all.get(run.page) else { return Ok(()) };
+        let [faces, edges, vertices] = run.ranges.clone().map(|range| u64::from(range.start));
+        let write = || {
+            queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(mesh.faces()));
+            queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(mesh.edges().vertices()));
+            queue.write_buffer(&page.edge_faces, 8 * edges, bytemuck::cast_slice(mesh.edges().packed_faces()));
+            queue.write_buffer(&page.positions, 12 * vertices, bytemuck::cast_slice(positions));
+        };
+        any_error(device, write).map_err(|message| DeviceError::Refused { message })
+    }
+
+    /// Gives a run back. Frames that were recorded before may still read it. `encodes` is the number of encodes so far.
+    pub(crate) fn free(&mut self, run: Run, encodes: u64) {
+        self.freed.push((run, encodes));
+    }
+
+    /// Runs are used again only from the second encode after they were freed on, because the queue would write them before
+    /// frames that were recorded and not submitted yet.
+    pub(crate) fn reclaim(&mut self, encodes: u64) {
+        for (run, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
+            if let Some(page) = self.all.get_mut(run.page) {
+                page.free.iter_mut().zip(run.ranges).for_each(|(free, range)| free.free_range(range));
+            }
+        }
+    }
+}
+
+/// Faces, edge records and vertices of a new page. A mesh that is larger gets a page of its size.
+fn page_sizes(page: usize, items: [u64; 3], binding: u64) -> Result<[u64; 3], MemoryError> {
+    let grown = 4_u64.pow(page.min(10) as u32);
+    let mut sizes = [0; 3];
+    for (kind, size) in sizes.iter_mut().enumerate() {
+        let most = binding / BYTES[kind];
+        if items[kind] > most {
+            return Err(MemoryError::Binding { what: WHAT[kind], bytes: items[kind] * BYTES[kind], limit: binding });
+        }
+        *size = (FIRST[kind] * grown).min(most).max(items[kind]);
+    }
+    Ok(sizes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_grow_and_large_meshes_get_their_size() {
+        let binding = 128 << 20;
+        assert_eq!(page_sizes(0, [1, 1, 1], binding), Ok(FIRST));
+        assert_eq!(page_sizes(1, [1, 1, 1 << 20], binding), Ok([4 * FIRST[0], 4 * FIRST[1], 1 << 20]));
+        let most = BYTES.map(|bytes| binding / bytes);
+        assert_eq!(page_sizes(usize::MAX, [1, 1, 1], binding), Ok(most));
+        let refused = page_sizes(0, [1, most[1] + 1, 1], binding);
+        assert!(matches!(refused, Err(MemoryError::Binding { what: "edge records", .. })), "{refused:?}");
+    }
+}

@@ -1,0 +1,306 @@
+//! The scene: meshes, casters and lights, and their extraction.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use slotmap::{DefaultKey, SlotMap};
+
+use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
+use super::errors::SceneError;
+use super::frame::SceneFrame;
+use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
+use super::layout::put_lights;
+use super::lights::Lights;
+use super::mask::LightMask;
+use super::options::SceneOptions;
+use super::pages::Pages;
+use super::sources::{Sources, bind};
+use super::stages::Passes;
+use super::structure::{Making, Structure};
+use super::table::{Part, Table};
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::positions::PositionBuffer;
+use crate::gpu::common::requirements::{Subject, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::upload;
+use crate::{Light, Matrix3x4, Mesh};
+
+/// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have it.
+/// The work of recording an encode does not depend on the number of casters, but for those that moved.
+///
+/// No casters and no lights are legal, and so are mirrored and singular transforms.
+#[derive(Debug)]
+pub struct Scene {
+    id: SceneId,
+    pipelines: Pipelines,
+    queue: wgpu::Queue,
+    options: SceneOptions,
+    meshes: SlotMap<DefaultKey, MeshEntry>,
+    casters: SlotMap<DefaultKey, CasterEntry>,
+    sources: Sources,
+    lights: Lights,
+    pages: Pages,
+    table: Table,
+    /// Casters whose transform is not in the table yet. Some may have been removed.
+    moved: Vec<DefaultKey>,
+    /// `None`: casters or lights came or went.
+    structure: Option<Arc<Structure>>,
+    /// The structure before, whose buffers are taken where they are large enough.
+    last: Option<Arc<Structure>>,
+    /// The passes of the structure.
+    passes: Passes,
+    encodes: Arc<AtomicU64>,
+}
+
+impl Scene {
+    /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share. `queue`
+    /// is the queue of that device; topology is uploaded by it.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` is impossible.
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        queue: &wgpu::Queue,
+        options: SceneOptions,
+    ) -> Result<Self, SceneError> {
+        let pipelines: Pipelines = pipelines.into();
+        pipelines.construct(Subject::Extract, || Ok::<_, SceneError>(()))?;
+        let id = SceneId::next();
+        Ok(Self {
+            id,
+            lights: Lights::new(id, options.max_lights)?,
+            pipelines,
+            queue: queue.clone(),
+            options,
+            meshes: SlotMap::new(),
+            casters: SlotMap::new(),
+            sources: Sources::default(),
+            pages: Pages::new(),
+            table: Table::default(),
+            moved: Vec::new(),
+            structure: None,
+            last: None,
+            passes: Passes::default(),
+            encodes: Arc::default(),
+        })
+    }
+
+    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Positions that
+    /// are not finite are allowed; their faces never face a light.
+    ///
+    /// # Errors
+    /// [`SceneError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device.
+    pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, SceneError> {
+        let needed = mesh.vertex_count();
+        let Some(own) = positions.get(..needed as usize) else {
+            return Err(SceneError::TooFewPositions { given: positions.len(), needed });
+        };
+        let used = self.last.as_ref().map_or(0, |last| last.buffers.bytes() + last.table.size());
+        let device = self.pipelines.device();
+        let run = self.pages.add(device, mesh, used, self.options.memory_limit)?;
+        if let Err(error) = self.pages.upload(device, &self.queue, &run, mesh, own) {
+            self.pages.free(run, self.encodes.load(Ordering::Relaxed));
+            return Err(error.into());
+        }
+        let key = self.meshes.insert(MeshEntry::new(run, mesh, own));
+        Ok(MeshHandle { scene: self.id, key })
+    }
+
+    /// Removes a mesh that no caster has.
+    ///
+    /// # Errors
+    /// [`SceneError::MeshInUse`], or an error of the handle.
+    pub fn remove_mesh(&mut self, mesh: MeshHandle) -> Result<(), SceneError> {
+        let key = mesh.key_in(self.id)?;
+        let casters = self.meshes.get(key).ok_or(SceneError::Stale { what: "mesh" })?.casters;
+        if casters > 0 {
+            return Err(SceneError::MeshInUse { casters });
+        }
+        if let Some(entry) = self.meshes.remove(key) {
+            self.pages.free(entry.run, self.encodes.load(Ordering::Relaxed));
+        }
+        Ok(())
+    }
+
+    /// Adds a light. It takes the lowest free bit.
+    ///
+    /// # Errors
+    /// [`SceneError::Light`] for a light that is refused, or [`SceneError::NoLightBit`].
+    pub fn add_light(&mut self, light: Light) -> Result<LightHandle, SceneError> {
+        let handle = self.lights.add(light)?;
+        self.structure = None;
+        Ok(handle)
+    }
+
+    /// Changes a light. It keeps its bit.
+    ///
+    /// # Errors
+    /// [`SceneError::Light`] for a light that is refused, or an error of the handle.
+    pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
+        self.lights.set(handle, light)
+    }
+
+    /// Removes a light and frees its bit.
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn remove_light(&mut self, handle: LightHandle) -> Result<(), SceneError> {
+        self.lights.remove(handle)?;
+        self.structure = None;
+        Ok(())
+    }
+
+    /// Adds a caster.
+    ///
+    /// # Errors
+    /// An error of the mesh's handle, or of the position buffer.
+    pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, SceneError> {
+        let Caster { mesh, positions, lights, in_depth } = caster;
+        let mesh = mesh.key_in(self.id)?;
+        let entry = self.meshes.get(mesh).ok_or(SceneError::Stale { what: "mesh" })?;
+        let (page, vertices) = (entry.run.page, entry.vertices);
+        let (placement, bound) = match positions {
+            CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
+            CasterPositions::Buffer { buffer, offset, stride } => {
+                let positions = PositionBuffer { buffer: &buffer, offset, stride };
+                let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;
+                (placement, Some(bound))
+            }
+        };
+        let source = self.sources.take(page, bound);
+        if let Some(entry) = self.meshes.get_mut(mesh) {
+            entry.casters += 1;
+        }
+        self.structure = None;
+        let (is_moved, index, first_light) = (false, 0, 0);
+        let entry = CasterEntry { mesh, source, lights, in_depth, placement, is_moved, index, first_light };
+        Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
+    }
+
+    /// Moves a rigid caster.
+    ///
+    /// # Errors
+    /// [`SceneError::NotRigid`], or an error of the handle.
+    pub fn set_transform(&mut self, caster: CasterHandle, mesh_to_world: Matrix3x4) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
+        *rigid = Rigid::new(mesh_to_world);
+        if !entry.is_moved {
+            entry.is_moved = true;
+            self.moved.push(key);
+        }
+        Ok(())
+    }
+
+    /// Changes the lights for which a caster throws shadows.
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn set_lights(&mut self, caster: CasterHandle, lights: LightMask) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        if entry.lights != lights {
+            entry.lights = lights;
+            self.structure = None;
+        }
+        Ok(())
+    }
+
+    /// Removes a caster.
+    ///
+    /// # Errors
+    /// An error of the handle.
+    pub fn remove(&mut self, caster: CasterHandle) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.remove(key).ok_or(SceneError::Stale { what: "caster" })?;
+        if let Some(mesh) = self.meshes.get_mut(entry.mesh) {
+            mesh.casters -= 1;
+        }
+        self.sources.give_back(entry.source);
+        self.structure = None;
+        Ok(())
+    }
+
+    /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene of
+    /// its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a later one.
+    ///
+    /// `timer` takes a timestamp around each stage.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the scene does not fit the device or the memory limit, or the device is lost or not the timer's.
+    /// Nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, SceneError> {
+        check_timer(timer.as_deref(), self.pipelines.device())?;
+        let structure = self.prepare()?;
+        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
+        if !structure.parts.is_empty() {
+            upload(self.pipelines.device(), encoder, &[(&structure.table, bytemuck::cast_slice(uploaded))])?;
+        }
+        self.passes.record(&structure, encoder, timer);
+        let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
+        self.pages.reclaim(encode);
+        let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
+        Ok(SceneFrame { structure, scene: self.id, lights, encodes, encode })
+    }
+
+    /// Brings the table up to date.
+    fn prepare(&mut self) -> Result<Arc<Structure>, SceneError> {
+        let structure = match &self.structure {
+            Some(structure) => {
+                let structure = Arc::clone(structure);
+                self.update(&structure);
+                structure
+            }
+            None => self.lay_out()?,
+        };
+        self.moved.clear();
+        self.lights.moved = LightMask::NONE;
+        Ok(structure)
+    }
+
+    fn lay_out(&mut self) -> Result<Arc<Structure>, SceneError> {
+        let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
+        let making = Making { pipelines, meshes, sources, pages, lights, options };
+        let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref())?);
+        self.passes = Passes::new(&making, &made)?;
+        self.last = Some(Arc::clone(&made));
+        self.structure = Some(Arc::clone(&made));
+        Ok(made)
+    }
+
+    /// Writes what moved to the table.
+    fn update(&mut self, structure: &Structure) {
+        let Self { casters, lights, table, moved, .. } = self;
+        if lights.moved.is_empty() {
+            for &key in &*moved {
+                let Some(caster) = casters.get_mut(key) else { continue };
+                put_transform(table, caster);
+                put_lights(table, caster, lights);
+            }
+            return;
+        }
+        table.put_ranges(lights);
+        for &key in &structure.layout.order {
+            let Some(caster) = casters.get_mut(key) else { continue };
+            let is_moved = caster.is_moved;
+            if is_moved {
+                put_transform(table, caster);
+            }
+            if is_moved || !caster.lights.and(&lights.moved).is_empty() {
+                put_lights(table, caster, lights);
+            }
+        }
+    }
+}
+
+fn put_transform(table: &mut Table, caster: &mut CasterEntry) {
+    caster.is_moved = false;
+    if let Placement::Rigid(rigid) = &caster.placement {
+        table.put_transform(caster.index, rigid);
+    }
+}

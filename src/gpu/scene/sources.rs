@@ -1,0 +1,95 @@
+//! Where casters read their positions.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use slotmap::{DefaultKey, SlotMap};
+
+use super::caster::Placement;
+use super::errors::SceneError;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::positions::PositionBuffer;
+
+/// What tells sources apart.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct SourceKey {
+    page: usize,
+    /// A caller's buffer, and where its bound part begins.
+    buffer: Option<(wgpu::Buffer, u64)>,
+}
+
+/// A source of positions that casters of one page use.
+#[derive(Debug)]
+pub(crate) struct Source {
+    pub(crate) page: usize,
+    /// `None`: the page's own positions.
+    pub(crate) buffer: Option<BoundBuffer>,
+    casters: usize,
+    key: SourceKey,
+}
+
+/// The part of a caller's buffer that is bound.
+#[derive(Clone, Debug)]
+pub(crate) struct BoundBuffer {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) range: Range<u64>,
+}
+
+/// All sources that have casters.
+#[derive(Debug, Default)]
+pub(crate) struct Sources {
+    sources: SlotMap<DefaultKey, Source>,
+    by_key: HashMap<SourceKey, DefaultKey>,
+}
+
+impl Sources {
+    pub(crate) fn get(&self, source: DefaultKey) -> Option<&Source> {
+        self.sources.get(source)
+    }
+
+    /// The source of a further caster.
+    pub(crate) fn take(&mut self, page: usize, buffer: Option<BoundBuffer>) -> DefaultKey {
+        let key = SourceKey { page, buffer: buffer.as_ref().map(|bound| (bound.buffer.clone(), bound.range.start)) };
+        let Self { sources, by_key } = self;
+        let new = || sources.insert(Source { page, buffer, casters: 0, key: key.clone() });
+        let source = *by_key.entry(key.clone()).or_insert_with(new);
+        if let Some(source) = sources.get_mut(source) {
+            source.casters += 1;
+        }
+        source
+    }
+
+    /// A caster of the source is gone. A buffer that no caster has is let go.
+    pub(crate) fn give_back(&mut self, source: DefaultKey) {
+        let is_unused = self.sources.get_mut(source).is_some_and(|source| {
+            source.casters = source.casters.saturating_sub(1);
+            source.casters == 0
+        });
+        if is_unused && let Some(source) = self.sources.remove(source) {
+            self.by_key.remove(&source.key);
+        }
+    }
+}
+
+/// Checks a caller's buffer. A buffer that one binding holds is bound whole, so that its casters share a group.
+pub(crate) fn bind(
+    pipelines: &Pipelines,
+    positions: &PositionBuffer<'_>,
+    vertices: u32,
+) -> Result<(Placement, BoundBuffer), SceneError> {
+    let end = positions.end(vertices)?;
+    pipelines.check_bindable(positions.buffer)?;
+    let limits = DispatchLimits::new(&pipelines.device().limits());
+    let whole = positions.buffer.size() / 4 * 4;
+    let base = if whole <= limits.binding { 0 } else { limits.align_down(positions.offset) };
+    let range = base..whole.min(base + limits.binding);
+    if end > range.end {
+        let bytes = end - base;
+        return Err(MemoryError::Binding { what: "positions of a caster", bytes, limit: limits.binding }.into());
+    }
+    let offset = ((positions.offset - base) / 4) as u32;
+    let placement = Placement::World { offset, stride: (positions.stride / 4) as u32 };
+    Ok((placement, BoundBuffer { buffer: positions.buffer.clone(), range }))
+}

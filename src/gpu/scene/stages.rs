@@ -1,0 +1,227 @@
+//! The dispatches of a scene's stages, with the buffers that they bind.
+
+use wgpu::BindingResource;
+
+use super::buffers::{GroupBuffers, LISTS_HEAD};
+use super::structure::{GroupBatch, Making, Structure};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
+use crate::gpu::common::pass::{Dispatch, Pass};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::positions::{PositionError, bound};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::entry;
+use crate::gpu::extract::buffers::RECORD_HEAD;
+use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
+use crate::method::Predicate;
+use crate::stages::{ARGUMENTS, CHUNKS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
+
+/// The number of invocations in a workgroup of `reach` and of exact facing.
+const SMALL_WORKGROUP: u64 = 64;
+
+/// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
+/// ARCHITECTURE.md, "Exact facing is a direct dispatch". Lights of scenes take further turns, so there are fewer faces
+/// than for a single mesh.
+fn exact_turns(device: &wgpu::Device) -> u64 {
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 40 } else { 4 }
+}
+
+/// The passes of a scene, in order. There are none without casters or lights.
+#[derive(Debug, Default)]
+pub(crate) struct Passes(Vec<Pass>);
+
+impl Passes {
+    /// The passes of a structure.
+    ///
+    /// # Errors
+    /// [`PositionError::Refused`] if a caller destroyed the buffer of a caster.
+    pub(crate) fn new(making: &Making<'_>, structure: &Structure) -> Result<Self, PositionError> {
+        let device = making.pipelines.device();
+        let limits = &DispatchLimits::new(&device.limits());
+        bound(device, || Binder { pipelines: making.pipelines, structure, making, limits }.passes())
+    }
+
+    /// Records the extraction. The encoder has uploaded the table.
+    pub(crate) fn record(
+        &self,
+        structure: &Structure,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        let Structure { parts, buffers, .. } = structure;
+        if parts.is_empty() {
+            return;
+        }
+        encoder.clear_buffer(&buffers.work, 0, Some(2 * 4 * parts.len() as u64));
+        for (part, buffers) in parts.iter().zip(buffers.groups.iter().flatten()) {
+            encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
+            encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
+            encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks));
+        }
+        for pass in &self.0 {
+            pass.record_with(encoder, |_| true, timer.as_deref_mut(), None);
+        }
+    }
+}
+
+/// Makes the passes of a structure.
+struct Binder<'a> {
+    pipelines: &'a Pipelines,
+    structure: &'a Structure,
+    making: &'a Making<'a>,
+    limits: &'a DispatchLimits,
+}
+
+/// The size of what a stage walks along, for a group and batch.
+#[derive(Clone, Copy)]
+enum Items {
+    Chunks,
+    Faces,
+    Edges,
+}
+
+type Resources<'a> = Vec<(&'static str, BindingResource<'a>)>;
+
+impl<'a> Binder<'a> {
+    fn passes(&self) -> Passes {
+        if self.structure.parts.is_empty() {
+            return Passes::default();
+        }
+        let predicate = self.making.options.predicate;
+        let plane = ("PLANE", f64::from(u8::from(predicate.is_plane())));
+        let exact = ("EXACT", f64::from(u8::from(predicate == Predicate::Exact)));
+        let facing = self.pipelines.compute(&SCENE_FACING, SCENE_FACING.name, &[plane, exact]);
+        let mut passes = vec![
+            self.reach(),
+            self.walk(self.stage(&CHUNKS), Items::Chunks, |_| Some(self.with_work(self.common()))),
+            self.walk(facing, Items::Faces, |part| self.facing(part)),
+        ];
+        if predicate == Predicate::Exact {
+            passes.push(self.exact_facing());
+        }
+        passes.push(self.walk(self.stage(&SCENE_EDGES), Items::Edges, |part| self.edges(part)));
+        passes.push(self.arguments());
+        Passes(passes)
+    }
+
+    fn stage(&self, stage: &Stage) -> Pipeline {
+        self.pipelines.compute(stage, stage.name, &[])
+    }
+
+    fn dispatch(&self, pipeline: &Pipeline, resources: &Resources<'_>, offset: u32, workgroups: u64) -> Dispatch {
+        let group = Some(pipeline.bind(self.pipelines.device(), resources));
+        let workgroups = workgroups.min(self.limits.workgroups) as u32;
+        Dispatch { group, offsets: vec![offset], workgroups, ..Dispatch::over(0, 0..0, 0) }
+    }
+
+    /// A thread for each caster and batch, of all groups at once.
+    fn reach(&self) -> Pass {
+        let pipeline = self.stage(&REACH);
+        let pairs = self.structure.layout.order.len() * self.structure.batches;
+        let resources = self.common();
+        let dispatches = vec![self.dispatch(&pipeline, &resources, 0, (pairs as u64).div_ceil(SMALL_WORKGROUP))];
+        Pass { pipeline, dispatches }
+    }
+
+    /// The invocations of a stage for each group and batch, in as many dispatches as the device's limits ask for.
+    fn walk(&self, pipeline: Pipeline, items: Items, resources: impl Fn(&GroupBatch) -> Option<Resources<'a>>) -> Pass {
+        let mut dispatches = Vec::new();
+        for part in &self.structure.parts {
+            let Some(group) = self.structure.layout.groups.get(part.group) else { continue };
+            let count = match items {
+                Items::Chunks => group.face_chunks.max(group.edge_chunks),
+                Items::Faces => LANES * group.face_chunks,
+                Items::Edges => LANES * group.edge_chunks,
+            };
+            let Some(resources) = resources(part) else { continue };
+            for (uniform, offset) in part.dispatches.iter().filter(|(uniform, _)| uniform.first < count) {
+                let workgroups = (count - uniform.first).div_ceil(WORKGROUP);
+                dispatches.push(self.dispatch(&pipeline, &resources, *offset, workgroups.into()));
+            }
+        }
+        Pass { pipeline, dispatches }
+    }
+
+    fn exact_facing(&self) -> Pass {
+        let pipeline = self.stage(&SCENE_EXACT_FACING);
+        let turns = exact_turns(self.pipelines.device());
+        let dispatch = |part: &GroupBatch| {
+            let slots = u64::from(self.structure.layout.groups.get(part.group)?.face_slots());
+            let (_, offset) = *part.dispatches.first()?;
+            let resources = self.faces(part)?;
+            Some(self.dispatch(&pipeline, &resources, offset, slots.div_ceil(SMALL_WORKGROUP * turns)))
+        };
+        let dispatches = self.structure.parts.iter().filter_map(dispatch).collect();
+        Pass { pipeline, dispatches }
+    }
+
+    fn arguments(&self) -> Pass {
+        let pipeline = self.stage(&ARGUMENTS);
+        let dispatch = |part: &GroupBatch| {
+            let buffers = self.of(part)?;
+            let resources = vec![
+                ("shape", entry::<DrawShape>(&self.structure.shapes)),
+                ("counts", binding(&buffers.lists, 0..LISTS_HEAD)),
+                ("draw_arguments", buffers.draws.as_entire_binding()),
+                ("statistics", binding(&buffers.record, 0..size_of::<ExtractionStatistics>() as u64)),
+            ];
+            Some(self.dispatch(&pipeline, &resources, part.shape, 1))
+        };
+        let dispatches = self.structure.parts.iter().filter_map(dispatch).collect();
+        Pass { pipeline, dispatches }
+    }
+
+    fn of(&self, part: &GroupBatch) -> Option<&'a GroupBuffers> {
+        self.structure.buffers.groups.get(part.group)?.get(part.batch)
+    }
+
+    /// What all stages of the scene but `arguments` bind.
+    fn common(&self) -> Resources<'a> {
+        let Structure { table, uniforms, buffers, .. } = self.structure;
+        vec![
+            ("group", entry::<SceneDispatch>(uniforms)),
+            ("table", table.as_entire_binding()),
+            ("lit", buffers.lit.as_entire_binding()),
+        ]
+    }
+
+    /// What is bound by those that write or read the lists of chunks.
+    fn with_work(&self, mut resources: Resources<'a>) -> Resources<'a> {
+        resources.push(("work", self.structure.buffers.work.as_entire_binding()));
+        resources
+    }
+
+    /// What both facing stages bind.
+    fn faces(&self, part: &GroupBatch) -> Option<Resources<'a>> {
+        let (page, source) = self.structure.source(self.making, part.group)?;
+        let buffers = self.of(part)?;
+        let mut resources = self.common();
+        let positions = match &source.buffer {
+            Some(bound) => binding(&bound.buffer, bound.range.clone()),
+            None => page.positions.as_entire_binding(),
+        };
+        resources.extend([
+            ("positions", positions),
+            ("faces", page.faces.as_entire_binding()),
+            ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
+            ("excluded_masks", binding(&buffers.excluded, 0..part.sizes.masks)),
+            ("record", binding(&buffers.record, 0..part.sizes.record)),
+        ]);
+        Some(resources)
+    }
+
+    fn facing(&self, part: &GroupBatch) -> Option<Resources<'a>> {
+        Some(self.with_work(self.faces(part)?))
+    }
+
+    fn edges(&self, part: &GroupBatch) -> Option<Resources<'a>> {
+        let (page, _) = self.structure.source(self.making, part.group)?;
+        let buffers = self.of(part)?;
+        let mut resources = self.with_work(self.common());
+        resources.extend([
+            ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
+            ("edge_faces", page.edge_faces.as_entire_binding()),
+            ("lists", binding(&buffers.lists, 0..part.sizes.lists)),
+        ]);
+        Some(resources)
+    }
+}

@@ -1,0 +1,167 @@
+//! What is made anew only when casters or lights come and go: the layout, the buffers, the uniforms.
+
+use slotmap::{DefaultKey, SlotMap};
+
+use super::buffers::{Buffers, GroupSizes, WorkPlace, work_places};
+use super::caster::{CasterEntry, MeshEntry};
+use super::layout::Layout;
+use super::lights::Lights;
+use super::options::SceneOptions;
+use super::pages::{Page, Pages};
+use super::sources::{Source, Sources};
+use super::table::{Part, Table};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::memory::{Allocation, check, guarded, mapped, write_mapped};
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::common::uniforms::UniformTable;
+use crate::layout::{DrawShape, LANES, SceneDispatch};
+
+use super::errors::SceneError;
+
+/// One group of casters and one batch of lights, as the stages are dispatched for them.
+#[derive(Clone, Debug)]
+pub(crate) struct GroupBatch {
+    pub(crate) group: usize,
+    pub(crate) batch: usize,
+    pub(crate) sizes: GroupSizes,
+    /// The dispatches' uniforms, which differ in the first invocation only, and their offsets.
+    pub(crate) dispatches: Vec<(SceneDispatch, u32)>,
+    /// The offset of its [`DrawShape`].
+    pub(crate) shape: u32,
+}
+
+/// Vertices that draw one silhouette edge, as a strip.
+const VERTICES_PER_EDGE: u32 = 4;
+
+/// A scene as it was laid out. Frames keep it, so that a frame that is submitted later finds its own buffers.
+#[derive(Debug)]
+pub(crate) struct Structure {
+    pub(crate) layout: Layout,
+    /// The scene table. Its part about chunks is written here, once. Each encode uploads all that comes before it.
+    pub(crate) table: wgpu::Buffer,
+    pub(crate) buffers: Buffers,
+    pub(crate) batches: usize,
+    pub(crate) parts: Vec<GroupBatch>,
+    pub(crate) uniforms: wgpu::Buffer,
+    pub(crate) shapes: wgpu::Buffer,
+}
+
+/// All that a structure is made from.
+pub(crate) struct Making<'a> {
+    pub(crate) pipelines: &'a Pipelines,
+    pub(crate) meshes: &'a SlotMap<DefaultKey, MeshEntry>,
+    pub(crate) sources: &'a Sources,
+    pub(crate) pages: &'a Pages,
+    pub(crate) lights: &'a Lights,
+    pub(crate) options: &'a SceneOptions,
+}
+
+impl Structure {
+    /// Lays the scene out anew. `old` gives its buffers where they are large enough.
+    pub(crate) fn new(
+        making: &Making<'_>,
+        casters: &mut SlotMap<DefaultKey, CasterEntry>,
+        table: &mut Table,
+        old: Option<&Self>,
+    ) -> Result<Self, SceneError> {
+        let Making { pipelines, meshes, pages, lights, options, .. } = *making;
+        let device = pipelines.device();
+        let limits = DispatchLimits::new(&device.limits());
+        let layout = Layout::new(table, casters, meshes, lights, &limits)?;
+        let batches = table.batches;
+        let sizes: Vec<Vec<GroupSizes>> = layout
+            .groups
+            .iter()
+            .map(|group| {
+                (0..batches).map(|batch| GroupSizes::new(group, room(lights, batch), options, &limits)).collect()
+            })
+            .collect();
+        let (places, words) = work_places(&layout.groups, batches);
+        let lit = (table.casters * batches) as u64;
+        let table_bytes = (table.parts.len() * size_of::<Part>()) as u64;
+        let others = pages.bytes + table_bytes;
+        let old = old.map(|old| &old.buffers);
+        let buffers = Buffers::new(device, old, &sizes, [lit, words], others, options, &limits)?;
+        let table_buffer = table_buffer(device, table)?;
+        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, &limits);
+        let uniforms = uniforms.into_buffer(device, "scene dispatches");
+        let shapes = shapes.into_buffer(device, "draw shapes");
+        Ok(Self { layout, table: table_buffer, buffers, batches, parts, uniforms, shapes })
+    }
+
+    /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the page's.
+    pub(crate) fn source<'a>(&self, making: &Making<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
+        let source = making.sources.get(self.layout.groups.get(group)?.source)?;
+        Some((making.pages.get(source.page)?, source))
+    }
+}
+
+/// The bits of a batch up to the last light.
+fn room(lights: &Lights, batch: usize) -> u32 {
+    32 - lights.used.word(batch).leading_zeros()
+}
+
+fn table_buffer(device: &wgpu::Device, table: &Table) -> Result<wgpu::Buffer, SceneError> {
+    let contents: &[u8] = bytemuck::cast_slice(&table.parts);
+    let label = "scene table";
+    let limit = device.limits().max_buffer_size;
+    check(&[Allocation { label, bytes: contents.len() as u64 }], limit, None)?;
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+    let bytes = contents.len() as u64;
+    let buffer = guarded(device, bytes, || mapped(device, label, bytes, usage))?;
+    if !write_mapped(&buffer, contents) {
+        return Err(DeviceError::Lost.into());
+    }
+    Ok(buffer)
+}
+
+/// The uniforms of all groups and batches.
+fn parts(
+    layout: &Layout,
+    table: &Table,
+    sizes: &[Vec<GroupSizes>],
+    places: &[Vec<WorkPlace>],
+    limits: &DispatchLimits,
+) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
+    let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
+    // What one dispatch takes.
+    let run = (limits.workgroups * u64::from(WORKGROUP)).min(1 << 30) as usize;
+    let batches = layout.groups.iter().zip(sizes).zip(places).enumerate();
+    for (number, ((group, sizes), places)) in batches {
+        for (batch, (&sizes, place)) in sizes.iter().zip(places).enumerate() {
+            let whole = SceneDispatch {
+                casters: table.casters as u32,
+                batches: table.batches as u32,
+                batch: batch as u32,
+                first: 0,
+                lights_at: table.lights_at() as u32,
+                ranges_at: table.ranges_at() as u32,
+                face_chunks_at: group.face_chunks_at as u32,
+                edge_chunks_at: group.edge_chunks_at as u32,
+                face_chunks: group.face_chunks,
+                edge_chunks: group.edge_chunks,
+                work_count: place.count as u32,
+                face_work: place.faces as u32,
+                edge_work: place.edges as u32,
+                capacity: sizes.capacity,
+                reserved_0: 0,
+                reserved_1: 0,
+            };
+            let invocations = LANES * group.face_chunks.max(group.edge_chunks);
+            let mut dispatch = |first: u32| {
+                let dispatch = SceneDispatch { first, ..whole };
+                (dispatch, uniforms.push(&dispatch))
+            };
+            let dispatches = (0..invocations).step_by(run).map(&mut dispatch).collect();
+            let shape = shapes.push(&DrawShape {
+                lights: 32,
+                capacity: sizes.capacity,
+                edges: group.edge_slots(),
+                vertices_per_edge: VERTICES_PER_EDGE,
+            });
+            parts.push(GroupBatch { group: number, batch, sizes, dispatches, shape });
+        }
+    }
+    (parts, uniforms, shapes)
+}

@@ -1,0 +1,153 @@
+//! The CPU's copy of the scene table. It is changed where something moved, and uploaded by each encode.
+
+use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
+use super::lights::Lights;
+use super::mask::{LightMask, bits};
+use crate::layout::{CasterLights, ScaledLight, SceneCaster};
+use crate::light::Light;
+
+/// Averted faces may cast: the caster is closed, consistently oriented, and in the depth buffer.
+const CLOSED: u32 = 1;
+const MIRRORED: u32 = 2;
+const RIGID: u32 = 4;
+/// A face has a corner that is not finite.
+const HOLED: u32 = 8;
+
+/// Words of the table, in fours.
+pub(crate) type Part = [u32; 4];
+/// Parts of a caster.
+pub(crate) const CASTER_PARTS: usize = size_of::<SceneCaster>() / size_of::<Part>();
+/// Parts of a light: as given, and scaled.
+pub(crate) const LIGHT_PARTS: u32 = 2;
+/// Parts of the ranges of a batch.
+pub(crate) const RANGE_PARTS: usize = 8;
+
+/// The table, and where its sections begin. Casters are first.
+#[derive(Debug, Default)]
+pub(crate) struct Table {
+    pub(crate) parts: Vec<Part>,
+    pub(crate) casters: usize,
+    pub(crate) batches: usize,
+}
+
+/// The slots of a caster.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Slots {
+    pub(crate) first_face: u32,
+    pub(crate) first_edge: u32,
+}
+
+impl Table {
+    /// Where the lights of casters begin.
+    pub(crate) fn lights_at(&self) -> usize {
+        CASTER_PARTS * self.casters
+    }
+
+    /// Where the ranges of lights begin.
+    pub(crate) fn ranges_at(&self) -> usize {
+        self.lights_at() + self.batches * self.casters
+    }
+
+    /// Where the lights begin.
+    pub(crate) fn pairs_at(&self) -> usize {
+        self.ranges_at() + RANGE_PARTS * self.batches
+    }
+
+    fn put(&mut self, at: usize, parts: &[Part]) {
+        if let Some(place) = self.parts.get_mut(at..at + parts.len()) {
+            place.copy_from_slice(parts);
+        }
+    }
+
+    /// Writes a caster with its slots.
+    pub(crate) fn put_caster(&mut self, entry: &CasterEntry, mesh: &MeshEntry, slots: Slots) {
+        let [faces, edges, vertices] = mesh.run.ranges.clone().map(|range| range.start);
+        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+        let (rigid, offset, stride) = match entry.placement {
+            Placement::Rigid(rigid) => (Some(rigid), 3 * vertices, 3),
+            Placement::World { offset, stride } => (None, offset, stride),
+        };
+        let no_rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        let [row_0, row_1, row_2] = rigid.map_or(no_rows, |rigid| finite(rigid.rows));
+        let [low, high] = if rigid.is_some() { [mesh.low, mesh.high] } else { [[f32::MAX; 3], [f32::MIN; 3]] };
+        let caster = SceneCaster {
+            row_0,
+            row_1,
+            row_2,
+            low,
+            scale: rigid.map_or(1.0, |rigid| rigid.scale),
+            high,
+            flags: flag(mesh.is_closed && entry.in_depth, CLOSED)
+                | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
+                | flag(rigid.is_some(), RIGID)
+                | flag(rigid.is_some() && mesh.is_holed, HOLED),
+            first_face_slot: slots.first_face,
+            faces: mesh.faces,
+            first_face: faces,
+            position_offset: offset,
+            first_edge_slot: slots.first_edge,
+            edges: mesh.edges(),
+            first_edge: edges,
+            position_stride: stride,
+            reserved: [0; 4],
+        };
+        self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
+    }
+
+    /// Writes a new transform of a rigid caster.
+    pub(crate) fn put_transform(&mut self, index: u32, rigid: &Rigid) {
+        let at = CASTER_PARTS * index as usize;
+        self.put(at, bytemuck::cast_slice(&finite(rigid.rows)));
+        if let Some([low, high]) = self.parts.get_mut(at + 3..at + 5) {
+            low[3] = rigid.scale.to_bits();
+            high[3] = high[3] & !MIRRORED | if rigid.is_mirrored { MIRRORED } else { 0 };
+        }
+    }
+
+    /// Writes the lights of `mask` from part `first` on, and that caster `index` has those that its space has. `space`
+    /// moves lights there.
+    pub(crate) fn put_lights(
+        &mut self,
+        index: u32,
+        first: u32,
+        mask: &LightMask,
+        lights: &Lights,
+        space: impl Fn(Light) -> Option<Light>,
+    ) {
+        let mut first = first;
+        for batch in 0..self.batches {
+            let (mut allowed, mut at, mut reach) = (0, first, [0.0_f32; 2]);
+            for bit in bits(mask.word(batch)) {
+                let light = lights.get(32 * batch as u32 + bit).and_then(&space).map(Light::to_array);
+                // Moved directions may become too small for f32.
+                let Some(given) = light.filter(|light| *light != [0.0; 4]) else { continue };
+                let ScaledLight { light: scaled, inexact_w } = ScaledLight::new(given);
+                self.put(at as usize, &[given.map(f32::to_bits), scaled.map(f32::to_bits)]);
+                let [x, y, z, w] = scaled.map(f32::abs);
+                reach = [reach[0].max(x).max(y).max(z), reach[1].max(w.max(inexact_w))];
+                allowed |= 1 << bit;
+                at += LIGHT_PARTS;
+            }
+            let lights = CasterLights { allowed, first, reach };
+            self.put(self.lights_at() + batch * self.casters + index as usize, bytemuck::cast_slice(&[lights]));
+            first += LIGHT_PARTS * mask.word(batch).count_ones();
+        }
+    }
+
+    /// Writes the ranges of all lights. 0: no limit.
+    pub(crate) fn put_ranges(&mut self, lights: &Lights) {
+        let range = |bit| match lights.get(bit) {
+            Some(Light { range, w, .. }) if range.is_finite() && w != 0.0 => range.to_bits(),
+            _ => 0,
+        };
+        for part in 0..RANGE_PARTS * self.batches {
+            let first = 4 * part as u32;
+            self.put(self.ranges_at() + part, &[[first, first + 1, first + 2, first + 3].map(range)]);
+        }
+    }
+}
+
+/// Rows, or zeros if a component is not finite. Such a caster casts nothing.
+fn finite(rows: crate::Matrix3x4) -> crate::Matrix3x4 {
+    if rows.iter().flatten().all(|c| c.is_finite()) { rows } else { [[0.0; 4]; 3] }
+}

@@ -1,0 +1,187 @@
+//! What a frame left in its buffers, and whether each caster came to what it comes to alone.
+
+use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults};
+use rimline::reference::cpu::{self, SceneTable};
+use rimline::reference::layout::{CHUNK, DrawArguments};
+use rimline_measure::device::Gpu;
+use rimline_measure::on_gpu::text;
+use rimline_measure::same;
+
+use crate::random_scene::{Content, Expected, Own, Placed};
+
+/// What a frame left in its buffers.
+pub(crate) struct Found {
+    pub(crate) table: Vec<[u32; 4]>,
+    pub(crate) lit: Vec<u32>,
+    pub(crate) groups: Vec<GroupFound>,
+}
+
+pub(crate) struct GroupFound {
+    pub(crate) group: usize,
+    pub(crate) batch: usize,
+    pub(crate) facing: Vec<u32>,
+    pub(crate) excluded: Vec<u32>,
+    /// For each light of the batch.
+    pub(crate) counts: Vec<u32>,
+    pub(crate) lists: Vec<Vec<u32>>,
+    pub(crate) capacity: u32,
+    pub(crate) edge_slots: u32,
+    pub(crate) draws: Vec<DrawArguments>,
+    pub(crate) statistics: ExtractionStatistics,
+}
+
+impl Found {
+    pub(crate) fn read(gpu: &Gpu, frame: &SceneFrame) -> Result<Self, String> {
+        Self::of(gpu, &frame.results().map_err(text)?)
+    }
+
+    pub(crate) fn of(gpu: &Gpu, results: &SceneResults<'_>) -> Result<Self, String> {
+        let mut found = Self {
+            table: gpu.read(results.table, usize::MAX)?,
+            lit: gpu.read(results.lit, usize::MAX)?,
+            groups: Vec::new(),
+        };
+        for group in &results.groups {
+            let words: Vec<u32> = gpu.read(group.lists, usize::MAX)?;
+            let (counts, lists) = sorted_lists(&words, group.capacity);
+            let record: Vec<u32> = gpu.read(group.record, 4)?;
+            found.groups.push(GroupFound {
+                group: group.group,
+                batch: group.batch,
+                facing: gpu.read(group.facing, (CHUNK * group.dispatch.face_chunks) as usize)?,
+                excluded: gpu.read(group.excluded, (CHUNK * group.dispatch.face_chunks) as usize)?,
+                counts,
+                lists,
+                capacity: group.capacity,
+                edge_slots: CHUNK * group.dispatch.edge_chunks,
+                draws: gpu.read(group.draws, 32)?,
+                statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record)),
+            });
+        }
+        Ok(found)
+    }
+
+    pub(crate) fn group(&self, group: usize, batch: usize) -> Result<&GroupFound, String> {
+        let found = self.groups.iter().find(|found| (found.group, found.batch) == (group, batch));
+        found.ok_or_else(|| format!("no results of group {group}, batch {batch}"))
+    }
+}
+
+/// Whether the light certainly reaches the caster: a corner of a face is within its range.
+fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
+    let Some((_, light)) = content.lights.iter().find(|(handle, _)| handle.bit() == bit) else { return false };
+    let Placed::Rigid(rows) = &own.placed else { return true };
+    if !light.range.is_finite() || light.w == 0.0 {
+        return true;
+    }
+    let (case, _) = &content.meshes[own.mesh];
+    let (_, rest, mesh) = &**case;
+    let corners = mesh.faces().iter().flatten().map(|&vertex| rest[vertex as usize].map(f64::from));
+    let squares = corners.map(|position| {
+        let placed = rows.map(|row| {
+            let [a, b, c, d] = row.map(f64::from);
+            a * position[0] + b * position[1] + c * position[2] + d
+        });
+        (0..3).map(|axis| (placed[axis] - f64::from(light.xyz[axis]) / f64::from(light.w)).powi(2)).sum::<f64>()
+    });
+    squares.fold(f64::MAX, f64::min).sqrt() <= f64::from(light.range) * (1.0 - 1e-5)
+}
+
+/// What the pairs of a scene came to, for tests that must not be vacuous.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) lit: u32,
+    pub(crate) out_of_range: u32,
+    pub(crate) silhouettes: usize,
+    pub(crate) in_planes: u32,
+}
+
+/// The lights that matter to a caster, a word for each batch. None that certainly reaches it may be missing.
+fn lit_of(
+    content: &Content,
+    own: &Own,
+    found: &Found,
+    index: u32,
+    batches: usize,
+    tally: &mut Tally,
+) -> Result<Vec<u32>, String> {
+    let casters = content.casters.len();
+    let lit: Vec<u32> = (0..batches).map(|batch| found.lit[batch * casters + index as usize]).collect();
+    for bit in 0..32 * batches as u32 {
+        let is_lit = lit[bit as usize / 32] >> (bit % 32) & 1 != 0;
+        let is_allowed = content.own_light(own, bit).is_some();
+        if is_lit && !is_allowed {
+            return Err(format!("light {bit} is not allowed for caster {index}, and it matters"));
+        }
+        if is_allowed && !is_lit && certainly_reaches(content, own, bit) {
+            return Err(format!("light {bit} reaches caster {index}, and it does not matter"));
+        }
+        tally.lit += u32::from(is_lit);
+        tally.out_of_range += u32::from(is_allowed && !is_lit);
+    }
+    Ok(lit)
+}
+
+/// Compares one caster's part of the results.
+fn check_caster(found: &Found, group: usize, index: u32, lit: &[u32], expected: &Expected) -> Result<usize, String> {
+    let caster = SceneTable(&found.table).caster(index);
+    let faces = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
+    let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
+    let mut silhouettes = 0;
+    for (batch, &lit) in lit.iter().enumerate().filter(|(_, lit)| **lit != 0) {
+        let results = found.group(group, batch)?;
+        let what = format!("caster {index}, batch {batch}");
+        same(&format!("{what}, facing"), &results.facing[faces.clone()], &expected.facing[batch])?;
+        same(&format!("{what}, lights in planes"), &results.excluded[faces.clone()], &expected.excluded[batch])?;
+        for bit in 0..32 {
+            let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
+            let list: Vec<u32> = results.lists[bit].iter().filter(own).map(|entry| entry - edges.start).collect();
+            let is_lit = lit >> bit & 1 != 0;
+            let expected = &expected.lists[32 * batch + bit];
+            same(&format!("{what}, list {bit}"), &list, if is_lit { expected } else { &[] })?;
+            silhouettes += list.len();
+        }
+    }
+    Ok(silhouettes)
+}
+
+/// Compares a whole frame. Returns what it came to.
+pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) -> Result<Tally, String> {
+    let mut tally = Tally::default();
+    let batches = frame.batches();
+    let mut non_finite = 0;
+    for own in &content.casters {
+        let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
+        let expected = content.alone(own, &lit)?;
+        tally.silhouettes += check_caster(found, group, index, &lit, &expected)?;
+        tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
+        let (mesh, positions) = content.mesh_and_positions(own);
+        let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
+        if lit.iter().any(|&lit| lit != 0) {
+            non_finite += mesh.faces().len() - mesh.faces().iter().filter(is_finite).count();
+        }
+    }
+    let total: usize = found.groups.iter().flat_map(|group| &group.lists).map(Vec::len).sum();
+    same("silhouette edges of all casters", &[total], &[tally.silhouettes])?;
+    let counted: u32 = found.groups.iter().map(|group| group.statistics.non_finite_faces).sum();
+    same("faces that are not finite", &[counted], &[non_finite as u32])?;
+    for group in &found.groups {
+        let draws: Vec<u32> = group.draws.iter().map(|draw| draw.instance_count).collect();
+        same("draws", &draws, &group.counts)?;
+    }
+    Ok(tally)
+}
+
+/// The counts of a batch's lists, and the entries, in the order of the slots.
+pub(crate) fn sorted_lists(words: &[u32], capacity: u32) -> (Vec<u32>, Vec<Vec<u32>>) {
+    let (counts, entries) = words.split_at(32);
+    let capacity = capacity as usize;
+    let list = |(light, &count): (usize, &u32)| {
+        let list = entries.iter().skip(light * capacity).take(capacity.min(count as usize));
+        let mut list: Vec<u32> = list.copied().collect();
+        list.sort_by_key(|entry| entry & !cpu::WINDING);
+        list
+    };
+    (counts.to_vec(), counts.iter().enumerate().map(list).collect())
+}

@@ -1,0 +1,141 @@
+//! Encoders that are dropped, submitted in another order, or hold two frames.
+
+use rimline::gpu::{SceneError, SceneOptions};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::same;
+
+use crate::found::{Found, check_frame, sorted_lists};
+use crate::random_scene::RandomScene;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("a_dropped_encoder_spoils_nothing", dropped),
+    ("swapped_encoders_spoil_nothing", swapped),
+    ("two_frames_in_one_encoder", two_frames),
+    ("empty_scenes_are_legal", empty),
+];
+
+fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+}
+
+fn scene(gpu: &Gpu, seed: u64) -> Result<RandomScene, String> {
+    println!("seed {seed}");
+    let options = SceneOptions { max_lights: 40, list_capacity: Some(u32::MAX), ..Default::default() };
+    let mut scene = RandomScene::new(gpu, seed, options)?;
+    for _ in 0..6 {
+        scene.add_light()?;
+    }
+    for _ in 0..8 {
+        scene.insert(gpu)?;
+    }
+    Ok(scene)
+}
+
+/// Frames before, between and after dropped ones are right, whatever changed.
+fn dropped() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for seed in 2101..2111 {
+        let mut scene = scene(gpu, seed)?;
+        for step in 0..4 {
+            if step % 2 == 0 {
+                scene.encode(&mut encoder(gpu))?;
+            }
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)
+                .map_err(|error| format!("{step}: {error}"))?;
+            scene.change(gpu)?;
+            scene.encode(&mut encoder(gpu))?;
+            scene.change(gpu)?;
+        }
+    }
+    Ok(())
+}
+
+/// A frame that is submitted after a later one has its own results then, and the frame after both is right.
+fn swapped() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut noticed = 0;
+    for seed in 2201..2221 {
+        let mut scene = scene(gpu, seed)?;
+        let mut first = encoder(gpu);
+        let earlier = scene.encode(&mut first)?;
+        let before = scene.content.clone();
+        // The buffers of a frame that becomes stale; its results are asked for while it is current.
+        let results = earlier.results().map_err(text)?;
+        scene.change(gpu)?;
+        let mut second = encoder(gpu);
+        let later = scene.encode(&mut second)?;
+        gpu.queue.submit([second.finish()]);
+        check_frame(&scene.content, &later, &Found::read(gpu, &later)?)?;
+        gpu.queue.submit([first.finish()]);
+        check_frame(&before, &earlier, &Found::of(gpu, &results)?)?;
+        same("a stale frame", &[earlier.results().err()], &[Some(SceneError::StaleFrame)])?;
+        scene.change(gpu)?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
+        // A change may change no result.
+        noticed += usize::from(check_frame(&before, &frame, &Found::read(gpu, &frame)?).is_err());
+    }
+    if noticed < 10 {
+        Err(format!("negative control: only {noticed} of 20 other moments were noticed"))
+    } else {
+        Ok(())
+    }
+}
+
+/// Each frame of an encoder sees its own scene: the lists of the first are copied before the second overwrites them.
+fn two_frames() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for seed in 2301..2321 {
+        let (mut scene, mut alone) = (scene(gpu, seed)?, scene(gpu, seed)?);
+        let frame = gpu.submit(|encoder| alone.encode(encoder))?;
+        let expected = Found::read(gpu, &frame)?;
+        check_frame(&alone.content, &frame, &expected)?;
+
+        let mut both = encoder(gpu);
+        let first = scene.encode(&mut both)?;
+        let results = first.results().map_err(text)?;
+        let copy = |list: &wgpu::Buffer| gpu.storage(&vec![0_u32; list.size() as usize / 4]);
+        let copies: Vec<_> = results.groups.iter().map(|group| (group.capacity, copy(group.lists))).collect();
+        for (group, (_, copy)) in results.groups.iter().zip(&copies) {
+            both.copy_buffer_to_buffer(group.lists, 0, copy, 0, copy.size());
+        }
+        scene.change(gpu)?;
+        let second = scene.encode(&mut both)?;
+        gpu.queue.submit([both.finish()]);
+        check_frame(&scene.content, &second, &Found::read(gpu, &second)?)?;
+        same("groups", &[copies.len()], &[expected.groups.len()])?;
+        for ((capacity, copy), expected) in copies.iter().zip(&expected.groups) {
+            let (counts, lists) = sorted_lists(&gpu.read::<u32>(copy, usize::MAX)?, *capacity);
+            same("counts of the first frame", &counts, &expected.counts)?;
+            same("lists of the first frame", &lists, &expected.lists)?;
+        }
+    }
+    Ok(())
+}
+
+/// No casters, no lights, neither, and both again.
+fn empty() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 2401, SceneOptions { list_capacity: Some(u32::MAX), ..Default::default() })?;
+    let check = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let found = Found::read(gpu, &frame)?;
+        check_frame(&scene.content, &frame, &found).map(|_| (frame, found.groups.len()))
+    };
+    check(&mut scene)?;
+    scene.add_light()?;
+    let (frame, groups) = check(&mut scene)?;
+    same("no casters", &[frame.batches(), groups, frame.lights().len()], &[1, 0, 1])?;
+    scene.insert(gpu)?;
+    check(&mut scene)?;
+    let (light, _) = scene.content.lights.swap_remove(0);
+    scene.scene.remove_light(light).map_err(text)?;
+    let (frame, groups) = check(&mut scene)?;
+    same("no lights", &[frame.batches(), groups, frame.lights().len()], &[0, 0, 0])?;
+    scene.add_light()?;
+    check(&mut scene)?;
+    Ok(())
+}

@@ -1,0 +1,15 @@
+//! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
+
+mod found;
+mod frames;
+mod random_scene;
+mod refusals;
+mod scenes;
+mod stages;
+
+use rimline_measure::harness;
+
+fn main() {
+    let tests = [scenes::TESTS, stages::TESTS, frames::TESTS, refusals::TESTS];
+    harness::run(harness::gpu_trials(tests.concat()));
+}

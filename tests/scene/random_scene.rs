@@ -1,0 +1,287 @@
+//! Random scenes that change from frame to frame, and what each of their casters must come to when it is alone.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+use rimline::gpu::{
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, MeshHandle, Scene, SceneFrame, SceneOptions,
+};
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Matrix3x4, Mesh, Predicate};
+use rimline_measure::cases::{Case, case, random_soup, topologies};
+use rimline_measure::device::Gpu;
+use rimline_measure::on_gpu::{interleaved, text};
+use rimline_measure::random::Random;
+use rimline_measure::shapes::{self, Shape};
+
+/// A caster, as the test knows it.
+#[derive(Clone)]
+pub(crate) struct Own {
+    pub(crate) handle: CasterHandle,
+    pub(crate) mesh: usize,
+    /// The transform of a rigid caster, or the positions in world space.
+    pub(crate) placed: Placed,
+    pub(crate) lights: LightMask,
+}
+
+#[derive(Clone)]
+pub(crate) enum Placed {
+    Rigid(Matrix3x4),
+    World(Vec<[f32; 3]>),
+}
+
+/// A scene beside a plain list of what is in it.
+pub(crate) struct RandomScene {
+    pub(crate) random: Random,
+    pub(crate) scene: Scene,
+    pub(crate) content: Content,
+}
+
+/// What is in a scene at a moment.
+#[derive(Clone)]
+pub(crate) struct Content {
+    pub(crate) meshes: Vec<(Arc<Case>, MeshHandle)>,
+    pub(crate) casters: Vec<Own>,
+    pub(crate) lights: Vec<(LightHandle, Light)>,
+}
+
+/// What one caster must come to: for each batch facing masks, and for each bit its silhouette edges, in order.
+pub(crate) struct Expected {
+    pub(crate) facing: Vec<Vec<u32>>,
+    pub(crate) lists: Vec<Vec<u32>>,
+    /// Lights in the planes of faces.
+    pub(crate) excluded: Vec<Vec<u32>>,
+}
+
+fn one_face() -> Shape {
+    Shape { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.25]], faces: vec![[0, 1, 2]] }
+}
+
+fn with_nan(mut shape: Shape) -> Shape {
+    shape.positions[1][2] = f32::NAN;
+    shape.positions[5][0] = f32::INFINITY;
+    shape
+}
+
+fn meshes(random: &mut Random) -> Vec<Case> {
+    let mut cases = topologies();
+    cases.push(case("one face", one_face()));
+    cases.push(case("cube", shapes::cube()));
+    cases.push(case("torus with NaN", with_nan(shapes::torus(12, 9, 1.0, 0.4))));
+    cases.push(case("soup", random_soup(random)));
+    cases
+}
+
+impl RandomScene {
+    pub(crate) fn new(gpu: &Gpu, seed: u64, options: SceneOptions) -> Result<Self, String> {
+        let mut random = Random::new(seed);
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let mut meshes = meshes(&mut random);
+        random.shuffle(&mut meshes);
+        meshes.truncate(2 + random.below(5));
+        let add = |case: Case| {
+            let handle = scene.add_mesh(&case.2, &case.1).map_err(text)?;
+            Ok::<_, String>((Arc::new(case), handle))
+        };
+        let meshes = meshes.into_iter().map(add).collect::<Result<_, _>>()?;
+        Ok(Self { random, scene, content: Content { meshes, casters: Vec::new(), lights: Vec::new() } })
+    }
+
+    /// Rotations, mirrored, scales of 1e-3 to 1e3, translations up to 1e6; now and then singular or not finite.
+    pub(crate) fn transform(&mut self) -> Matrix3x4 {
+        let random = &mut self.random;
+        let axis = DVec3::from(random.direction().map(f64::from));
+        let turn = DMat3::from_axis_angle(axis.normalize(), f64::from(random.between(-3.0, 3.0)));
+        let scale = |random: &mut Random| {
+            let sign = if random.below(4) == 0 { -1.0 } else { 1.0 };
+            sign * 10.0_f64.powf(f64::from(random.between(-3.0, 3.0)))
+        };
+        let scales = match random.below(4) {
+            0 => DVec3::new(scale(random), scale(random), scale(random)),
+            1 => DVec3::ONE,
+            _ => DVec3::splat(scale(random)),
+        };
+        let far = [0.0, 3.0, 50.0, 1e6][random.below(4)];
+        let translation = DVec3::from([(); 3].map(|()| f64::from(random.between(-far, far))));
+        let transform = DAffine3 { matrix3: turn * DMat3::from_diagonal(scales), translation };
+        let mut rows: Matrix3x4 = std::array::from_fn(|row| {
+            std::array::from_fn(|column| match column {
+                3 => transform.translation[row] as f32,
+                _ => transform.matrix3.col(column)[row] as f32,
+            })
+        });
+        match random.below(16) {
+            0 => rows[random.below(3)] = [0.0; 4],
+            1 => rows[1][random.below(4)] = f32::NAN,
+            _ => {}
+        }
+        rows
+    }
+
+    fn light(&mut self) -> Light {
+        let random = &mut self.random;
+        let far = [2.0, 10.0, 100.0, 1e6][random.below(4)];
+        let xyz = [(); 3].map(|()| random.between(-far, far));
+        let light = match random.below(4) {
+            0 => Light::directional(random.direction()),
+            1 => {
+                let w = random.between(0.2, 3.0);
+                Light::homogeneous([xyz[0] * w, xyz[1] * w, xyz[2] * w, w])
+            }
+            // In the planes of faces of casters that are not turned.
+            2 => Light::point([xyz[0], 0.0, 0.0]),
+            _ => Light::point(xyz),
+        };
+        if random.below(2) == 0 { light.with_range(far * random.between(0.01, 2.0)) } else { light }
+    }
+
+    fn mask(&mut self) -> LightMask {
+        match self.random.below(3) {
+            0 => LightMask::ALL,
+            1 => LightMask::only(
+                self.content.lights.iter().map(|(handle, _)| *handle).filter(|_| self.random.below(2) == 0),
+            ),
+            _ => self.content.lights.first().map_or(LightMask::ALL, |(handle, _)| LightMask::ALL.without(*handle)),
+        }
+    }
+
+    /// A caster of any mesh: as a rule a rigid one.
+    pub(crate) fn insert(&mut self, gpu: &Gpu) -> Result<(), String> {
+        if self.random.below(4) > 0 {
+            return self.insert_rigid();
+        }
+        let mesh = self.random.below(self.content.meshes.len());
+        let transform = self.transform();
+        let rest = &self.content.meshes[mesh].0.1;
+        let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
+        let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
+        let buffer = gpu.storage(&interleaved(&world, offset, stride));
+        self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })
+    }
+
+    pub(crate) fn insert_rigid(&mut self) -> Result<(), String> {
+        let mesh = self.random.below(self.content.meshes.len());
+        let transform = self.transform();
+        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform))
+    }
+
+    fn insert_as(&mut self, mesh: usize, placed: Placed, positions: CasterPositions) -> Result<(), String> {
+        let lights = self.mask();
+        let in_depth = self.random.below(2) == 0;
+        let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
+        let handle = self.scene.insert(caster).map_err(text)?;
+        self.content.casters.push(Own { handle, mesh, placed, lights });
+        Ok(())
+    }
+
+    pub(crate) fn add_light(&mut self) -> Result<(), String> {
+        let light = self.light();
+        let handle = self.scene.add_light(light).map_err(text)?;
+        self.content.lights.push((handle, light));
+        Ok(())
+    }
+
+    /// Changes a few things, as a game would between frames.
+    pub(crate) fn change(&mut self, gpu: &Gpu) -> Result<(), String> {
+        for _ in 0..=self.random.below(3) {
+            let (caster, light) =
+                (self.random.below(self.content.casters.len()), self.random.below(self.content.lights.len()));
+            match self.random.below(8) {
+                0 if !self.content.casters.is_empty() => {
+                    let own = self.content.casters.swap_remove(caster);
+                    self.scene.remove(own.handle).map_err(text)?;
+                }
+                1 => self.insert(gpu)?,
+                2 if !self.content.lights.is_empty() => {
+                    let (handle, _) = self.content.lights.swap_remove(light);
+                    self.scene.remove_light(handle).map_err(text)?;
+                }
+                3 if self.content.lights.len() < 40 => self.add_light()?,
+                4 if !self.content.lights.is_empty() => {
+                    let moved = self.light();
+                    self.content.lights[light].1 = moved;
+                    self.scene.set_light(self.content.lights[light].0, moved).map_err(text)?;
+                }
+                5 if !self.content.casters.is_empty() => {
+                    let mask = self.mask();
+                    self.content.casters[caster].lights = mask;
+                    self.scene.set_lights(self.content.casters[caster].handle, mask).map_err(text)?;
+                }
+                _ => self.move_casters()?,
+            }
+        }
+        Ok(())
+    }
+
+    fn move_casters(&mut self) -> Result<(), String> {
+        for index in 0..self.content.casters.len() {
+            if matches!(self.content.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
+                let transform = self.transform();
+                let own = &mut self.content.casters[index];
+                own.placed = Placed::Rigid(transform);
+                self.scene.set_transform(own.handle, transform).map_err(text)?;
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<SceneFrame, String> {
+        self.scene.encode(encoder, None).map_err(text)
+    }
+}
+
+impl Content {
+    /// The light of a bit as a caster sees it, unless the mask or the space has none.
+    pub(crate) fn own_light(&self, own: &Own, bit: u32) -> Option<Light> {
+        let (handle, light) = self.lights.iter().find(|(handle, _)| handle.bit() == bit)?;
+        own.lights.contains(*handle).then_some(())?;
+        match &own.placed {
+            Placed::World(_) => Some(*light),
+            Placed::Rigid(rows) => {
+                let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rows.map(|row| f64::from(row[column])));
+                light.to_mesh_space(&columns).filter(|light| light.to_array() != [0.0; 4])
+            }
+        }
+    }
+
+    /// A caster's mesh, and its positions in the space of its lights.
+    pub(crate) fn mesh_and_positions<'a>(&'a self, own: &'a Own) -> (&'a Mesh, &'a [[f32; 3]]) {
+        let (case, _) = &self.meshes[own.mesh];
+        let (_, rest, mesh) = &**case;
+        (mesh, if let Placed::World(world) = &own.placed { world } else { rest })
+    }
+
+    /// What a caster comes to alone, for the lights of `lit`, a word for each batch.
+    pub(crate) fn alone(&self, own: &Own, lit: &[u32]) -> Result<Expected, String> {
+        let (mesh, positions) = self.mesh_and_positions(own);
+        let mut expected = Expected { facing: Vec::new(), lists: Vec::new(), excluded: Vec::new() };
+        for (batch, lit) in (0..).zip(lit) {
+            let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();
+            let lights = bits.iter().map(|bit| self.own_light(own, 32 * batch + bit));
+            let lights: Vec<Light> = lights.collect::<Option<_>>().ok_or("a lit light is not allowed")?;
+            let found = extract(positions, mesh, &lights)?;
+            let spread = |mask: u32| bits.iter().zip(0..).fold(0, |all, (bit, place)| all | (mask >> place & 1) << bit);
+            expected.facing.push(found.facing.iter().copied().map(spread).collect());
+            let excluded = cpu::excluded(positions, mesh.faces(), &lights);
+            expected.excluded.push(excluded.into_iter().map(spread).collect());
+            for bit in 0..32 {
+                let place = bits.iter().position(|&own| own == bit);
+                let list = place.map(|place| cpu::compact(&found.masks, place as u32, usize::MAX).entries);
+                expected.lists.push(list.unwrap_or_default());
+            }
+        }
+        Ok(expected)
+    }
+}
+
+fn extract(positions: &[[f32; 3]], mesh: &Mesh, lights: &[Light]) -> Result<cpu::Extraction, String> {
+    if lights.is_empty() {
+        // The CPU's masks have no plane then.
+        return Ok(cpu::Extraction { facing: vec![0; mesh.faces().len()], ..Default::default() });
+    }
+    cpu::extract(positions, mesh, lights, Predicate::Exact, Threads::ONE).map_err(text)
+}
+
+fn place(rows: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    rows.map(|[a, b, c, d]| a * x + b * y + c * z + d)
+}

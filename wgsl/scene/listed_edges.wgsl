@@ -1,0 +1,17 @@
+// Invocations that take the edge records of the listed chunks. LANES invocations share a chunk. Each takes slots in turn, so that it
+// finds their caster once, and ends where the caster ends.
+
+@group(0) @binding(4) var<storage, read> work: array<u32>;
+
+fn take_items(invocation: u32) {
+  let number = group.first + invocation;
+  if (number / LANES >= work[group.work_count + 1u]) {
+    return;
+  }
+  let chunk = work[group.edge_work + number / LANES];
+  take_caster(caster_of(group.edge_chunks_at, chunk));
+  let end = min(CHUNK * (chunk + 1u), of_edges.x + of_edges.y);
+  for (var slot = CHUNK * chunk + number % LANES; slot < end; slot += LANES) {
+    take_item(slot, of_edges.z + slot - of_edges.x);
+  }
+}

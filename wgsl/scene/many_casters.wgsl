@@ -1,0 +1,121 @@
+// What facing, exact facing and edges know of the casters of a scene. extract/one_caster.wgsl has the same functions for a
+// single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its number
+// among them.
+
+// For each batch and caster the lights that matter; `reach` writes it.
+@group(0) @binding(3) var<storage, read> lit: array<u32>;
+
+// A face.
+struct Item {
+  exists: bool,
+  // Its place in the masks.
+  slot: u32,
+  // Its place in the page.
+  index: u32,
+}
+
+// The caster of the face or edge record at hand, its lights, and those of them that matter.
+var<private> caster: u32;
+var<private> of_faces: vec4<u32>;
+var<private> of_edges: vec4<u32>;
+var<private> lights: CasterLights;
+var<private> matter: u32;
+
+fn take_caster(index: u32) {
+  caster = index;
+  of_faces = caster_part(caster, 5u);
+  of_edges = caster_part(caster, 6u);
+  lights = caster_lights(caster, group.batch);
+  matter = lit[group.batch * group.casters + caster];
+}
+
+// The number of slots of faces.
+fn face_slots() -> u32 {
+  return CHUNK * group.face_chunks;
+}
+
+// The face in a slot, unless the slot is beyond the faces of its caster or no light reaches the caster.
+fn face_in_slot(slot: u32) -> Item {
+  take_caster(caster_of(group.face_chunks_at, slot / CHUNK));
+  let number = slot - of_faces.x;
+  return Item(number < of_faces.y && matter != 0u, slot, of_faces.z + number);
+}
+
+// Whether faces that are not finite are counted here: in the first batch that has a light for the caster.
+fn counts_non_finite() -> bool {
+  for (var batch = 0u; batch < group.batch; batch++) {
+    if (lit[batch * group.casters + caster] != 0u) {
+      return false;
+    }
+  }
+  return true;
+}
+
+fn position_offset() -> u32 {
+  return of_faces.w;
+}
+
+fn position_stride() -> u32 {
+  return of_edges.w;
+}
+
+fn light_places() -> u32 {
+  return countOneBits(lights.allowed);
+}
+
+fn given_light(place: u32) -> vec4<u32> {
+  return table[lights.first + 2u * min(place, light_places() - 1u)];
+}
+
+fn scaled_bits(place: u32) -> vec4<u32> {
+  return table[lights.first + 2u * min(place, light_places() - 1u) + 1u];
+}
+
+fn scaled_light(place: u32) -> vec4<f32> {
+  return bitcast<vec4<f32>>(scaled_bits(place));
+}
+
+// As `LightBatch::new` has it.
+fn inexact_w(place: u32) -> f32 {
+  let w = scaled_bits(place).w & 0x7fffffffu;
+  let is_zero = (given_light(place).w & 0x7fffffffu) == 0u;
+  // The bits of 2^-60.
+  if (!is_zero && w < 0x21800000u) {
+    return 0x1p-36;
+  }
+  return select(bitcast<f32>(w), 0.0, is_zero || (w & 0x7fffffu) == 0u);
+}
+
+fn lights_reach() -> vec2<f32> {
+  return lights.reach;
+}
+
+fn live_lights() -> u32 {
+  return matter;
+}
+
+// The places of the lights that matter.
+fn live_places() -> u32 {
+  var places = 0u;
+  var place = 0u;
+  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
+    places |= ((matter >> firstTrailingBit(rest)) & 1u) << place;
+    place++;
+  }
+  return places;
+}
+
+// The bits of the lights at some places, as far as they matter.
+fn lights_at(places: u32) -> u32 {
+  // As a rule a caster has the first lights.
+  if ((lights.allowed & (lights.allowed + 1u)) == 0u) {
+    return places & matter;
+  }
+  var bits = 0u;
+  var left = places;
+  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
+    bits |= (left & 1u) << firstTrailingBit(rest);
+    left >>= 1u;
+  }
+  return bits & matter;
+}

@@ -1,0 +1,60 @@
+// The scene table: casters, then for each batch and caster its lights, then the ranges of the lights, the lights
+// themselves, and the casters of all chunks. The CPU writes it for every frame.
+
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
+
+// The lights of a caster in a batch.
+struct CasterLights {
+  // The bits of the lights that its mask allows and that its space has.
+  allowed: u32,
+  // Where its lights begin in the table: for each the bits as given, and scaled as in LightBatch.
+  first: u32,
+  // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
+  reach: vec2<f32>,
+}
+
+// A dispatch over a group of casters for a batch of lights.
+struct SceneDispatch {
+  // Casters and batches of the scene.
+  casters: u32,
+  batches: u32,
+  batch: u32,
+  // The first invocation's number.
+  first: u32,
+  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge chunks.
+  lights_at: u32,
+  ranges_at: u32,
+  face_chunks_at: u32,
+  edge_chunks_at: u32,
+  // Chunks of the group.
+  face_chunks: u32,
+  edge_chunks: u32,
+  // The words of the work lists where the group and batch have the number of face chunks (that of edge chunks is next),
+  // the face chunks and the edge chunks.
+  work_count: u32,
+  face_work: u32,
+  edge_work: u32,
+  // Entries that the list of each light has room for.
+  capacity: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+}
+
+@group(0) @binding(0) var<uniform> group: SceneDispatch;
+@group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
+
+// Part `part` of a caster, four words, in the order of SceneCaster.
+fn caster_part(caster: u32, part: u32) -> vec4<u32> {
+  return table[8u * caster + part];
+}
+
+fn caster_lights(caster: u32, batch: u32) -> CasterLights {
+  let words = table[group.lights_at + batch * group.casters + caster];
+  return CasterLights(words.x, words.y, bitcast<vec2<f32>>(words.zw));
+}
+
+// The caster of a chunk. `chunks_at` is where the casters of the group's chunks begin.
+fn caster_of(chunks_at: u32, chunk: u32) -> u32 {
+  return table[chunks_at + chunk / 4u][chunk % 4u];
+}
