@@ -98,7 +98,8 @@ fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
     for (number, (light, &capped)) in lights.iter().zip(capped).enumerate() {
         let has_near_cap = matches!(light.counting, COUNT_ZP_PLUS | COUNT_ZP_PLUS_2005);
         let every = light.casting == CAST_EVERY;
-        let kinds = [light.casting != CAST_NOTHING, every, has_near_cap, capped, light.excludes != 0];
+        let excludes = light.casting != CAST_NOTHING && light.excludes != 0;
+        let kinds = [light.casting != CAST_NOTHING, every, has_near_cap, capped, excludes, excludes];
         for (kind, is_set) in kinds.into_iter().enumerate() {
             words[cpu::CHOICE_WORDS * (number / 32) + kind] |= u32::from(is_set) << (number % 32);
         }
@@ -120,7 +121,7 @@ pub(crate) fn spoil(random: &mut Random, positions: &mut [[f32; 3]], count: usiz
     }
 }
 
-const EMPTY: [u32; 7] = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
+const EMPTY: [u32; 7] = [0; 7];
 
 fn bounds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
@@ -147,7 +148,7 @@ fn bounds() -> Result<(), String> {
             found[random.below(7)] ^= 1;
             must_fail("a moved bound", &same(&name, &found, &twin))?;
         }
-        let with_holes = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 1];
+        let with_holes = [0, 0, 0, 0, 0, 0, 1];
         same(&format!("{name}, nothing finite"), &cpu::bounds(&positions, mesh.faces()), &with_holes)?;
     }
     Ok(())
@@ -212,7 +213,8 @@ impl Staged {
         let table = gpu.storage(&table(mesh, self.place, &[], &[]));
         let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros]));
         let (shape, lights) = (uniform(gpu, &self.shape), gpu.storage(&seen));
-        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics], 1)?;
+        let lit = gpu.storage(&[0_u32]);
+        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics, &lit], 1)?;
         let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
         Ok((cpu::chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
     }
@@ -413,7 +415,7 @@ fn list_sides() -> Result<(), String> {
             let counts: Vec<u32> = silhouettes.iter().map(|list| list.count).collect();
             let (shape, counts) = (uniform(gpu, &shape), gpu.storage(&counts));
             let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
-            let edge_faces = gpu.storage(packed);
+            let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1]));
             for (batch, twin) in twin.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
                 let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, reserved: 0 });
@@ -426,7 +428,7 @@ fn list_sides() -> Result<(), String> {
                 let plane = |masks: &[u32]| gpu.storage(&masks[batch * faces..][..faces]);
                 let (raw, facing, excluded) = (gpu.storage(&raw), plane(&facing), plane(&excluded));
                 let sides = gpu.storage(&vec![0_u32; 64 + 32 * capacity]);
-                let buffers = [&shape, &draw, &chosen, &counts, &raw, &edge_faces, &facing, &excluded, &sides];
+                let buffers = [&shape, &draw, &chosen, &counts, &raw, &edge_faces, &facing, &excluded, &sides, &zeros];
                 stage.run_over(gpu, &buffers, [1 + round as u32 % 3, twin.len() as u32])?;
                 let sides: Vec<u32> = gpu.read(&sides, usize::MAX)?;
                 for (light, (lists, twin)) in sides[64..].chunks(capacity).zip(twin).enumerate() {

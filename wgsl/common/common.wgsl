@@ -157,6 +157,8 @@ struct DeformChunk {
 
 // Slots of a chunk, which are those of one caster.
 const CHUNK: u32 = 64u;
+// Invocations that share a chunk.
+const LANES: u32 = 8u;
 // Flags of a caster.
 const CLOSED: u32 = 1u;
 const MIRRORED: u32 = 2u;

@@ -1,8 +1,6 @@
 // The scene table: casters, then for each batch and caster its lights, then the ranges of the lights, the lights
 // themselves, and the casters of all chunks. The CPU writes it for every frame.
 
-// Invocations that share a chunk.
-const LANES: u32 = 8u;
 
 // The lights of a caster in a batch.
 struct CasterLights {

@@ -5,7 +5,8 @@
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
 @group(0) @binding(3) var<storage, read> faces: array<u32>;
-// For each caster the lowest x, y, z, and the highest. The last word is 1 if a face has a corner that is not finite.
+// For each caster the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is 1 if a face
+// has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 
 // The bits of a float as an integer with the same order as the floats.
@@ -35,7 +36,7 @@ fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
   }
   if (low.x <= high.x) {
     for (var axis = 0u; axis < 3u; axis++) {
-      atomicMin(&boxes[7u * caster + axis], low[axis]);
+      atomicMax(&boxes[7u * caster + axis], ~low[axis]);
       atomicMax(&boxes[7u * caster + 3u + axis], high[axis]);
     }
   }

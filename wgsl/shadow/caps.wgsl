@@ -104,11 +104,16 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     }
     return;
   }
-  for (var slot = id.x; slot < shape.faces; slot += 256u * groups.x) {
-    let caster = caster_of(shape.face_chunks_at, slot);
+  // Invocations share a chunk, and take its slots in turn.
+  for (var item = id.x; item < shape.faces / CHUNK * LANES; item += 256u * groups.x) {
+    let first = item / LANES * CHUNK;
+    let caster = caster_of(shape.face_chunks_at, first);
     let needs = needs_of(caster);
-    if (needs.lights != 0u && slot - face_run(caster).x < face_run(caster).y) {
-      list_face(caster, slot, needs);
+    if (needs.lights != 0u) {
+      let end = min(first + CHUNK, face_run(caster).x + face_run(caster).y);
+      for (var slot = first + item % LANES; slot < end; slot += LANES) {
+        list_face(caster, slot, needs);
+      }
     }
   }
 }

@@ -10,6 +10,8 @@
 // Choices of all casters, then measures.
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;
+// For each batch and caster of a scene the lights that matter. A single caster has none.
+@group(0) @binding(7) var<storage, read> lit: array<u32>;
 
 fn unordered(bits: vec3<u32>) -> vec3<f32> {
   return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
@@ -177,6 +179,9 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, is_closed: bool, low
 }
 
 fn choose_light(caster: u32, number: u32, view_number: u32) {
+  if (MANY && ((lit[number / 32u * shape.casters + caster] >> (number % 32u)) & 1u) == 0u) {
+    return;
+  }
   let flags = caster_flags(caster);
   var low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
   var high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
@@ -184,9 +189,9 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   var has_holes = (flags & HOLED) != 0u;
   if (!MANY || (flags & RIGID) == 0u) {
     let at = 7u * caster;
-    low = unordered(vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
+    low = unordered(~vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
     high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
-    is_empty = boxes[at] > boxes[at + 3u];
+    is_empty = boxes[at + 3u] == 0u;
     has_holes = boxes[at + 6u] != 0u;
   }
   let entry = view_number * shape.lights + number;
@@ -213,6 +218,8 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   }
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
+    let first = CHOICE_WORDS * choices_of(0u, number / 32u, view_number);
+    atomicOr(&choices[first + select(ANY_EXCLUDES, ANY_HOLES, has_holes)], bit);
   }
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);

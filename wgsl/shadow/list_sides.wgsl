@@ -12,6 +12,8 @@
 @group(0) @binding(7) var<storage, read> excluded_masks: array<u32>;
 // For each light of the batch the numbers of plain and of clipped sides; then the lists.
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
+// `ExtractionStatistics` of the same silhouettes.
+@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 4>;
 
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
@@ -32,13 +34,17 @@ fn list_edge(slot: u32, bit: u32) {
   }
 }
 
+// The number of the light's silhouettes. Those of a scene are counted in each batch.
+fn silhouettes_of(bit: u32) -> u32 {
+  return silhouette_counts[select(draw.first_light, 0u, MANY) + bit];
+}
+
 // Whether the light's silhouettes are all the edges that may have sides.
 fn silhouettes_suffice(bit: u32) -> bool {
-  if (silhouette_counts[draw.first_light + bit] > shape.capacity) {
-    return false;
-  }
-  // The silhouettes of a scene know of excluded faces.
-  return MANY || ((choice_part(0u, draw.first_light / 32u, draw.view, 1u).x >> bit) & 1u) == 0u;
+  let more = choice_part(0u, draw.first_light / 32u, draw.view, 1u);
+  // Lights that are in a caster exclude nothing if no light is in the plane of a face.
+  let any = more[ANY_HOLES - 4u] | select(0u, more[ANY_EXCLUDES - 4u], extraction_statistics[3] != 0u);
+  return silhouettes_of(bit) <= shape.capacity && ((any >> bit) & 1u) == 0u;
 }
 
 // A workgroup takes a share of one light's edges.
@@ -53,7 +59,7 @@ fn list_sides(
     return;
   }
   let suffices = silhouettes_suffice(bit);
-  let items = select(shape.edges, silhouette_counts[draw.first_light + bit], suffices);
+  let items = select(shape.edges, silhouettes_of(bit), suffices);
   for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
     var slot = item;
     if (suffices) {

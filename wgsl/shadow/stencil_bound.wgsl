@@ -92,7 +92,7 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let bit = group.x;
   let number = draw.first_light + bit;
   let light = chosen_light(0u, seen[draw.view * shape.lights + number].light, number, draw.view);
-  let low = unordered(vec3<u32>(boxes[0], boxes[1], boxes[2]));
+  let low = unordered(~vec3<u32>(boxes[0], boxes[1], boxes[2]));
   let high = unordered(vec3<u32>(boxes[3], boxes[4], boxes[5]));
   let by = pencil(light, low, high);
   let has_pencil = any(by.forward != vec3<f32>(0.0));

@@ -13,11 +13,11 @@ pub(crate) const fn unordered(bits: u32) -> f32 {
     f32::from_bits(if bits >= 0x8000_0000 { bits & 0x7fff_ffff } else { !bits })
 }
 
-/// The box of the faces whose corners are all finite, as ordered bits: the lowest x, y, z, then the highest. Without
-/// such a face the lowest are above the highest. The last element is 1 if some face has a missing corner or one that is
+/// The box of the faces whose corners are all finite, as ordered bits: the lowest x, y, z, inverted, then the highest.
+/// Without such a face all are 0. The last element is 1 if some face has a missing corner or one that is
 /// not finite, and names no vertex twice; else 0.
 pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
-    let mut found = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
+    let mut found = [0; 7];
     for face in faces {
         let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
         let [.., has_holes] = &mut found;
@@ -28,7 +28,7 @@ pub fn bounds(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> [u32; 7] {
         for corner in corners {
             let (low, high) = found.split_at_mut(3);
             for ((low, high), bits) in low.iter_mut().zip(high).zip(corner.map(|c| ordered(c.to_bits()))) {
-                *low = bits.min(*low);
+                *low = (!bits).max(*low);
                 *high = bits.max(*high);
             }
         }

@@ -37,11 +37,11 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
     light.excludes = 0;
     let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
-    if low_x > high_x {
+    if high_x == 0 {
         return;
     }
     let caster = Bounds {
-        low: Vec3::from([low_x, low_y, low_z].map(unordered)),
+        low: Vec3::from([low_x, low_y, low_z].map(|bits| unordered(!bits))),
         high: Vec3::from([high_x, high_y, high_z].map(unordered)),
     };
     if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {

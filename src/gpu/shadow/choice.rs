@@ -89,6 +89,8 @@ impl<'a> Resources<'a> {
             "silhouettes" => extracted.lists.get(batch)?,
             "silhouette_counts" => &extracted.counts,
             "extraction_statistics" => &extracted.statistics,
+            // A single caster has none, and it is not read.
+            "lit" => &buffers.boxes,
             _ => return None,
         };
         Some(buffer.as_entire_binding())

@@ -199,14 +199,13 @@ impl ShadowVolumes {
             position_stride: bound.stride_words,
             reserved: [0; 4],
         };
-        let empty_box = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0];
-        let uploads: [(&wgpu::Buffer, &[u8]); 4] = [
+        let uploads: [(&wgpu::Buffer, &[u8]); 3] = [
             (&buffers.shape, bytemuck::bytes_of(&shape)),
             (&buffers.seen, bytemuck::cast_slice(&seen)),
             (&buffers.table, bytemuck::bytes_of(&caster)),
-            (&buffers.boxes, bytemuck::cast_slice(&empty_box)),
         ];
         upload(source.device(), encoder, &uploads)?;
+        encoder.clear_buffer(&buffers.boxes, 0, None);
         encoder.clear_buffer(&buffers.choices, 0, Some(CHOICES * u64::from(shape.batches)));
         for (lists, counts) in [(&buffers.sides, SIDE_COUNTS), (&buffers.caps, CAP_COUNTS)] {
             for list in lists.iter().take(light::batches(lights.len())) {
