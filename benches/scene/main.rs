@@ -29,6 +29,8 @@ fn main() {
     bench.recording();
     bench.extracting("box", &shapes::cube(), 200);
     bench.extracting("torus of 4,000 faces", &shapes::torus(50, 40, 1.0, 0.4), 200);
+    bench.extracting("torus of 1,024 faces", &shapes::torus(32, 16, 1.0, 0.4), 1);
+    bench.extracting("torus of a million faces", &shapes::torus(1024, 512, 1.0, 0.4), 1);
 }
 
 struct Bench {
