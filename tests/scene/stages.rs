@@ -148,8 +148,10 @@ fn casters() -> Result<(), String> {
                 }
             }
             scene.change(gpu)?;
-            // An encode needs a light for its table to be uploaded.
-            scene.add_light()?;
+            // Without lights the table is not uploaded. A further light would lay the scene out anew each time.
+            if scene.content.lights.is_empty() {
+                scene.add_light()?;
+            }
         }
     }
     Ok(())
