@@ -29,6 +29,8 @@ fn main() {
     bench.recording();
     bench.extracting("box", &shapes::cube(), 200);
     bench.extracting("torus of 4,000 faces", &shapes::torus(50, 40, 1.0, 0.4), 200);
+    bench.extracting("torus of 1,024 faces", &shapes::torus(32, 16, 1.0, 0.4), 1);
+    bench.extracting("torus of a million faces", &shapes::torus(1024, 512, 1.0, 0.4), 1);
 }
 
 struct Bench {
@@ -150,6 +152,19 @@ impl Bench {
         (ms, stages)
     }
 
+    /// Milliseconds of a wall clock from the submission on.
+    fn clocked(&self, mut record: impl FnMut(&mut wgpu::CommandEncoder)) -> f64 {
+        median(|| {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            record(&mut encoder);
+            let commands = encoder.finish();
+            let begin = Instant::now();
+            self.queue.submit([commands]);
+            self.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device");
+            begin.elapsed().as_secs_f64() * 1e3
+        })
+    }
+
     fn extracting(&self, name: &str, shape: &Shape, count: usize) {
         let mut random = Random::new(2);
         let (mut scene, _, places) = self.scene(shape, count, &mut random);
@@ -186,6 +201,9 @@ impl Bench {
             println!("{count} × {name}: scene {many:.3}, merged {one:.3}, ratio {:.2}", many / one);
             println!("  scene: {many_stages}");
             println!("  merged: {one_stages}");
+            let one = self.clocked(|encoder| _ = extractor.encode(encoder, positions, &lights, None));
+            let many = self.clocked(|encoder| _ = scene.encode(encoder, None));
+            println!("  by a clock: scene {many:.3}, merged {one:.3}, ratio {:.2}", many / one);
         }
     }
 }

@@ -28,6 +28,8 @@ pub(crate) struct GroupFound {
     pub(crate) edge_slots: u32,
     pub(crate) draws: Vec<DrawArguments>,
     pub(crate) statistics: ExtractionStatistics,
+    /// Faces that facing left to exact facing.
+    pub(crate) undecided: u32,
 }
 
 impl Found {
@@ -44,7 +46,7 @@ impl Found {
         for group in &results.groups {
             let words: Vec<u32> = gpu.read(group.lists, usize::MAX)?;
             let (counts, lists) = sorted_lists(&words, group.capacity);
-            let record: Vec<u32> = gpu.read(group.record, 4)?;
+            let record: Vec<u32> = gpu.read(group.record, 5)?;
             found.groups.push(GroupFound {
                 group: group.group,
                 batch: group.batch,
@@ -55,7 +57,8 @@ impl Found {
                 capacity: group.capacity,
                 edge_slots: CHUNK * group.dispatch.edge_chunks,
                 draws: gpu.read(group.draws, 32)?,
-                statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record)),
+                statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..4])),
+                undecided: record[4],
             });
         }
         Ok(found)

@@ -1,18 +1,22 @@
 //! Encoders that are dropped, submitted in another order, or hold two frames.
 
-use rimline::gpu::{SceneError, SceneOptions};
+use std::sync::Arc;
+
+use rimline::gpu::{SceneError, SceneFrame, SceneOptions};
+use rimline::reference::cpu::SceneTable;
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
-use rimline_measure::same;
+use rimline_measure::{same, shapes};
 
 use crate::found::{Found, check_frame, sorted_lists};
-use crate::random_scene::RandomScene;
+use crate::random_scene::{Own, RandomScene};
 
 pub(crate) const TESTS: &[Test] = &[
     ("a_dropped_encoder_spoils_nothing", dropped),
     ("swapped_encoders_spoil_nothing", swapped),
     ("two_frames_in_one_encoder", two_frames),
+    ("runs_of_removed_meshes_wait_for_late_frames", removed_mesh),
     ("empty_scenes_are_legal", empty),
 ];
 
@@ -114,6 +118,49 @@ fn two_frames() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// A frame that is submitted after its mesh was removed finds the mesh. Later the run of the mesh is used again.
+fn removed_mesh() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let shape = shapes::torus(12, 9, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let turned: Vec<_> = shape.positions.iter().map(|[x, y, z]| [-x * 0.5, *z, y + 7.0]).collect();
+    let mut scene = scene(gpu, 2401)?;
+    let handle = scene.scene.add_mesh(&mesh, &shape.positions).map_err(text)?;
+    let add = |scene: &mut RandomScene, handle, positions: &[[f32; 3]]| {
+        let case = ("torus".to_owned(), positions.to_vec(), mesh.clone());
+        scene.content.meshes.push((Arc::new(case), handle));
+        scene.insert_rigid_of(scene.content.meshes.len() - 1)
+    };
+    add(&mut scene, handle, &shape.positions)?;
+    let mut late = encoder(gpu);
+    let frame = scene.encode(&mut late)?;
+    let (before, results) = (scene.content.clone(), frame.results().map_err(text)?);
+    let first_face = |own: &Own, frame: &SceneFrame| {
+        let table: Vec<[u32; 4]> = gpu.read(frame.results().map_err(text)?.table, usize::MAX)?;
+        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        Ok::<_, String>(SceneTable(&table).caster(index).first_face)
+    };
+    let own = scene.content.casters.pop().ok_or("no caster")?;
+    scene.content.meshes.pop();
+    scene.scene.remove(own.handle).map_err(text)?;
+    scene.scene.remove_mesh(handle).map_err(text)?;
+    scene.encode(&mut encoder(gpu))?;
+    let second = scene.scene.add_mesh(&mesh, &turned).map_err(text)?;
+    add(&mut scene, second, &turned)?;
+    gpu.queue.submit([late.finish()]);
+    check_frame(&before, &frame, &Found::of(gpu, &results)?)?;
+    let place = SceneTable(&Found::of(gpu, &results)?.table).caster(frame.place(own.handle).map_or(0, |(at, _)| at));
+
+    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+    check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
+    let third = scene.scene.add_mesh(&mesh, &turned).map_err(text)?;
+    add(&mut scene, third, &turned)?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+    check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
+    let last = scene.content.casters.last().ok_or("no caster")?;
+    same("the run of the removed mesh", &[first_face(last, &frame)?], &[place.first_face])
 }
 
 /// No casters, no lights, neither, and both again.

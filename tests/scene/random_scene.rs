@@ -22,6 +22,7 @@ pub(crate) struct Own {
     /// The transform of a rigid caster, or the positions in world space.
     pub(crate) placed: Placed,
     pub(crate) lights: LightMask,
+    pub(crate) in_depth: bool,
 }
 
 #[derive(Clone)]
@@ -161,6 +162,10 @@ impl RandomScene {
 
     pub(crate) fn insert_rigid(&mut self) -> Result<(), String> {
         let mesh = self.random.below(self.content.meshes.len());
+        self.insert_rigid_of(mesh)
+    }
+
+    pub(crate) fn insert_rigid_of(&mut self, mesh: usize) -> Result<(), String> {
         let transform = self.transform();
         self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform))
     }
@@ -170,7 +175,7 @@ impl RandomScene {
         let in_depth = self.random.below(2) == 0;
         let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
-        self.content.casters.push(Own { handle, mesh, placed, lights });
+        self.content.casters.push(Own { handle, mesh, placed, lights, in_depth });
         Ok(())
     }
 

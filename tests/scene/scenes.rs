@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use rimline::Predicate;
-use rimline::gpu::{SceneFrame, SceneOptions};
+use rimline::gpu::{Caster, Scene, SceneFrame, SceneOptions};
 use rimline::reference::cpu::{self, SceneTable, Threads};
+use rimline::{Light, Predicate};
 use rimline_measure::band::check_facing;
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
-use rimline_measure::{is_long, must_fail, same};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same, shapes};
 
 use crate::found::{Found, Tally, check_frame};
 use crate::random_scene::RandomScene;
@@ -23,6 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("pools_grow_in_mid_run", growth),
     ("small_devices_cut_groups_and_dispatches", small_device),
     ("fast_facing_is_right_outside_its_band", fast),
+    ("ordinary_scenes_leave_few_faces_undecided", few_undecided),
 ];
 
 /// Encodes, submits and compares.
@@ -184,7 +186,7 @@ fn growth() -> Result<(), String> {
     scene.add_light()?;
     scene.add_light()?;
     for step in 0..6 {
-        let shape = rimline_measure::shapes::torus(40 + 10 * step, 100, 1.0, 0.4);
+        let shape = shapes::torus(40 + 10 * step, 100, 1.0, 0.4);
         let case = rimline_measure::cases::case("torus", shape);
         let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
         scene.content.meshes.push((Arc::new(case), handle));
@@ -209,7 +211,7 @@ fn growth() -> Result<(), String> {
 
 /// Groups of more slots than a binding holds are several, and dispatches of more workgroups than the device allows, too.
 fn small_device() -> Result<(), String> {
-    let gpu = limited(1 << 16, 1 << 20, 3)?;
+    let gpu = limited(1 << 16, 1 << 20, 1)?;
     let mut cut = 0;
     for seed in 2501..2507 {
         println!("seed {seed}");
@@ -270,4 +272,33 @@ fn fast() -> Result<(), String> {
         }
     }
     if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
+}
+
+/// Places past the last light of a caster repeat it, and each caster has a bound of its own lights: neither leaves faces
+/// undecided that a single mesh would not.
+fn few_undecided() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(2801);
+    let shape = shapes::torus(30, 20, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    for lights in [1, 2, 3, 5, 6, 7] {
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, roomy(8)).map_err(text)?;
+        let torus = scene.add_mesh(&mesh, &shape.positions).map_err(text)?;
+        for _ in 0..lights {
+            let xyz = [(); 3].map(|()| random.between(-30.0, 30.0));
+            scene.add_light(Light::point(xyz)).map_err(text)?;
+        }
+        for _ in 0..20 {
+            let [x, y, z] = [(); 3].map(|()| random.between(-20.0, 20.0));
+            let rows = [[0.6, 0.0, 0.8, x], [0.0, 1.0, 0.0, y], [-0.8, 0.0, 0.6, z]];
+            scene.insert(Caster::rigid(torus, rows)).map_err(text)?;
+        }
+        let frame = gpu.submit(|encoder| scene.encode(encoder, None).map_err(text))?;
+        let undecided: u32 = Found::read(gpu, &frame)?.groups.iter().map(|group| group.undecided).sum();
+        println!("{lights} lights: {undecided} of {} faces undecided", 20 * mesh.faces().len());
+        if undecided as usize * 100 > 20 * mesh.faces().len() {
+            return Err(format!("{undecided} faces are undecided"));
+        }
+    }
+    Ok(())
 }

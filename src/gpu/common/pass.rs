@@ -83,6 +83,22 @@ impl Pass {
         }
     }
 
+    /// Records all dispatches of several passes. Without a timer they share one compute pass, which costs less.
+    pub(crate) fn record_all(passes: &[Self], encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) {
+        if let Some(timer) = timer {
+            for pass in passes {
+                pass.record_with(encoder, |_| true, Some(&mut *timer), None);
+            }
+            return;
+        }
+        let label = passes.first().map(|pass| pass.pipeline.label);
+        let mut shared = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
+        for pass in passes {
+            shared.set_pipeline(&pass.pipeline.compute);
+            pass.dispatches.iter().for_each(|dispatch| dispatch.record(&mut shared));
+        }
+    }
+
     /// Begins the compute pass of the stage.
     fn begin<'encoder>(
         &self,

@@ -45,7 +45,7 @@ impl Passes {
         &self,
         structure: &Structure,
         encoder: &mut wgpu::CommandEncoder,
-        mut timer: Option<&mut StageTimer>,
+        timer: Option<&mut StageTimer>,
     ) {
         let Structure { parts, buffers, .. } = structure;
         if parts.is_empty() {
@@ -57,9 +57,7 @@ impl Passes {
             encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
             encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks));
         }
-        for pass in &self.0 {
-            pass.record_with(encoder, |_| true, timer.as_deref_mut(), None);
-        }
+        Pass::record_all(&self.0, encoder, timer);
     }
 }
 
