@@ -80,7 +80,7 @@ impl Bench {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let begin = Instant::now();
             change(scene);
-            scene.encode(&mut encoder, None).expect("an encode");
+            scene.encode(&mut encoder, &[], None).expect("an encode");
             let commands = encoder.finish();
             let ms = begin.elapsed().as_secs_f64() * 1e3;
             self.queue.submit([commands]);
@@ -116,7 +116,7 @@ impl Bench {
                 last = scene.insert(Caster::rigid(extra, transform(&mut random))).ok();
             });
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let frame = scene.encode(&mut encoder, None).expect("an encode");
+            let frame = scene.encode(&mut encoder, &[], None).expect("an encode");
             let bytes = frame.results().map_or(0, |results| results.bytes) / count as u64;
             println!("{count:>7} {still:>9.3} {moved:>9.3} {all:>9.3} {lit:>9.3} {new:>9.3} {bytes:>9}");
         }
@@ -196,13 +196,13 @@ impl Bench {
                 extractor.encode(encoder, positions, &lights, timer).expect("an encode");
             });
             let (many, many_stages) = self.timed(|encoder, timer| {
-                scene.encode(encoder, timer).expect("an encode");
+                scene.encode(encoder, &[], timer).expect("an encode");
             });
             println!("{count} × {name}: scene {many:.3}, merged {one:.3}, ratio {:.2}", many / one);
             println!("  scene: {many_stages}");
             println!("  merged: {one_stages}");
             let one = self.clocked(|encoder| _ = extractor.encode(encoder, positions, &lights, None));
-            let many = self.clocked(|encoder| _ = scene.encode(encoder, None));
+            let many = self.clocked(|encoder| _ = scene.encode(encoder, &[], None));
             println!("  by a clock: scene {many:.3}, merged {one:.3}, ratio {:.2}", many / one);
         }
     }

@@ -37,6 +37,6 @@ pub use scene::mask::LightMask;
 pub use scene::options::SceneOptions;
 pub use scene::scene::Scene;
 pub use shadow::{
-    ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions, ShadowPipelines,
-    ShadowVolumes, ShadowVolumesError,
+    ScenePipelines, ShadowDrawError, ShadowEncodeError, ShadowFormat, ShadowFormatError, ShadowFrame, ShadowOptions,
+    ShadowPipelines, ShadowVolumes, ShadowVolumesError,
 };

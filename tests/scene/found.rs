@@ -178,7 +178,8 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
 
 /// The counts of a batch's lists, and the entries, in the order of the slots.
 pub(crate) fn sorted_lists(words: &[u32], capacity: u32) -> (Vec<u32>, Vec<Vec<u32>>) {
-    let (counts, entries) = words.split_at(32);
+    let (counts, entries) = words.split_at(64);
+    let (counts, _) = counts.split_at(32);
     let capacity = capacity as usize;
     let list = |(light, &count): (usize, &u32)| {
         let list = entries.iter().skip(light * capacity).take(capacity.min(count as usize));

@@ -231,7 +231,7 @@ impl RandomScene {
     }
 
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<SceneFrame, String> {
-        self.scene.encode(encoder, None).map_err(text)
+        self.scene.encode(encoder, &[], None).map_err(text)
     }
 }
 

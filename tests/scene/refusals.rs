@@ -114,12 +114,12 @@ fn positions() -> Result<(), String> {
     buffer.destroy();
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    match scene.encode(&mut encoder, None) {
+    match scene.encode(&mut encoder, &[], None) {
         Err(SceneError::Positions(PositionError::Refused { .. })) => {}
         other => return Err(format!("a destroyed buffer: {other:?}")),
     }
     scene.remove(caster).map_err(text)?;
-    scene.encode(&mut encoder, None).map(drop).map_err(text)
+    scene.encode(&mut encoder, &[], None).map(drop).map_err(text)
 }
 
 fn memory() -> Result<(), String> {
@@ -138,14 +138,14 @@ fn memory() -> Result<(), String> {
     scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
     let casters = (0..10_000).map(|_| scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text));
     let casters = casters.collect::<Result<Vec<_>, _>>()?;
-    match gpu.submit(|encoder| Ok(scene.encode(encoder, None))) {
+    match gpu.submit(|encoder| Ok(scene.encode(encoder, &[], None))) {
         Ok(Err(SceneError::Memory(MemoryError::Total { limit: 2_000_000, .. }))) => {}
         other => return Err(format!("results beyond the limit: {other:?}")),
     }
     for caster in &casters[1..] {
         scene.remove(*caster).map_err(text)?;
     }
-    gpu.submit(|encoder| scene.encode(encoder, None).map_err(text))?;
+    gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
     // A mesh that one binding does not hold.
     let tight = limited(1 << 16, 1 << 20, 65_535)?;
     let shape = shapes::torus(60, 60, 1.0, 0.4);

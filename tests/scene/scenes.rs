@@ -293,7 +293,7 @@ fn few_undecided() -> Result<(), String> {
             let rows = [[0.6, 0.0, 0.8, x], [0.0, 1.0, 0.0, y], [-0.8, 0.0, 0.6, z]];
             scene.insert(Caster::rigid(torus, rows)).map_err(text)?;
         }
-        let frame = gpu.submit(|encoder| scene.encode(encoder, None).map_err(text))?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
         let undecided: u32 = Found::read(gpu, &frame)?.groups.iter().map(|group| group.undecided).sum();
         println!("{lights} lights: {undecided} of {} faces undecided", 20 * mesh.faces().len());
         if undecided as usize * 100 > 20 * mesh.faces().len() {

@@ -8,6 +8,7 @@ mod clipped;
 mod compare;
 mod dark_caps;
 mod hairlines;
+mod in_scene;
 mod nested;
 mod overflow;
 mod query;
@@ -37,6 +38,7 @@ fn main() {
         nested::TESTS,
         overflow::TESTS,
         hairlines::TESTS,
+        in_scene::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

@@ -7,6 +7,7 @@ use rimline::gpu::{
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
 
+use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::chosen;
@@ -18,6 +19,17 @@ pub(crate) enum DepthPass {
     Alike,
     /// In another order.
     Reordered,
+}
+
+/// How casters are given to the library.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Placing {
+    /// Each has an extractor and volumes of its own.
+    Alone,
+    /// All are in one scene, at positions in world space. Those that are mirrored have a matrix.
+    Scene,
+    /// All are rigid casters of one scene, with matrices at random from this seed, and the whole world is moved far away.
+    Moved(u64),
 }
 
 /// What the GPU counted.
@@ -74,6 +86,7 @@ pub(crate) struct Renderer<'a> {
     pub(crate) list_capacity: Option<u32>,
     /// Of every light.
     pub(crate) range: f32,
+    pub(crate) placing: Placing,
 }
 
 impl<'a> Renderer<'a> {
@@ -87,6 +100,7 @@ impl<'a> Renderer<'a> {
             options: ShadowOptions::default(),
             list_capacity: None,
             range: f32::INFINITY,
+            placing: Placing::Alone,
         }
     }
 
@@ -109,7 +123,12 @@ impl<'a> Renderer<'a> {
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
-        for body in frame.bodies.iter().filter(|body| body.casts) {
+        let together = match self.placing {
+            Placing::Alone => None,
+            _ => Some(InScene::new(self, &mut encoder, frame, counting, &shadow_format(wgpu::FrontFace::Ccw))?),
+        };
+        let alone = frame.bodies.iter().filter(|body| body.casts && together.is_none());
+        for body in alone {
             let Placed { shape, camera, lights } = frame.placed(body);
             let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
             let buffer = gpu.storage(&shape.positions);
@@ -132,6 +151,9 @@ impl<'a> Renderer<'a> {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
             for (_, shadows, pipelines) in &casters {
                 shadows.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
+            }
+            if let Some(together) = &together {
+                together.draw(&mut pass, light)?;
             }
             drop(pass);
             let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -166,6 +188,9 @@ impl<'a> Renderer<'a> {
             counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
             counted.draws.push(gpu.read(volumes.draw_arguments(), frame.lights.len())?);
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
+        }
+        if let Some(together) = &together {
+            together.read(gpu, &mut counted)?;
         }
         Ok(counted)
     }

@@ -195,6 +195,10 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     has_holes = boxes[at + 6u] != 0u;
   }
   let entry = view_number * shape.lights + number;
+  // A view that is not used is all zeros.
+  if (MANY && seen[entry].view.near_w == 0.0) {
+    return;
+  }
   let view = view_of(caster, seen[entry].view);
   let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
   var light = light_of(caster, seen[entry].light, number);

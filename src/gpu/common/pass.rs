@@ -27,18 +27,20 @@ pub(crate) struct Dispatch {
     /// The dynamic offsets of the group's uniforms.
     pub(crate) offsets: Vec<u32>,
     pub(crate) workgroups: u32,
+    /// Workgroups along y.
+    pub(crate) rows: u32,
 }
 
 impl Dispatch {
     /// A dispatch with one invocation for each item, not bound yet.
     pub(crate) fn over(batch: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
-        Self { batch, items, chunk_offset, group: None, offsets: Vec::new(), workgroups }
+        Self { batch, items, chunk_offset, group: None, offsets: Vec::new(), workgroups, rows: 1 }
     }
 
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
-        pass.dispatch_workgroups(self.workgroups, 1, 1);
+        pass.dispatch_workgroups(self.workgroups, self.rows, 1);
     }
 
     /// The bytes of this chunk in an array of `bytes_per_item`.

@@ -8,8 +8,9 @@ use crate::gpu::extract::buffers::RECORD_HEAD;
 use crate::layout::{CHUNK, DrawArguments};
 use crate::method::Predicate;
 
-/// Bytes before the entries of lists: a count for each of 32 lights.
-pub(crate) const LISTS_HEAD: u64 = 32 * 4;
+/// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
+/// 256.
+pub(crate) const LISTS_HEAD: u64 = 256;
 
 /// What a group of casters has for a batch of lights.
 #[derive(Clone, Debug)]

@@ -3,7 +3,9 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::shadow::errors::ShadowDrawError;
 use crate::light::LightError;
+use crate::shadow::{CameraError, Counting};
 
 /// Why a scene cannot be made, changed or recorded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,6 +60,31 @@ pub enum SceneError {
         "the caster has positions in a buffer, in world space, and no transform; insert it as `CasterPositions::Rigid`"
     )]
     NotRigid,
+    /// A camera is refused.
+    #[error("view {view}: {error}")]
+    Camera {
+        /// The number of the view.
+        view: usize,
+        /// Why.
+        error: CameraError,
+    },
+    /// The scene's counting method needs what the published method of one caster has.
+    #[error("scenes are not counted by {0:?}, which is for a single caster; take `ShadowVolumes`")]
+    Counting(Counting),
+    /// The frame has no view with this number.
+    #[error("view {view} asked for, and {views} cameras were encoded; views count from 0")]
+    NoSuchView {
+        /// The view that was asked for.
+        view: usize,
+        /// Views of the frame.
+        views: usize,
+    },
+    /// The light was not in the scene when the frame was encoded.
+    #[error("the light was not in the scene when this frame was encoded; add it before `Scene::encode`")]
+    NotEncoded,
+    /// The pipelines do not go with the scene.
+    #[error(transparent)]
+    Draw(#[from] ShadowDrawError),
     /// A later encode overwrote the results of the frame.
     #[error(
         "this frame is out of date: its scene was encoded again, which overwrites the results; use the value that the \

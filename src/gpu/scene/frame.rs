@@ -8,7 +8,11 @@ use super::errors::SceneError;
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
 use super::structure::Structure;
+use super::volumes::Volumes;
 use crate::Light;
+use crate::gpu::common::requirements::check_same;
+use crate::gpu::shadow::pipelines::Convention;
+use crate::gpu::shadow::scene_pipelines::ScenePipelines;
 #[cfg(feature = "reference")]
 use crate::layout::SceneDispatch;
 
@@ -19,6 +23,12 @@ use crate::layout::SceneDispatch;
 #[derive(Clone, Debug)]
 pub struct SceneFrame {
     pub(crate) structure: Arc<Structure>,
+    /// `None`: no view was asked for.
+    pub(crate) volumes: Option<Arc<Volumes>>,
+    /// What pipelines must be, for each view.
+    pub(crate) views: Arc<[Convention]>,
+    pub(crate) may_end: bool,
+    pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
     pub(crate) lights: Arc<[(LightHandle, Light)]>,
     pub(crate) encodes: Arc<AtomicU64>,
@@ -61,6 +71,8 @@ pub struct SceneResults<'a> {
     pub lit: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
+    /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
+    pub choices: Option<&'a wgpu::Buffer>,
     /// All groups and batches, batch after batch in each group.
     pub groups: Vec<SceneGroupResults<'a>>,
     /// The size of all buffers but pages, in bytes.
@@ -81,6 +93,45 @@ impl SceneFrame {
     /// The number of groups of casters. A group has one page of topology and one source of positions.
     pub fn groups(&self) -> usize {
         self.structure.layout.groups.len()
+    }
+
+    /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
+    /// the attachments of `pipelines`. It counts up from the current content of the stencil. Other state of the pass does
+    /// not matter. It changes the pipeline and bind groups 0 and 1.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode
+    /// overwrites what is drawn. Nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ScenePipelines,
+        view: usize,
+        light: LightHandle,
+    ) -> Result<(), SceneError> {
+        self.check_current()?;
+        if light.scene != self.scene {
+            return Err(SceneError::OtherScene { what: "light" });
+        }
+        let views = self.views.len();
+        let Some(convention) = self.views.get(view) else { return Err(SceneError::NoSuchView { view, views }) };
+        if !self.lights.iter().any(|(handle, _)| *handle == light) {
+            return Err(SceneError::NotEncoded);
+        }
+        check_same(["the pipelines", "the scene"], [pipelines.0.shared().device(), &self.device])?;
+        convention.check_drawn_by(pipelines.0.convention)?;
+        if let Some(volumes) = &self.volumes {
+            for draws in volumes.draws(view, light.bit as usize, self.may_end) {
+                draws.draw(pass, &pipelines.0);
+            }
+        }
+        Ok(())
+    }
+
+    /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the encode, once its encoder was submitted. Usage `COPY_SRC`.
+    /// `None` if no view was asked for.
+    pub fn shadow_statistics(&self) -> Option<&wgpu::Buffer> {
+        self.volumes.as_ref().map(|volumes| &volumes.buffers.statistics)
     }
 
     /// Refuses a frame whose results a later encode overwrites.
@@ -112,8 +163,10 @@ impl SceneFrame {
                 dispatch: part.dispatches.first()?.0,
             })
         });
-        let bytes = buffers.bytes() + table.size();
-        Ok(SceneResults { table, lit: &buffers.lit, work: &buffers.work, groups: groups.collect(), bytes })
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
+        let bytes = buffers.bytes() + table.size() + volumes;
+        let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
+        Ok(SceneResults { choices, table, lit: &buffers.lit, work: &buffers.work, groups: groups.collect(), bytes })
     }
 
     /// The place of a caster in the scene table, and its group.

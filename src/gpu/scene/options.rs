@@ -1,6 +1,7 @@
 //! Options of a scene.
 
 use crate::method::Predicate;
+use crate::shadow::Counting;
 
 /// The room that a [`Scene`](crate::gpu::Scene) has for lights and results.
 #[derive(Clone, Copy, Debug)]
@@ -15,18 +16,34 @@ pub struct SceneOptions {
     /// Faces that the list of undecided faces has room for, in each group of casters and batch of 32 lights. `None`: a
     /// quarter of them, and at least 4,096. An overflow loses nothing: every face then goes through the exact stage.
     pub undecided_capacity: Option<u32>,
+    /// How shadow volumes are counted. Those that draw them have [`ScenePipelines`](crate::gpu::ScenePipelines) of the same.
+    pub counting: Counting,
+    /// Skip a caster for a light and a view where the camera cannot see its shadow.
+    pub skip_unseen: bool,
+    /// Volumes end beyond their light's range, instead of at infinity. See
+    /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
+    pub end_at_range: bool,
+    /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
+    /// `None`: room for every face where every face may have a cap, else for a share. An overflow loses nothing: the draw
+    /// then goes over all faces.
+    pub cap_capacity: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, the exact predicate, capacities from the meshes, no memory limit.
+    /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unseen shadows
+    /// skipped, infinite volumes, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
             predicate: Predicate::Exact,
             list_capacity: None,
             undecided_capacity: None,
+            counting: Counting::Auto,
+            skip_unseen: true,
+            end_at_range: false,
+            cap_capacity: None,
             memory_limit: None,
         }
     }

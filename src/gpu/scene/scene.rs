@@ -18,12 +18,16 @@ use super::sources::{Sources, bind};
 use super::stages::Passes;
 use super::structure::{Making, Structure};
 use super::table::{Part, Table};
+use super::volumes::Volumes;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
-use crate::{Light, Matrix3x4, Mesh};
+use crate::gpu::shadow::pipelines::Convention;
+use crate::layout::{SeenLight, ShadowView};
+use crate::light::check_shadow_lights;
+use crate::{Light, Matrix3x4, Mesh, ShadowCamera};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have it.
 /// The work of recording an encode does not depend on the number of casters, but for those that moved.
@@ -49,6 +53,10 @@ pub struct Scene {
     last: Option<Arc<Structure>>,
     /// The passes of the structure.
     passes: Passes,
+    /// Shadow volumes of the structure, if any view was asked for.
+    volumes: Option<Arc<Volumes>>,
+    /// The most views of an encode so far.
+    views: usize,
     encodes: Arc<AtomicU64>,
 }
 
@@ -81,6 +89,8 @@ impl Scene {
             structure: None,
             last: None,
             passes: Passes::default(),
+            volumes: None,
+            views: 0,
             encodes: Arc::default(),
         })
     }
@@ -225,27 +235,95 @@ impl Scene {
     /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene of
     /// its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a later one.
     ///
-    /// `timer` takes a timestamp around each stage.
+    /// `cameras` are the views that shadow volumes are prepared for. There may be none. `timer` takes a timestamp around
+    /// each stage.
     ///
     /// # Errors
-    /// [`SceneError`] if the scene does not fit the device or the memory limit, or the device is lost or not the timer's.
-    /// Nothing is recorded then.
+    /// [`SceneError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
+    /// not the timer's. With a camera, lights of negative `w` are refused. Nothing is recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        timer: Option<&mut StageTimer>,
+        cameras: &[ShadowCamera],
+        mut timer: Option<&mut StageTimer>,
     ) -> Result<SceneFrame, SceneError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
-        let structure = self.prepare()?;
-        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
-        if !structure.parts.is_empty() {
-            upload(self.pipelines.device(), encoder, &[(&structure.table, bytemuck::cast_slice(uploaded))])?;
+        let views = self.check_views(cameras)?;
+        if cameras.len() > self.views {
+            self.views = cameras.len();
+            self.structure = None;
         }
-        self.passes.record(&structure, encoder, timer);
+        let structure = self.prepare()?;
+        let volumes = if cameras.is_empty() { None } else { Some(self.volumes(&structure)?) };
+        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views));
+        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
+        let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
+        if !structure.parts.is_empty() {
+            uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
+            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.seen, bytemuck::cast_slice(&seen[..]))));
+            upload(self.pipelines.device(), encoder, &uploads)?;
+        }
+        self.passes.record(&structure, encoder, timer.as_deref_mut());
+        if let Some(volumes) = &volumes {
+            volumes.record(&structure, encoder, timer);
+        }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        Ok(SceneFrame { structure, scene: self.id, lights, encodes, encode })
+        let views = cameras.iter().map(|camera| self.convention(camera)).collect();
+        let may_end = self.options.end_at_range;
+        let device = self.pipelines.device().clone();
+        Ok(SceneFrame { structure, volumes, views, may_end, device, scene: self.id, lights, encodes, encode })
+    }
+
+    /// The cameras as stages see them.
+    fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, SceneError> {
+        if cameras.is_empty() {
+            return Ok(Vec::new());
+        }
+        if self.options.counting.is_zp_plus_2005() {
+            return Err(SceneError::Counting(self.options.counting));
+        }
+        let lights: Vec<Light> =
+            (0..32 * self.lights.batches() as u32).filter_map(|bit| self.lights.get(bit)).collect();
+        check_shadow_lights(&lights, lights.len())?;
+        let view =
+            |(view, camera): (usize, &ShadowCamera)| camera.view().map_err(|error| SceneError::Camera { view, error });
+        cameras.iter().enumerate().map(view).collect()
+    }
+
+    /// What pipelines must be to draw a camera's volumes.
+    fn convention(&self, camera: &ShadowCamera) -> Convention {
+        let counting = self.options.counting;
+        let is_unclipped = counting.may_fail() && camera.has_far_plane();
+        Convention { counting, depth: camera.depth, is_unclipped }
+    }
+
+    /// The volumes of the structure.
+    fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, SceneError> {
+        if let Some(volumes) = &self.volumes {
+            return Ok(Arc::clone(volumes));
+        }
+        let Self { pipelines, options, meshes, sources, lights, pages, views, .. } = self;
+        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views };
+        let others = pages.bytes + structure.table.size() + structure.buffers.bytes();
+        let made = Arc::new(Volumes::new(&making, structure, *views, others)?);
+        self.volumes = Some(Arc::clone(&made));
+        Ok(made)
+    }
+
+    /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
+    fn seen(&self, volumes: &Volumes, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
+        let mut seen = Vec::with_capacity(volumes.seen_bytes() / size_of::<SeenLight>());
+        for (camera, &view) in cameras.iter().zip(views) {
+            for bit in 0..volumes.lights() as u32 {
+                let light = self.lights.get(bit).map(|light| camera.light(&view, light));
+                let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
+                seen.push(SeenLight { view, light, reserved: [[0; 4]; 15] });
+            }
+        }
+        seen.resize(volumes.seen_bytes() / size_of::<SeenLight>(), bytemuck::Zeroable::zeroed());
+        seen
     }
 
     /// Brings the table up to date.
@@ -265,9 +343,10 @@ impl Scene {
 
     fn lay_out(&mut self) -> Result<Arc<Structure>, SceneError> {
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options };
+        let making = Making { pipelines, meshes, sources, pages, lights, options, views: self.views };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref())?);
         self.passes = Passes::new(&making, &made)?;
+        self.volumes = None;
         self.last = Some(Arc::clone(&made));
         self.structure = Some(Arc::clone(&made));
         Ok(made)

@@ -10,8 +10,9 @@ use super::options::SceneOptions;
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
+use super::volume_buffers::choice_bytes;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, check, guarded, mapped, write_mapped};
+use crate::gpu::common::memory::{Allocation, MemoryError, check, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
@@ -25,6 +26,8 @@ pub(crate) struct GroupBatch {
     pub(crate) group: usize,
     pub(crate) batch: usize,
     pub(crate) sizes: GroupSizes,
+    /// Bits of the batch up to the last light.
+    pub(crate) lights: u32,
     /// The dispatches' uniforms, which differ in the first invocation only, and their offsets.
     pub(crate) dispatches: Vec<(SceneDispatch, u32)>,
     /// The offset of its [`DrawShape`].
@@ -40,6 +43,8 @@ pub(crate) struct Structure {
     pub(crate) layout: Layout,
     /// The scene table. Its part about chunks is written here, once. Each encode uploads all that comes before it.
     pub(crate) table: wgpu::Buffer,
+    /// Where the choices of shadow volumes begin in the table, in units of 16 bytes.
+    pub(crate) choices_at: usize,
     pub(crate) buffers: Buffers,
     pub(crate) batches: usize,
     pub(crate) parts: Vec<GroupBatch>,
@@ -55,6 +60,8 @@ pub(crate) struct Making<'a> {
     pub(crate) pages: &'a Pages,
     pub(crate) lights: &'a Lights,
     pub(crate) options: &'a SceneOptions,
+    /// Views that there is room for in the table.
+    pub(crate) views: usize,
 }
 
 impl Structure {
@@ -65,7 +72,7 @@ impl Structure {
         table: &mut Table,
         old: Option<&Self>,
     ) -> Result<Self, SceneError> {
-        let Making { pipelines, meshes, pages, lights, options, .. } = *making;
+        let Making { pipelines, meshes, pages, lights, options, views, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let layout = Layout::new(table, casters, meshes, lights, &limits)?;
@@ -79,15 +86,22 @@ impl Structure {
             .collect();
         let (places, words) = work_places(&layout.groups, batches);
         let lit = (table.casters * batches) as u64;
-        let table_bytes = (table.parts.len() * size_of::<Part>()) as u64;
+        let [_, choices] = choice_bytes(table.casters, batches, views, options.end_at_range);
+        let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
+        if table_bytes > limits.binding {
+            let limit = limits.binding;
+            return Err(MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit }.into());
+        }
         let others = pages.bytes + table_bytes;
         let old = old.map(|old| &old.buffers);
         let buffers = Buffers::new(device, old, &sizes, [lit, words], others, options, &limits)?;
-        let table_buffer = table_buffer(device, table)?;
-        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, &limits);
+        let table_buffer = table_buffer(device, table, table_bytes)?;
+        let room = |batch| room(lights, batch);
+        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, &limits);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
-        Ok(Self { layout, table: table_buffer, buffers, batches, parts, uniforms, shapes })
+        let choices_at = table.parts.len();
+        Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes })
     }
 
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the page's.
@@ -102,13 +116,13 @@ fn room(lights: &Lights, batch: usize) -> u32 {
     32 - lights.used.word(batch).leading_zeros()
 }
 
-fn table_buffer(device: &wgpu::Device, table: &Table) -> Result<wgpu::Buffer, SceneError> {
+/// The table as it is, with `bytes` in all.
+fn table_buffer(device: &wgpu::Device, table: &Table, bytes: u64) -> Result<wgpu::Buffer, SceneError> {
     let contents: &[u8] = bytemuck::cast_slice(&table.parts);
     let label = "scene table";
     let limit = device.limits().max_buffer_size;
-    check(&[Allocation { label, bytes: contents.len() as u64 }], limit, None)?;
+    check(&[Allocation { label, bytes }], limit, None)?;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-    let bytes = contents.len() as u64;
     let buffer = guarded(device, bytes, || mapped(device, label, bytes, usage))?;
     if !write_mapped(&buffer, contents) {
         return Err(DeviceError::Lost.into());
@@ -122,6 +136,7 @@ fn parts(
     table: &Table,
     sizes: &[Vec<GroupSizes>],
     places: &[Vec<WorkPlace>],
+    room: impl Fn(usize) -> u32,
     limits: &DispatchLimits,
 ) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
     let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
@@ -160,7 +175,7 @@ fn parts(
                 edges: group.edge_slots(),
                 vertices_per_edge: VERTICES_PER_EDGE,
             });
-            parts.push(GroupBatch { group: number, batch, sizes, dispatches, shape });
+            parts.push(GroupBatch { group: number, batch, sizes, lights: room(batch), dispatches, shape });
         }
     }
     (parts, uniforms, shapes)

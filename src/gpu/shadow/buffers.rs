@@ -41,13 +41,13 @@ pub(super) struct Capacities {
 }
 
 /// Bytes before the lists of sides of a batch: two counts for each light.
-pub(super) const SIDE_COUNTS: u64 = 4 * 64;
+pub(crate) const SIDE_COUNTS: u64 = 4 * 64;
 /// Bytes before the lists of cap faces: four counts for each light.
-pub(super) const CAP_COUNTS: u64 = 4 * 128;
+pub(crate) const CAP_COUNTS: u64 = 4 * 128;
 /// Bytes of the choices of a caster for a batch of lights.
-pub(super) const CHOICES: u64 = 32;
+pub(crate) const CHOICES: u64 = 32;
 /// Bytes of its measures for a light.
-const MEASURES: u64 = 8;
+pub(crate) const MEASURES: u64 = 8;
 
 /// The largest number of entries for which one binding has room, behind `head` bytes of counts.
 pub(super) fn fitting(lights: usize, head: u64, split: &DispatchLimits) -> u32 {

@@ -75,7 +75,8 @@ impl<'a> Resources<'a> {
             "draw" => return Some(binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64)),
             "seen" => &buffers.seen,
             "table" => &buffers.table,
-            "boxes" => &buffers.boxes,
+            // A single caster has no list of the lights that matter, and it is not read.
+            "boxes" | "lit" => &buffers.boxes,
             "choices" => &buffers.choices,
             "shadow_statistics" => &buffers.statistics,
             "shadow_draws" => &buffers.draws,
@@ -89,8 +90,6 @@ impl<'a> Resources<'a> {
             "silhouettes" => extracted.lists.get(batch)?,
             "silhouette_counts" => &extracted.counts,
             "extraction_statistics" => &extracted.statistics,
-            // A single caster has none, and it is not read.
-            "lit" => &buffers.boxes,
             _ => return None,
         };
         Some(buffer.as_entire_binding())

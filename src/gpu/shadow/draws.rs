@@ -1,19 +1,24 @@
 //! The draws of a light's shadow volume.
 
-use super::buffers::Buffers;
 use super::pipelines::ShadowPipelines;
-use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{DrawArguments, SeenLight, ShadowDraw, ShadowDraws};
+use crate::layout::DrawArguments;
 
-/// The bind groups of the draws.
-#[derive(Debug)]
-pub(super) struct DrawGroups {
-    /// Casters, camera and lights.
-    pub(super) frame: wgpu::BindGroup,
-    /// Edges and the lists of sides, one for each batch of lights.
-    pub(super) sides: Vec<wgpu::BindGroup>,
-    /// Faces and their lists, one for each batch of lights.
-    pub(super) caps: Vec<wgpu::BindGroup>,
+/// The bind groups of the draws of a light, and where its arguments lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightDraws<'a> {
+    /// Casters, camera and lights, with the offsets of the light in them.
+    pub(crate) frame: &'a wgpu::BindGroup,
+    pub(crate) uniform: u32,
+    pub(crate) seen: u32,
+    /// Edges and the lists of sides.
+    pub(crate) sides: &'a wgpu::BindGroup,
+    /// Faces and their lists.
+    pub(crate) caps: &'a wgpu::BindGroup,
+    /// The light's `ShadowDraws` and their offset.
+    pub(crate) draws: &'a wgpu::Buffer,
+    pub(crate) first: u64,
+    /// Whether volumes may end at the range.
+    pub(crate) may_end: bool,
 }
 
 // The numbers of the fields of `ShadowDraws`.
@@ -23,24 +28,14 @@ const CLIPPED: u64 = 1;
 const NEAR_CAPS: u64 = 2;
 const FAR_CAPS: u64 = 4;
 
-impl DrawGroups {
-    /// Draws the shadow volume of `light`.
-    pub(super) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipelines: &ShadowPipelines,
-        buffers: &Buffers,
-        light: usize,
-        may_end: bool,
-    ) {
-        let (Some(sides), Some(caps)) = (self.sides.get(light / 32), self.caps.get(light / 32)) else { return };
-        let uniform = (light * UniformTable::stride::<ShadowDraw>()) as u32;
-        let seen = (light * size_of::<SeenLight>()) as u32;
-        pass.set_bind_group(0, &self.frame, &[uniform, seen]);
-        let first = (light * size_of::<ShadowDraws>()) as u64;
+impl LightDraws<'_> {
+    /// Draws the shadow volumes of the light.
+    pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
+        let Self { frame, uniform, seen, sides, caps, draws, first, may_end } = self;
+        pass.set_bind_group(0, frame, &[uniform, seen]);
         let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
             pass.set_pipeline(pipeline);
-            pass.draw_indirect(&buffers.draws, first + kind * size_of::<DrawArguments>() as u64);
+            pass.draw_indirect(draws, first + kind * size_of::<DrawArguments>() as u64);
         };
         pass.set_bind_group(1, caps, &[]);
         if let Some((_, near_caps)) = &pipelines.near {

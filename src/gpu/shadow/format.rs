@@ -128,7 +128,9 @@ pub(crate) enum Count {
 pub(crate) struct VolumeKey {
     pub(super) entry_point: &'static str,
     /// The list of cap faces.
-    pub(crate) kind: u32,
+    pub(super) kind: u32,
+    /// Whether there may be several casters.
+    pub(super) many: bool,
     pub(super) count: Count,
     pub(super) turned: bool,
     pub(super) format: ShadowFormat,

@@ -4,12 +4,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::buffers::Buffers;
-use super::draws::DrawGroups;
+use super::draws::LightDraws;
 use super::errors::ShadowDrawError;
 use super::pipelines::{Convention, Layouts, ShadowPipelines};
 use crate::Light;
 use crate::gpu::common::requirements::check_same;
+use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::extraction::{self, Extraction};
+use crate::layout::{SeenLight, ShadowDraw, ShadowDraws};
+
+/// The bind groups of the draws.
+#[derive(Debug)]
+pub(super) struct DrawGroups {
+    /// Casters, camera and lights.
+    pub(super) frame: wgpu::BindGroup,
+    /// Edges and the lists of sides, one for each batch of lights.
+    pub(super) sides: Vec<wgpu::BindGroup>,
+    /// Faces and their lists, one for each batch of lights.
+    pub(super) caps: Vec<wgpu::BindGroup>,
+}
 
 /// State that volumes and their frames share.
 #[derive(Debug)]
@@ -85,17 +98,20 @@ impl ShadowFrame {
         }
         let devices = [pipelines.shared().device(), self.shared.source.device()];
         check_same(["the pipelines", "the volumes"], devices)?;
-        let (ours, theirs) = (self.shared.convention, pipelines.convention);
-        if ours.counting != theirs.counting {
-            return Err(ShadowDrawError::Counting { volumes: ours.counting, pipelines: theirs.counting });
-        }
-        if ours.depth != theirs.depth {
-            return Err(ShadowDrawError::Depth { volumes: ours.depth, pipelines: theirs.depth });
-        }
-        if ours.is_unclipped && !theirs.is_unclipped {
-            return Err(ShadowDrawError::FarPlane);
-        }
-        self.groups.draw(pass, pipelines, &self.shared.buffers, light, self.shared.may_end);
+        self.shared.convention.check_drawn_by(pipelines.convention)?;
+        let DrawGroups { frame, sides, caps } = &*self.groups;
+        let (Some(sides), Some(caps)) = (sides.get(light / 32), caps.get(light / 32)) else { return Ok(()) };
+        let draws = LightDraws {
+            frame,
+            uniform: (light * UniformTable::stride::<ShadowDraw>()) as u32,
+            seen: (light * size_of::<SeenLight>()) as u32,
+            sides,
+            caps,
+            draws: &self.shared.buffers.draws,
+            first: (light * size_of::<ShadowDraws>()) as u64,
+            may_end: self.shared.may_end,
+        };
+        draws.draw(pass, pipelines);
         Ok(())
     }
 }

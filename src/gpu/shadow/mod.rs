@@ -1,13 +1,14 @@
 //! Shadow volumes. The GPU chooses the faces that cast and the counting method. Indirect draws draw sides and caps.
 
-mod buffers;
+pub(crate) mod buffers;
 mod choice;
-mod draws;
-mod errors;
+pub(crate) mod draws;
+pub(crate) mod errors;
 pub(crate) mod format;
 mod frame;
 mod options;
-mod pipelines;
+pub(crate) mod pipelines;
+pub(crate) mod scene_pipelines;
 mod volumes;
 
 pub use errors::{ShadowDrawError, ShadowEncodeError, ShadowVolumesError};
@@ -15,4 +16,5 @@ pub use format::{ShadowFormat, ShadowFormatError};
 pub use frame::ShadowFrame;
 pub use options::ShadowOptions;
 pub use pipelines::ShadowPipelines;
+pub use scene_pipelines::ScenePipelines;
 pub use volumes::ShadowVolumes;

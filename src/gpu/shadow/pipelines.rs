@@ -2,6 +2,7 @@
 
 use wgpu::{CompareFunction, StencilOperation};
 
+use super::errors::ShadowDrawError;
 use super::format::{Count, ShadowFormat, ShadowFormatError, VolumeKey};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
@@ -14,28 +15,42 @@ const FAR: u32 = 2;
 
 /// The layouts of the bind groups that draws use.
 #[derive(Clone, Debug)]
-pub(super) struct Layouts {
+pub(crate) struct Layouts {
     /// Casters, camera and lights.
-    pub(super) frame: wgpu::BindGroupLayout,
+    pub(crate) frame: wgpu::BindGroupLayout,
     /// Edges and the lists of sides.
-    pub(super) side_data: wgpu::BindGroupLayout,
+    pub(crate) side_data: wgpu::BindGroupLayout,
     /// Faces and their lists.
-    pub(super) cap_data: wgpu::BindGroupLayout,
+    pub(crate) cap_data: wgpu::BindGroupLayout,
 }
 
 /// The properties in which volumes and the pipelines that draw them must agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Convention {
-    pub(super) counting: Counting,
-    pub(super) depth: DepthDirection,
+pub(crate) struct Convention {
+    pub(crate) counting: Counting,
+    pub(crate) depth: DepthDirection,
     /// z-fail draws caps that a far plane does not clip.
-    pub(super) is_unclipped: bool,
+    pub(crate) is_unclipped: bool,
 }
 
 impl Convention {
     /// Whether dark caps are drawn at infinity, where a far plane would clip them.
-    pub(super) fn needs_far_end(self) -> bool {
+    pub(crate) fn needs_far_end(self) -> bool {
         self.counting.may_fail() && !self.is_unclipped
+    }
+
+    /// Refuses to draw volumes of this convention by pipelines of another.
+    pub(crate) fn check_drawn_by(self, pipelines: Self) -> Result<(), ShadowDrawError> {
+        if self.counting != pipelines.counting {
+            return Err(ShadowDrawError::Counting { volumes: self.counting, pipelines: pipelines.counting });
+        }
+        if self.depth != pipelines.depth {
+            return Err(ShadowDrawError::Depth { volumes: self.depth, pipelines: pipelines.depth });
+        }
+        if self.is_unclipped && !pipelines.is_unclipped {
+            return Err(ShadowDrawError::FarPlane);
+        }
+        Ok(())
     }
 }
 
@@ -44,16 +59,16 @@ impl Convention {
 #[derive(Debug)]
 pub struct ShadowPipelines {
     shared: Pipelines,
-    pub(super) convention: Convention,
-    pub(super) layouts: Layouts,
+    pub(crate) convention: Convention,
+    pub(crate) layouts: Layouts,
     /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
-    pub(super) side: wgpu::RenderPipeline,
+    pub(crate) side: wgpu::RenderPipeline,
     /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
-    pub(super) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    pub(crate) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// Dark caps of volumes that end, with z-pass: one for each list.
-    pub(super) ends: Option<[wgpu::RenderPipeline; 2]>,
+    pub(crate) ends: Option<[wgpu::RenderPipeline; 2]>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
-    pub(super) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
+    pub(crate) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
 
 impl ShadowPipelines {
@@ -67,38 +82,30 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        let pipelines = pipelines.into();
+        Self::make(pipelines.into(), format, counting, false)
+    }
+
+    /// `many`: for the casters of a scene, which are found in the table.
+    pub(crate) fn make(
+        pipelines: Pipelines,
+        format: &ShadowFormat,
+        counting: Counting,
+        many: bool,
+    ) -> Result<Self, ShadowFormatError> {
         pipelines.clone().construct(Subject::Shadow, || {
             check(pipelines.device(), format, counting.may_fail())?;
             let device = pipelines.device().clone();
-            any_error(&device, || Self::with(pipelines, format, counting))
+            any_error(&device, || Self::with(pipelines, format, counting, many))
                 .map_err(|message| ShadowFormatError::Refused { message })
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting) -> Self {
+    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, many: bool) -> Self {
         let is_zp_plus_2005 = counting.is_zp_plus_2005();
         let is_fail = counting.may_fail();
-        let uniform = |dynamic| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: dynamic,
-            min_binding_size: None,
-        };
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let seen = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: true,
-            min_binding_size: None,
-        };
-        let frame = shared.layout("shadow frame", entries(&[uniform(false), uniform(true), seen, storage]));
-        let side_data = shared.layout("shadow sides", entries(&[storage; 6]));
-        let cap_data = shared.layout("shadow caps", entries(&[storage; 5]));
-        let sides = Maker { shared: &shared, format, stage: &SIDES, groups: [&frame, &side_data] };
-        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, groups: [&frame, &cap_data] };
+        let Layouts { frame, side_data, cap_data } = layouts(&shared);
+        let sides = Maker { shared: &shared, format, stage: &SIDES, many, groups: [&frame, &side_data] };
+        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, many, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
         let near = |side, cap| {
             let side = sides.pipeline(side, 0, Count::Visible, false);
@@ -126,7 +133,7 @@ impl ShadowPipelines {
     }
 
     /// The shared pipelines that these belong to.
-    pub(super) fn shared(&self) -> &Pipelines {
+    pub(crate) fn shared(&self) -> &Pipelines {
         &self.shared
     }
 
@@ -134,6 +141,29 @@ impl ShadowPipelines {
     pub fn counting(&self) -> Counting {
         self.convention.counting
     }
+}
+
+/// The layouts of the bind groups that draws use.
+pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
+    let uniform = |dynamic| wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: dynamic,
+        min_binding_size: None,
+    };
+    let storage = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let seen = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: true,
+        min_binding_size: None,
+    };
+    let frame = pipelines.layout("shadow frame", entries(&[uniform(false), uniform(true), seen, storage]));
+    let side_data = pipelines.layout("shadow sides", entries(&[storage; 6]));
+    let cap_data = pipelines.layout("shadow caps", entries(&[storage; 5]));
+    Layouts { frame, side_data, cap_data }
 }
 
 fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
@@ -179,18 +209,19 @@ struct Maker<'a> {
     shared: &'a Pipelines,
     format: &'a ShadowFormat,
     stage: &'static Stage,
+    many: bool,
     groups: [&'a wgpu::BindGroupLayout; 2],
 }
 
 impl Maker<'_> {
     /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
     fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
-        let key = VolumeKey { entry_point, kind, count, turned, format: self.format.clone() };
+        let key = VolumeKey { entry_point, kind, many: self.many, count, turned, format: self.format.clone() };
         self.shared.volume(&key, || self.make(&key))
     }
 
     fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { entry_point, kind, count, turned, ref format } = key;
+        let &VolumeKey { entry_point, kind, many, count, turned, ref format } = key;
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
         let module = self.shared.module(stage.name, &stage.wgsl());
@@ -203,8 +234,8 @@ impl Maker<'_> {
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
         let stencil = stencil(count, turned);
-        let constants = [("CAP_KIND", f64::from(kind))];
-        let constants = if is_caps { &constants[..] } else { &[] };
+        let constants = [("MANY", f64::from(u8::from(many))), ("CAP_KIND", f64::from(kind))];
+        let constants = if is_caps { &constants[..] } else { &constants[..1] };
         let targets: Vec<_> = format
             .colors
             .iter()

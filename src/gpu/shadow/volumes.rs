@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use super::buffers::{Buffers, CAP_COUNTS, CHOICES, Capacities, SIDE_COUNTS, fitting, fitting_caps};
 use super::choice::{Choice, Groups};
-use super::draws::DrawGroups;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
-use super::frame::{ShadowFrame, Shared};
+use super::frame::{DrawGroups, ShadowFrame, Shared};
 use super::options::ShadowOptions;
 use super::pipelines::{Convention, ShadowPipelines};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};

@@ -1,0 +1,257 @@
+//! Many casters in one scene: the same counts as each caster by itself, and right ones with matrices and far away.
+
+use glam::{DMat3, DQuat, DVec3};
+use rimline::gpu::{
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneFrame, SceneOptions, ScenePipelines,
+    ShadowFormat, ShadowOptions,
+};
+use rimline::reference::layout::{ShadowLight, ShadowStatistics};
+use rimline::{Counting, Light, Matrix3x4, Mesh};
+
+use crate::classes::CLASSES;
+use crate::render::{Counted, Placing, Renderer};
+use crate::scene::{Body, Frame};
+use crate::trials::{Test, Traced, seed};
+use rimline_measure::device::Gpu;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("casters_in_a_scene_count_as_each_by_itself", alike),
+    ("casters_in_a_scene_with_lists_that_overflow", overflow),
+    ("rigid_casters_far_away_and_at_any_scale", far_away),
+];
+
+/// The casters of a frame in one scene, encoded for the frame's camera.
+pub(crate) struct InScene {
+    frame: SceneFrame,
+    pipelines: ScenePipelines,
+    lights: Vec<LightHandle>,
+    casters: Vec<CasterHandle>,
+}
+
+/// How far the world is moved. At this size numbers are eighths apart.
+const FAR: [f32; 3] = [1_048_576.0, -1_500_000.0, 1_100_000.0];
+
+/// To whole eighths.
+fn rounded(value: f64) -> f64 {
+    (8.0 * value).round() / 8.0
+}
+
+/// A matrix at random, about a place near the body, and the positions that it brings to where they are.
+fn turned(random: &mut Random, body: &Body) -> (Vec<[f32; 3]>, Matrix3x4) {
+    let positions = &body.shape.positions;
+    let some = positions[random.below(positions.len())].map(f64::from);
+    let centre = if some.iter().all(|c| c.is_finite()) { some } else { [0.0; 3] }.map(rounded);
+    let scale = [1e-3, 0.1, 1.0, 20.0, 1e3][random.below(5)];
+    let [x, y, z] = random.direction().map(f64::from);
+    let turn =
+        DMat3::from_quat(DQuat::from_axis_angle(DVec3::new(x, y, z).normalize(), f64::from(random.between(0.0, 6.0))));
+    let flip = if random.below(3) == 0 { -1.0 } else { 1.0 };
+    // As the scene gets it.
+    let matrix = (turn * DMat3::from_diagonal(DVec3::new(flip, 1.0, 1.0)) * scale).as_mat3();
+    let inverse = matrix.as_dmat3().inverse();
+    let own = |p: &[f32; 3]| (inverse * (DVec3::from(p.map(f64::from)) - DVec3::from(centre))).as_vec3().to_array();
+    let row = |axis: usize| {
+        let [x, y, z] = matrix.row(axis).to_array();
+        [x, y, z, centre[axis] as f32 + FAR[axis]]
+    };
+    (positions.iter().map(own).collect(), [row(0), row(1), row(2)])
+}
+
+/// A frame whose lights and eye are still the same once they are moved by [`FAR`].
+fn movable(mut frame: Frame) -> Frame {
+    for light in frame.lights.iter_mut().filter(|light| light.w != 0.0) {
+        *light = Light::point(light.xyz.map(|c| rounded(f64::from(c / light.w)) as f32));
+    }
+    frame.eye.place = DVec3::from(frame.eye.place.to_array().map(rounded));
+    frame.eye.is_relative = true;
+    frame
+}
+
+fn rows(scale: [f32; 3]) -> Matrix3x4 {
+    let [x, y, z] = scale;
+    [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
+}
+
+impl InScene {
+    pub(crate) fn new(
+        renderer: &Renderer<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        counting: Counting,
+        format: &ShadowFormat,
+    ) -> Result<Self, String> {
+        let gpu = renderer.gpu;
+        let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
+        let options = SceneOptions {
+            max_lights: frame.lights.len(),
+            list_capacity: renderer.list_capacity,
+            counting,
+            skip_unseen,
+            end_at_range,
+            cap_capacity,
+            ..SceneOptions::default()
+        };
+        let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
+        let mut camera = frame.eye.camera();
+        let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };
+        camera.origin = std::array::from_fn(|axis| camera.origin[axis] + far[axis]);
+        let mut lights = Vec::new();
+        for light in &frame.lights {
+            let xyz = std::array::from_fn(|axis| light.xyz[axis] + light.w * far[axis]);
+            lights.push(scene.add_light(Light { xyz, range: renderer.range, ..*light }).map_err(text)?);
+        }
+        let mut random = Random::new(if let Placing::Moved(seed) = renderer.placing { seed } else { 0 });
+        let mut casters = Vec::new();
+        for body in frame.bodies.iter().filter(|body| body.casts) {
+            let mesh = |faces: &[[u32; 3]]| Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text);
+            let mirrored = || body.shape.faces.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
+            let (mesh, own, positions) = match (renderer.placing, body.mirror) {
+                (Placing::Moved(_), _) => {
+                    let (own, matrix) = turned(&mut random, body);
+                    (mesh(&body.shape.faces)?, own, CasterPositions::Rigid(matrix))
+                }
+                (_, Some(mirror)) => {
+                    // Mirroring twice is nothing.
+                    let own = body.shape.positions.iter().map(|&p| (glam::Vec3::from(p) * mirror).to_array());
+                    (mesh(&mirrored())?, own.collect(), CasterPositions::Rigid(rows(mirror.to_array())))
+                }
+                (_, None) => {
+                    let buffer = gpu.storage(&body.shape.positions);
+                    let positions = CasterPositions::Buffer { buffer, offset: 0, stride: 12 };
+                    (mesh(&body.shape.faces)?, body.shape.positions.clone(), positions)
+                }
+            };
+            let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
+            let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: !renderer.options.every_face };
+            casters.push(scene.insert(caster).map_err(text)?);
+        }
+        let pipelines = ScenePipelines::new(&renderer.pipelines, format, counting).map_err(text)?;
+        let frame = scene.encode(encoder, &[camera], None).map_err(text)?;
+        Ok(Self { frame, pipelines, lights, casters })
+    }
+
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), String> {
+        self.frame.draw(pass, &self.pipelines, 0, self.lights[light]).map_err(text)
+    }
+
+    /// Of what was chosen only which faces cast, and whether near caps may be needed.
+    pub(crate) fn read(&self, gpu: &Gpu, counted: &mut Counted) -> Result<(), String> {
+        let results = self.frame.results().map_err(text)?;
+        let choices = results.choices.ok_or("no view")?;
+        let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
+        for &caster in &self.casters {
+            let (index, _) = self.frame.place(caster).ok_or("the caster is not in the frame")?;
+            let chosen = |light: &LightHandle| {
+                let batch = light.bit() as usize / 32;
+                let at = 8 * (batch * self.casters.len() + index as usize);
+                let is_set = |word: usize| words[at + word] >> (light.bit() % 32) & 1;
+                let casting = is_set(0) + (is_set(0) & is_set(1));
+                ShadowLight { casting, counting: is_set(2), ..bytemuck::Zeroable::zeroed() }
+            };
+            counted.chosen.push(self.lights.iter().map(chosen).collect());
+        }
+        let statistics = self.frame.shadow_statistics().ok_or("no view")?;
+        counted.statistics.extend(gpu.read::<ShadowStatistics>(statistics, 1)?);
+        Ok(())
+    }
+}
+
+const METHODS: [Counting; 4] = [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass];
+
+/// Whether two ways of drawing a frame count the same in every pixel and choose the same faces.
+fn compare(what: &str, alone: &Counted, together: &Counted) -> Result<(), String> {
+    let casting = |counted: &Counted| counted.chosen.iter().flatten().map(|light| light.casting).collect::<Vec<_>>();
+    same(&format!("{what}, faces that cast"), &casting(together), &casting(alone))?;
+    for (light, (together, alone)) in together.stencils.iter().zip(&alone.stencils).enumerate() {
+        same(&format!("{what}, light {light}"), together, alone)?;
+    }
+    Ok(())
+}
+
+/// Frames of all classes, without bodies that are mirrored: those have other bits in a scene.
+fn alike() -> Result<(), String> {
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let (mut shadowed, mut capped) = (0, 0);
+    for class in CLASSES {
+        for number in 200..if is_long() { 220 } else { 202 } {
+            let seed = seed(class, number);
+            let mut frame = (class.frame)(&mut Random::new(seed));
+            frame.bodies.iter_mut().for_each(|body| body.mirror = None);
+            frame.size = 48;
+            // Another light, so that they differ.
+            let [x, y, z] = frame.lights[0].xyz;
+            frame.lights.push(Light::homogeneous([x + 1.0, y - 0.5, z + 0.25, frame.lights[0].w]));
+            for counting in METHODS {
+                let options = ShadowOptions { end_at_range: number % 2 == 1, ..ShadowOptions::default() };
+                let renderer = |placing| Renderer { options, range: 12.0, placing, ..Renderer::new(gpu) };
+                let what = format!("{}, seed {seed}, {counting:?}", class.name);
+                let alone = renderer(Placing::Alone).count(&frame, counting)?;
+                let mut together = renderer(Placing::Scene).count(&frame, counting)?;
+                compare(&what, &alone, &together)?;
+                shadowed += alone.stencils.iter().flatten().filter(|&&count| count != 0).count();
+                capped += together.statistics.iter().filter(|statistics| statistics.capped > 0).count();
+                together.stencils[1][7] ^= 1;
+                must_fail("another count", &compare(&what, &alone, &together))?;
+            }
+        }
+    }
+    println!("{shadowed} pixels in shadow, {capped} pictures with near caps");
+    if shadowed < 10_000 || capped < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+/// Lists with room for some, or for one: the same counts.
+fn overflow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut overflowed = [0; 2];
+    for class in CLASSES {
+        let seed = seed(class, 210);
+        let mut frame = (class.frame)(&mut Random::new(seed));
+        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
+        frame.size = 48;
+        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+            let whole = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) }.count(&frame, counting)?;
+            for (list_capacity, cap_capacity) in [(Some(1), None), (Some(40), Some(3)), (None, Some(1))] {
+                let options = ShadowOptions { cap_capacity, ..ShadowOptions::default() };
+                let renderer = Renderer { placing: Placing::Scene, list_capacity, options, ..Renderer::new(gpu) };
+                let counted = renderer.count(&frame, counting)?;
+                let what =
+                    format!("{}, seed {seed}, {counting:?}, room for {list_capacity:?}, {cap_capacity:?}", class.name);
+                compare(&what, &whole, &counted)?;
+                overflowed[0] += counted.statistics[0].overflowed_sides;
+                overflowed[1] += counted.statistics[0].overflowed_caps;
+            }
+        }
+    }
+    println!("lights with lists that overflowed: of sides {}, of caps {}", overflowed[0], overflowed[1]);
+    if overflowed.contains(&0) { Err("no list of a kind overflowed".to_owned()) } else { Ok(()) }
+}
+
+/// Rigid casters with matrices of scales from a thousandth to a thousand, mirrored ones among them, a million away.
+fn far_away() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut shadowed, mut failures, mut hairlines) = (0, Vec::new(), 0);
+    for class in CLASSES {
+        for number in 220..if is_long() { 260 } else { 222 } {
+            let seed = seed(class, number);
+            let frame = movable((class.frame)(&mut Random::new(seed)));
+            let traced = Traced::of(frame, seed);
+            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+            for counting in [Counting::Auto, Counting::ZpPlus] {
+                let renderer = Renderer { placing: Placing::Moved(seed), ..Renderer::new(gpu) };
+                match traced.check(&renderer, counting, false) {
+                    Ok((wrong, _)) => hairlines += wrong.hairlines.len(),
+                    Err(error) => failures.push(format!("{}: {error}", class.name)),
+                }
+            }
+        }
+    }
+    println!("{shadowed} pixels in shadow, {hairlines} on hairlines");
+    match failures.first() {
+        Some(first) => Err(format!("{} frames, first {first}", failures.len())),
+        None if shadowed < 10_000 => Err("too few pixels in shadow".to_owned()),
+        None => Ok(()),
+    }
+}
