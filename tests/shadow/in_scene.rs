@@ -6,11 +6,11 @@ use rimline::gpu::{
     ShadowFormat, ShadowOptions,
 };
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::{Counting, Light, Matrix3x4, Mesh};
+use rimline::{Counting, Light, Matrix3x4, Mesh, ShadowCamera};
 
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
-use crate::scene::{Body, Frame};
+use crate::scene::{Body, Eye, Frame};
 use crate::trials::{Test, Traced, seed};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
@@ -20,6 +20,7 @@ use rimline_measure::{is_long, must_fail, same};
 pub(crate) const TESTS: &[Test] = &[
     ("casters_in_a_scene_count_as_each_by_itself", alike),
     ("casters_in_a_scene_with_lists_that_overflow", overflow),
+    ("scenes_with_a_past_many_lights_and_views", busy),
     ("rigid_casters_far_away_and_at_any_scale", far_away),
 ];
 
@@ -29,6 +30,8 @@ pub(crate) struct InScene {
     pipelines: ScenePipelines,
     lights: Vec<LightHandle>,
     casters: Vec<CasterHandle>,
+    /// The view that is drawn.
+    view: usize,
 }
 
 /// How far the world is moved. At this size numbers are eighths apart.
@@ -75,6 +78,55 @@ fn rows(scale: [f32; 3]) -> Matrix3x4 {
     [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]]
 }
 
+/// Another camera of the same kind.
+fn other_view(frame: &Frame, random: &mut Random) -> Eye {
+    let away = DVec3::from(random.direction().map(f64::from));
+    let place = frame.eye.place + away;
+    Eye { place, forward: -away, ..frame.eye }
+}
+
+/// Casters and lights that will be gone.
+struct Past {
+    casters: Vec<CasterHandle>,
+    lights: Vec<LightHandle>,
+}
+
+impl Past {
+    fn new(
+        renderer: &Renderer<'_>,
+        scene: &mut Scene,
+        frame: &Frame,
+        camera: &ShadowCamera,
+        random: &mut Random,
+    ) -> Result<Self, String> {
+        let light = |random: &mut Random| Light::point(random.direction().map(|c| 4.0 * c));
+        let mut lights: Vec<_> =
+            (0..3).map(|_| scene.add_light(light(random)).map_err(text)).collect::<Result<_, _>>()?;
+        let mut casters = Vec::new();
+        for body in frame.bodies.iter().take(2) {
+            let mesh = Mesh::from_faces(body.shape.positions.len(), body.shape.faces.clone()).map_err(text)?;
+            let mesh = scene.add_mesh(&mesh, &body.shape.positions).map_err(text)?;
+            let places = [[1.0; 3], [0.5, 0.5, 0.5]].map(rows);
+            for place in places {
+                casters.push(scene.insert(Caster::rigid(mesh, place)).map_err(text)?);
+            }
+        }
+        renderer.gpu.submit(|encoder| scene.encode(encoder, &[*camera; 2], None).map_err(text))?;
+        // Some go, some move.
+        scene.remove(casters.swap_remove(random.below(casters.len()))).map_err(text)?;
+        scene.remove_light(lights.swap_remove(random.below(lights.len()))).map_err(text)?;
+        scene.set_transform(casters[0], rows([2.0, 1.0, 1.0])).map_err(text)?;
+        scene.set_light(lights[0], light(random)).map_err(text)?;
+        renderer.gpu.submit(|encoder| scene.encode(encoder, &[*camera], None).map_err(text))?;
+        Ok(Self { casters, lights })
+    }
+
+    fn go(self, scene: &mut Scene) -> Result<(), String> {
+        self.casters.into_iter().try_for_each(|caster| scene.remove(caster).map_err(text))?;
+        self.lights.into_iter().try_for_each(|light| scene.remove_light(light).map_err(text))
+    }
+}
+
 impl InScene {
     pub(crate) fn new(
         renderer: &Renderer<'_>,
@@ -86,7 +138,7 @@ impl InScene {
         let gpu = renderer.gpu;
         let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
         let options = SceneOptions {
-            max_lights: frame.lights.len(),
+            max_lights: frame.lights.len() + 3,
             list_capacity: renderer.list_capacity,
             counting,
             skip_unseen,
@@ -98,12 +150,17 @@ impl InScene {
         let mut camera = frame.eye.camera();
         let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };
         camera.origin = std::array::from_fn(|axis| camera.origin[axis] + far[axis]);
+        let mut random = Random::new(match renderer.placing {
+            Placing::Moved(seed) | Placing::Busy(seed) => seed,
+            _ => 0,
+        });
+        let is_busy = matches!(renderer.placing, Placing::Busy(_));
+        let past = if is_busy { Some(Past::new(renderer, &mut scene, frame, &camera, &mut random)?) } else { None };
         let mut lights = Vec::new();
         for light in &frame.lights {
             let xyz = std::array::from_fn(|axis| light.xyz[axis] + light.w * far[axis]);
             lights.push(scene.add_light(Light { xyz, range: renderer.range, ..*light }).map_err(text)?);
         }
-        let mut random = Random::new(if let Placing::Moved(seed) = renderer.placing { seed } else { 0 });
         let mut casters = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.casts) {
             let mesh = |faces: &[[u32; 3]]| Mesh::from_faces(body.shape.positions.len(), faces.to_vec()).map_err(text);
@@ -129,12 +186,27 @@ impl InScene {
             casters.push(scene.insert(caster).map_err(text)?);
         }
         let pipelines = ScenePipelines::new(&renderer.pipelines, format, counting).map_err(text)?;
-        let frame = scene.encode(encoder, &[camera], None).map_err(text)?;
-        Ok(Self { frame, pipelines, lights, casters })
+        let mut cameras = vec![camera];
+        let mut view = 0;
+        if let Some(past) = past {
+            // Recorded, but never submitted.
+            let mut dropped = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            scene.encode(&mut dropped, &cameras, None).map_err(text)?;
+            past.go(&mut scene)?;
+            view = random.below(3);
+            while cameras.len() <= 2 {
+                let place = if cameras.len() <= view { 0 } else { cameras.len() };
+                cameras.insert(place, other_view(frame, &mut random).camera());
+            }
+            // As much once more into the same encoder: it is overwritten.
+            scene.encode(encoder, &cameras[..=random.below(3)], None).map_err(text)?;
+        }
+        let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
+        Ok(Self { frame, pipelines, lights, casters, view })
     }
 
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, light: usize) -> Result<(), String> {
-        self.frame.draw(pass, &self.pipelines, 0, self.lights[light]).map_err(text)
+        self.frame.draw(pass, &self.pipelines, self.view, self.lights[light]).map_err(text)
     }
 
     /// Of what was chosen only which faces cast, and whether near caps may be needed.
@@ -142,11 +214,12 @@ impl InScene {
         let results = self.frame.results().map_err(text)?;
         let choices = results.choices.ok_or("no view")?;
         let words: Vec<u32> = gpu.read(choices, usize::MAX)?;
+        let first = 8 * self.view * self.frame.batches() * self.casters.len();
         for &caster in &self.casters {
             let (index, _) = self.frame.place(caster).ok_or("the caster is not in the frame")?;
             let chosen = |light: &LightHandle| {
                 let batch = light.bit() as usize / 32;
-                let at = 8 * (batch * self.casters.len() + index as usize);
+                let at = first + 8 * (batch * self.casters.len() + index as usize);
                 let is_set = |word: usize| words[at + word] >> (light.bit() % 32) & 1;
                 let casting = is_set(0) + (is_set(0) & is_set(1));
                 ShadowLight { casting, counting: is_set(2), ..bytemuck::Zeroable::zeroed() }
@@ -200,6 +273,36 @@ fn alike() -> Result<(), String> {
     }
     println!("{shadowed} pixels in shadow, {capped} pictures with near caps");
     if shadowed < 10_000 || capped < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+/// Two batches of lights, three views, and what was there before: the same counts.
+fn busy() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut shadowed = 0;
+    for class in CLASSES {
+        let seed = seed(class, 215);
+        let mut random = Random::new(seed);
+        let mut frame = (class.frame)(&mut random);
+        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
+        frame.size = 24;
+        let [x, y, z] = frame.lights[0].xyz;
+        let w = frame.lights[0].w;
+        let more = (0..39).map(|_| {
+            let [a, b, c] = random.direction();
+            Light::homogeneous([x + a, y + b, z + c, w])
+        });
+        frame.lights.extend(more.collect::<Vec<_>>());
+        for counting in [Counting::Auto, Counting::ZFail] {
+            let what = format!("{}, seed {seed}, {counting:?}", class.name);
+            let renderer = |placing| Renderer { placing, ..Renderer::new(gpu) };
+            let alone = renderer(Placing::Alone).count(&frame, counting)?;
+            let together = renderer(Placing::Busy(seed)).count(&frame, counting)?;
+            compare(&what, &alone, &together)?;
+            shadowed += alone.stencils[32..].iter().flatten().filter(|&&count| count != 0).count();
+        }
+    }
+    println!("{shadowed} pixels in shadow of lights of the second batch");
+    if shadowed < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// Lists with room for some, or for one: the same counts.

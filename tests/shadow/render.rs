@@ -28,6 +28,9 @@ pub(crate) enum Placing {
     Alone,
     /// All are in one scene, at positions in world space. Those that are mirrored have a matrix.
     Scene,
+    /// The same in a scene with a past: of casters and lights that came and went, of encoders that were dropped, and with
+    /// further views. At random from this seed.
+    Busy(u64),
     /// All are rigid casters of one scene, with matrices at random from this seed, and the whole world is moved far away.
     Moved(u64),
 }
