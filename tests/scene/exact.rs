@@ -75,8 +75,8 @@ fn fast() -> Result<(), String> {
     if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
 }
 
-/// Places past the last light of a caster repeat it, and each caster has a bound of its own lights: neither leaves faces
-/// undecided that a single mesh would not.
+/// Places past the last light of a caster repeat it, and each caster has a bound of its own lights: neither leaves
+/// faces undecided that a single mesh would not.
 fn few_undecided() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(2801);
@@ -107,8 +107,8 @@ fn few_undecided() -> Result<(), String> {
 /// A workgroup of 64 that each have 40 faces, as many as a CPU's have.
 const FULL: u32 = 64 * 40;
 
-/// Every pair beyond `f32` and beyond fixed point, and as many faces as fill an invocation's turns, with all lights of a
-/// batch and with one left out: llvmpipe ends an invocation's loops after 65,535 turns without a word.
+/// Every pair beyond `f32` and beyond fixed point, and as many faces as fill an invocation's turns, with all lights of
+/// a batch and with one left out: llvmpipe ends an invocation's loops after 65,535 turns without a word.
 fn full_invocations() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 2901;

@@ -187,7 +187,8 @@ fn growth() -> Result<(), String> {
     if frame.groups() < 2 { Err("one page held everything".to_owned()) } else { Ok(()) }
 }
 
-/// Groups of more slots than a binding holds are several, and dispatches of more workgroups than the device allows, too.
+/// Groups of more slots than a binding holds are several, and dispatches of more workgroups than the device allows,
+/// too.
 fn small_device() -> Result<(), String> {
     let gpu = limited(1 << 16, 1 << 20, 1)?;
     let mut cut = 0;

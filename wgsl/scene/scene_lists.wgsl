@@ -2,8 +2,8 @@
 
 @group(0) @binding(2) var<storage, read> facing_masks: array<u32>;
 
-// The number of silhouette edges of each light of a batch, including those that its list has no room for, then the lists.
-// An entry is an edge slot, with the winding bit as bit 31.
+// The number of silhouette edges of each light of a batch, including those that its list has no room for, then the
+// lists. An entry is an edge slot, with the winding bit as bit 31.
 struct SceneLists {
   counts: array<atomic<u32>, 32>,
   entries: array<u32>,

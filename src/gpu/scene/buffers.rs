@@ -63,8 +63,8 @@ impl GroupSizes {
     }
 }
 
-/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and each
-/// light has room for the silhouettes of smooth casters.
+/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and
+/// each light has room for the silhouettes of smooth casters.
 fn default_capacity(group: &Group, lights: u32) -> u64 {
     let counts = group.counts;
     let shared = 4 * counts.consistent / lights.max(1) as usize;
@@ -185,8 +185,8 @@ impl Maker<'_> {
     }
 }
 
-/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of edge
-/// chunks follows, and the two lists.
+/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of
+/// edge chunks follows, and the two lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WorkPlace {
     pub(crate) count: u64,

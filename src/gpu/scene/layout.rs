@@ -13,8 +13,8 @@ use crate::gpu::common::memory::MemoryError;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
-/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A source
-/// with more slots than a binding holds has several groups.
+/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A
+/// source with more slots than a binding holds has several groups.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,
@@ -41,7 +41,8 @@ pub(crate) struct Layout {
     pub(crate) uploaded: usize,
 }
 
-/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their number.
+/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their
+/// number.
 fn smooth_edges(consistent: usize) -> usize {
     (16 * consistent.isqrt()).min(consistent)
 }

@@ -4,6 +4,7 @@ use slotmap::{DefaultKey, SlotMap};
 
 use super::buffers::{Buffers, GroupSizes, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
+use super::errors::SceneError;
 use super::layout::Layout;
 use super::lights::Lights;
 use super::options::SceneOptions;
@@ -16,8 +17,6 @@ use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DrawShape, LANES, SceneDispatch};
-
-use super::errors::SceneError;
 
 /// One group of casters and one batch of lights, as the stages are dispatched for them.
 #[derive(Clone, Debug)]
@@ -90,7 +89,8 @@ impl Structure {
         Ok(Self { layout, table: table_buffer, buffers, batches, parts, uniforms, shapes })
     }
 
-    /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the page's.
+    /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
+    /// page's.
     pub(crate) fn source<'a>(&self, making: &Making<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
         let source = making.sources.get(self.layout.groups.get(group)?.source)?;
         Some((making.pages.get(source.page)?, source))
