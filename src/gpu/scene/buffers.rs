@@ -37,6 +37,7 @@ pub(crate) struct GroupSizes {
     pub(crate) capacity: u32,
 }
 
+const DRAWS_LABEL: &str = "draw arguments";
 const DRAWS: u64 = 32 * size_of::<DrawArguments>() as u64;
 
 impl GroupSizes {
@@ -104,11 +105,10 @@ impl Maker<'_> {
         match old {
             Some(old) if Self::is_kept(Some(old), bytes) => old.clone(),
             _ => {
-                let usage = wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_SRC
-                    | wgpu::BufferUsages::COPY_DST
-                    | wgpu::BufferUsages::INDIRECT;
-                buffer(self.device, label, bytes, usage)
+                let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+                // wgpu makes objects of its own for each indirect buffer.
+                let indirect = if label == DRAWS_LABEL { wgpu::BufferUsages::INDIRECT } else { usage };
+                buffer(self.device, label, bytes, usage | indirect)
             }
         }
     }
@@ -140,7 +140,7 @@ impl Buffers {
                 maker.want("masks of lights in a face's plane", sizes.excluded, old.map(|old| &old.excluded));
                 maker.want("undecided faces", sizes.record, old.map(|old| &old.record));
                 maker.want("edge lists", sizes.lists, old.map(|old| &old.lists));
-                maker.want("draw arguments", DRAWS, old.map(|old| &old.draws));
+                maker.want(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws));
             }
         }
         maker.want("lights of casters", 4 * lit, old.map(|old| &old.lit));
@@ -180,7 +180,7 @@ impl Maker<'_> {
             excluded: self.take("masks of lights in a face's plane", sizes.excluded, old.map(|old| &old.excluded)),
             record: self.take("undecided faces", sizes.record, old.map(|old| &old.record)),
             lists: self.take("edge lists", sizes.lists, old.map(|old| &old.lists)),
-            draws: self.take("draw arguments", DRAWS, old.map(|old| &old.draws)),
+            draws: self.take(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws)),
         }
     }
 }
