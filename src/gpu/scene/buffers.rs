@@ -84,10 +84,27 @@ pub(crate) struct Buffers {
     pub(crate) work: wgpu::Buffer,
 }
 
+/// What buffers are wanted for.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// The sizes of each group and batch.
+    pub(crate) groups: &'a [Vec<GroupSizes>],
+    /// Words for the lights of casters.
+    pub(crate) lit: u64,
+    /// Words of work lists.
+    pub(crate) work: u64,
+    /// Bytes of the rest of the scene.
+    pub(crate) others: u64,
+    pub(crate) memory_limit: Option<u64>,
+}
+
 /// Makes buffers, or takes old ones that are large enough.
 struct Maker<'a> {
     device: &'a wgpu::Device,
     wanted: Vec<Allocation>,
+    /// The largest size that a buffer may take beyond its need, when it replaces one that became too small: a scene that
+    /// grows caster by caster does not make its buffers anew in each frame.
+    headroom: u64,
 }
 
 impl Maker<'_> {
@@ -96,42 +113,58 @@ impl Maker<'_> {
         old.is_some_and(|old| old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16))
     }
 
+    /// The size of the buffer that is kept or made.
+    fn size(&self, bytes: u64, old: Option<&wgpu::Buffer>) -> u64 {
+        match old {
+            Some(old) if Self::is_kept(Some(old), bytes) => old.size(),
+            Some(old) if old.size() < bytes => padded(bytes + bytes / 4).min(self.headroom).max(padded(bytes)),
+            _ => padded(bytes),
+        }
+    }
+
     fn want(&mut self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) {
-        let bytes = if Self::is_kept(old, bytes) { old.map_or(0, wgpu::Buffer::size) } else { padded(bytes) };
+        let bytes = self.size(bytes, old);
         self.wanted.push(Allocation { label, bytes });
     }
 
     fn take(&self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) -> wgpu::Buffer {
-        match old {
-            Some(old) if Self::is_kept(Some(old), bytes) => old.clone(),
-            _ => {
-                let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-                // wgpu makes objects of its own for each indirect buffer.
-                let indirect = if label == DRAWS_LABEL { wgpu::BufferUsages::INDIRECT } else { usage };
-                buffer(self.device, label, bytes, usage | indirect)
-            }
+        if let Some(old) = old.filter(|old| Self::is_kept(Some(old), bytes)) {
+            return old.clone();
         }
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        // wgpu makes objects of its own for each indirect buffer.
+        let indirect = if label == DRAWS_LABEL { wgpu::BufferUsages::INDIRECT } else { usage };
+        buffer(self.device, label, self.size(bytes, old), usage | indirect)
     }
 }
 
 impl Buffers {
-    /// Buffers for groups of these sizes, `casters` casters, and work lists of `work` words. `others` are the bytes of
-    /// the rest of the scene.
+    /// Makes what is wanted, or takes `old` where it is large enough.
     pub(crate) fn new(
         device: &wgpu::Device,
         old: Option<&Self>,
-        groups: &[Vec<GroupSizes>],
-        [lit, work]: [u64; 2],
-        others: u64,
-        options: &SceneOptions,
+        wanted: &Wanted<'_>,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
+        let Wanted { lit, work, .. } = *wanted;
         for (what, bytes) in [("lights of casters", 4 * lit), ("lists of chunks", 4 * work)] {
             if bytes > limits.binding {
                 return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
             }
         }
-        let mut maker = Maker { device, wanted: Vec::new() };
+        let with_headroom = Self::make(device, old, wanted, limits, limits.binding);
+        with_headroom.or_else(|_| Self::make(device, old, wanted, limits, 0))
+    }
+
+    fn make(
+        device: &wgpu::Device,
+        old: Option<&Self>,
+        wanted: &Wanted<'_>,
+        limits: &DispatchLimits,
+        headroom: u64,
+    ) -> Result<Self, MemoryError> {
+        let Wanted { groups, lit, work, others, memory_limit } = *wanted;
+        let mut maker = Maker { device, wanted: Vec::new(), headroom };
         let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
         for (group, batches) in groups.iter().enumerate() {
             for (batch, sizes) in batches.iter().enumerate() {
@@ -148,7 +181,7 @@ impl Buffers {
         maker.wanted.push(Allocation { label: "pages and table", bytes: others });
         let own = maker.wanted.len() - 1;
         check(maker.wanted.get(..own).unwrap_or_default(), limits.buffer, None)?;
-        let bytes = check(&maker.wanted, u64::MAX, options.memory_limit)?;
+        let bytes = check(&maker.wanted, u64::MAX, memory_limit)?;
         guarded(device, bytes, || Self {
             groups: groups
                 .iter()

@@ -2,7 +2,7 @@
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::buffers::{Buffers, GroupSizes, WorkPlace, work_places};
+use super::buffers::{Buffers, GroupSizes, Wanted, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
 use super::errors::SceneError;
 use super::layout::Layout;
@@ -81,7 +81,9 @@ impl Structure {
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64;
         let others = pages.bytes + table_bytes;
         let old = old.map(|old| &old.buffers);
-        let buffers = Buffers::new(device, old, &sizes, [lit, words], others, options, &limits)?;
+        let memory_limit = options.memory_limit;
+        let wanted = Wanted { groups: &sizes, lit, work: words, others, memory_limit };
+        let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table)?;
         let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, &limits);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
