@@ -19,6 +19,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_one_entry_overflow_and_are_counted", overflow),
     ("pools_grow_in_mid_run", growth),
     ("small_devices_cut_groups_and_dispatches", small_device),
+    ("a_scene_that_grows_keeps_its_buffers_for_some_frames", headroom),
 ];
 
 /// Encodes, submits and compares.
@@ -212,4 +213,24 @@ fn small_device() -> Result<(), String> {
         cut += frame.groups().saturating_sub(scene.content.meshes.len());
     }
     if cut == 0 { Err("no group was cut".to_owned()) } else { Ok(()) }
+}
+
+/// A caster more in each frame makes the buffers anew in a few frames only.
+fn headroom() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 2902, roomy(8))?;
+    scene.add_light()?;
+    let (mut made, mut last) = (0, None);
+    for step in 0..60 {
+        scene.insert_rigid_of(0)?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let facing = frame.results().map_err(text)?.groups.first().map(|group| group.facing.clone());
+        made += usize::from(facing != last);
+        last = facing;
+        if step % 20 == 19 {
+            check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
+        }
+    }
+    println!("made {made} times in 60 frames");
+    if (2..=25).contains(&made) { Ok(()) } else { Err(format!("made {made} times in 60 frames")) }
 }
