@@ -1,6 +1,7 @@
-//! `cargo bench --bench scene`: milliseconds of CPU time to record a scene, for 1 to 10,000 boxes and 5 lights where all
-//! stand still, 1 in 100 moves, all move, a light moves, and a caster comes; and of GPU time to extract 200 boxes and 200
-//! figures, beside the same faces merged into one mesh. GPU times are of the device's clock, or of a wall clock without.
+//! `cargo bench --bench scene`: milliseconds of CPU time to record a scene, for 1 to 10,000 boxes and 5 lights where
+//! all stand still, 1 in 100 moves, all move, a light moves, and a caster comes; and of GPU time to extract 200 boxes
+//! and 200 figures, beside the same faces merged into one mesh. GPU times are of the device's clock, or of a wall clock
+//! without.
 
 use std::time::Instant;
 

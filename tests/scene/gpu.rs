@@ -1,5 +1,6 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod exact;
 mod found;
 mod frames;
 mod random_scene;
@@ -10,6 +11,6 @@ mod stages;
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [scenes::TESTS, stages::TESTS, frames::TESTS, refusals::TESTS];
+    let tests = [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

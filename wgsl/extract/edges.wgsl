@@ -1,6 +1,7 @@
 // Edges: computes the silhouette and winding mask of each edge record from the facing masks of its faces. It writes the
-// masks, appends silhouette edges to the lists of the lights in no particular order, or does both. One text serves a single
-// mesh and a scene; `facing_mask` and `emit` are in facing_windows.wgsl and emit.wgsl, or in scene/scene_lists.wgsl.
+// masks, appends silhouette edges to the lists of the lights in no particular order, or does both. One text serves a
+// single mesh and a scene; `facing_mask` and `emit` are in facing_windows.wgsl and emit.wgsl, or in
+// scene/scene_lists.wgsl.
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
 

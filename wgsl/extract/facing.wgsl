@@ -2,9 +2,9 @@
 // side. The bit is the sign of det[b - a, c - a, l - w a] (NUMERICS.md, "Facing"). One bound for each face tells
 // whether all its signs are certain ("Filter"). If not, the face is listed for exact_facing.wgsl, which sets its mask.
 
-// One text serves a single mesh and a scene. one_caster.wgsl or scene/many_casters.wgsl has the lights and the layout of the
-// positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a single mesh.
-// In a scene it is its number among the lights of the caster.
+// One text serves a single mesh and a scene. one_caster.wgsl or scene/many_casters.wgsl has the lights and the layout
+// of the positions, and one_item.wgsl or scene/listed_faces.wgsl calls `take_item`. A light's place is its bit for a
+// single mesh. In a scene it is its number among the lights of the caster.
 
 @group(0) @binding(6) var<storage, read> faces: array<u32>;
 @group(0) @binding(7) var<storage, read_write> facing_masks: array<u32>;
@@ -29,8 +29,8 @@ struct Signs {
   smallest: f32,
 }
 
-// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Places past the last repeat
-// the last light.
+// Four lights at a time: the loop itself costs about as much as a test of a dozen operations. Places past the last
+// repeat the last light.
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   for (var place = 0u; place < light_places(); place += 4u) {

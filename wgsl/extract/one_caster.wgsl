@@ -1,4 +1,5 @@
-// What facing, exact facing and edges know of a single mesh: the faces, the lights, the layout of the positions. scene/many_casters.wgsl has the same functions for scenes.
+// What facing, exact facing and edges know of a single mesh: the faces, the lights, the layout of the positions.
+// scene/many_casters.wgsl has the same functions for scenes.
 
 @group(0) @binding(0) var<uniform> batch: LightBatch;
 @group(0) @binding(1) var<uniform> chunk: Chunk;

@@ -1,5 +1,5 @@
-// Reads the positions of the casters of a group, which are in one binding. They are read as u32, so that no load can flush
-// a subnormal.
+// Reads the positions of the casters of a group, which are in one binding. They are read as u32, so that no load can
+// flush a subnormal.
 
 @group(0) @binding(2) var<storage, read> positions: array<u32>;
 

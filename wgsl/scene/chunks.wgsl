@@ -1,4 +1,5 @@
-// Chunks: lists the chunks of faces and of edges of the casters that any light of the batch reaches, in no particular order.
+// Chunks: lists the chunks of faces and of edges of the casters that any light of the batch reaches, in no particular
+// order.
 
 @group(0) @binding(3) var<storage, read> lit: array<u32>;
 // Counts of chunks, then the chunks, where SceneDispatch says.

@@ -1,5 +1,5 @@
-// Invocations that take the faces of the listed chunks. LANES invocations share a chunk. Each takes slots in turn, so that it
-// finds their caster once, and ends where the caster ends.
+// Invocations that take the faces of the listed chunks. LANES invocations share a chunk. Each takes slots in turn, so
+// that it finds their caster once, and ends where the caster ends.
 
 @group(0) @binding(4) var<storage, read> work: array<u32>;
 

@@ -1,6 +1,6 @@
-// What facing, exact facing and edges know of the casters of a scene. extract/one_caster.wgsl has the same functions for a
-// single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its number
-// among them.
+// What facing, exact facing and edges know of the casters of a scene. extract/one_caster.wgsl has the same functions
+// for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
+// number among them.
 
 // For each batch and caster the lights that matter; `reach` writes it.
 @group(0) @binding(3) var<storage, read> lit: array<u32>;

@@ -1,12 +1,12 @@
-// Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have the box of a rigid
-// caster within their range.
+// Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have the box of a
+// rigid caster within their range.
 
 // For each batch and caster the bits of these lights.
 @group(0) @binding(3) var<storage, read_write> lit: array<u32>;
 
 // Above this size squares may overflow, and nothing is said.
 const TOO_LARGE: f32 = 0x1p60;
-// More than rounding adds to a distance, relative to the numbers that it is made of. NUMERICS.md bounds the filter alike.
+// 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = 0x1p-18;
 
 // Whether the light may reach the box. It is never false for a light that does.
@@ -37,8 +37,8 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let range = bitcast<f32>(table[group.ranges_at + 8u * batch + light / 4u][light % 4u]);
-    let box_low = bitcast<vec3<f32>>(low.xyz);
-    if (may_reach(bitcast<vec4<f32>>(table[at + 1u]), range, box_low, bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w))) {
+    let scaled = bitcast<vec4<f32>>(table[at + 1u]);
+    if (may_reach(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w))) {
       matter |= 1u << light;
     }
     at += 2u;

@@ -20,7 +20,8 @@ struct SceneDispatch {
   batch: u32,
   // The first invocation's number.
   first: u32,
-  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge chunks.
+  // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge
+  // chunks.
   lights_at: u32,
   ranges_at: u32,
   face_chunks_at: u32,

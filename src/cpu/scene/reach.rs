@@ -6,7 +6,7 @@ use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
 const RIGID: u32 = 4;
 /// Above this size squares may overflow, and nothing is said.
 const TOO_LARGE: f32 = f32::from_bits((127 + 60) << 23);
-/// More than rounding adds to a distance, relative to the numbers that it is made of.
+/// 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
 const SLACK: f32 = f32::from_bits((127 - 18) << 23);
 /// A scaled w below this is no divisor.
 const TINY_W: f32 = f32::from_bits((127 - 30) << 23);

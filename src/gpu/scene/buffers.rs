@@ -37,6 +37,7 @@ pub(crate) struct GroupSizes {
     pub(crate) capacity: u32,
 }
 
+const DRAWS_LABEL: &str = "draw arguments";
 const DRAWS: u64 = 32 * size_of::<DrawArguments>() as u64;
 
 impl GroupSizes {
@@ -62,8 +63,8 @@ impl GroupSizes {
     }
 }
 
-/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and each
-/// light has room for the silhouettes of smooth casters.
+/// All boundary and inconsistent edges have room. Consistent edges share lists of 16 bytes for each edge in total, and
+/// each light has room for the silhouettes of smooth casters.
 fn default_capacity(group: &Group, lights: u32) -> u64 {
     let counts = group.counts;
     let shared = 4 * counts.consistent / lights.max(1) as usize;
@@ -82,10 +83,27 @@ pub(crate) struct Buffers {
     pub(crate) work: wgpu::Buffer,
 }
 
+/// What buffers are wanted for.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// The sizes of each group and batch.
+    pub(crate) groups: &'a [Vec<GroupSizes>],
+    /// Words for the lights of casters.
+    pub(crate) lit: u64,
+    /// Words of work lists.
+    pub(crate) work: u64,
+    /// Bytes of the rest of the scene.
+    pub(crate) others: u64,
+    pub(crate) memory_limit: Option<u64>,
+}
+
 /// Makes buffers, or takes old ones that are large enough.
 struct Maker<'a> {
     device: &'a wgpu::Device,
     wanted: Vec<Allocation>,
+    /// The largest size that a buffer may take beyond its need, when it replaces one that became too small: a scene that
+    /// grows caster by caster does not make its buffers anew in each frame.
+    headroom: u64,
 }
 
 impl Maker<'_> {
@@ -94,43 +112,58 @@ impl Maker<'_> {
         old.is_some_and(|old| old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16))
     }
 
+    /// The size of the buffer that is kept or made.
+    fn size(&self, bytes: u64, old: Option<&wgpu::Buffer>) -> u64 {
+        match old {
+            Some(old) if Self::is_kept(Some(old), bytes) => old.size(),
+            Some(old) if old.size() < bytes => padded(bytes + bytes / 4).min(self.headroom).max(padded(bytes)),
+            _ => padded(bytes),
+        }
+    }
+
     fn want(&mut self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) {
-        let bytes = if Self::is_kept(old, bytes) { old.map_or(0, wgpu::Buffer::size) } else { padded(bytes) };
+        let bytes = self.size(bytes, old);
         self.wanted.push(Allocation { label, bytes });
     }
 
     fn take(&self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) -> wgpu::Buffer {
-        match old {
-            Some(old) if Self::is_kept(Some(old), bytes) => old.clone(),
-            _ => {
-                let usage = wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_SRC
-                    | wgpu::BufferUsages::COPY_DST
-                    | wgpu::BufferUsages::INDIRECT;
-                buffer(self.device, label, bytes, usage)
-            }
+        if let Some(old) = old.filter(|old| Self::is_kept(Some(old), bytes)) {
+            return old.clone();
         }
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        // wgpu makes objects of its own for each indirect buffer.
+        let indirect = if label == DRAWS_LABEL { wgpu::BufferUsages::INDIRECT } else { usage };
+        buffer(self.device, label, self.size(bytes, old), usage | indirect)
     }
 }
 
 impl Buffers {
-    /// Buffers for groups of these sizes, `casters` casters, and work lists of `work` words. `others` are the bytes of
-    /// the rest of the scene.
+    /// Makes what is wanted, or takes `old` where it is large enough.
     pub(crate) fn new(
         device: &wgpu::Device,
         old: Option<&Self>,
-        groups: &[Vec<GroupSizes>],
-        [lit, work]: [u64; 2],
-        others: u64,
-        options: &SceneOptions,
+        wanted: &Wanted<'_>,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
+        let Wanted { lit, work, .. } = *wanted;
         for (what, bytes) in [("lights of casters", 4 * lit), ("lists of chunks", 4 * work)] {
             if bytes > limits.binding {
                 return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
             }
         }
-        let mut maker = Maker { device, wanted: Vec::new() };
+        let with_headroom = Self::make(device, old, wanted, limits, limits.binding);
+        with_headroom.or_else(|_| Self::make(device, old, wanted, limits, 0))
+    }
+
+    fn make(
+        device: &wgpu::Device,
+        old: Option<&Self>,
+        wanted: &Wanted<'_>,
+        limits: &DispatchLimits,
+        headroom: u64,
+    ) -> Result<Self, MemoryError> {
+        let Wanted { groups, lit, work, others, memory_limit } = *wanted;
+        let mut maker = Maker { device, wanted: Vec::new(), headroom };
         let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
         for (group, batches) in groups.iter().enumerate() {
             for (batch, sizes) in batches.iter().enumerate() {
@@ -139,7 +172,7 @@ impl Buffers {
                 maker.want("excluded masks", sizes.masks, old.map(|old| &old.excluded));
                 maker.want("undecided faces", sizes.record, old.map(|old| &old.record));
                 maker.want("edge lists", sizes.lists, old.map(|old| &old.lists));
-                maker.want("draw arguments", DRAWS, old.map(|old| &old.draws));
+                maker.want(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws));
             }
         }
         maker.want("lights of casters", 4 * lit, old.map(|old| &old.lit));
@@ -147,7 +180,7 @@ impl Buffers {
         maker.wanted.push(Allocation { label: "pages and table", bytes: others });
         let own = maker.wanted.len() - 1;
         check(maker.wanted.get(..own).unwrap_or_default(), limits.buffer, None)?;
-        let bytes = check(&maker.wanted, u64::MAX, options.memory_limit)?;
+        let bytes = check(&maker.wanted, u64::MAX, memory_limit)?;
         guarded(device, bytes, || Self {
             groups: groups
                 .iter()
@@ -179,13 +212,13 @@ impl Maker<'_> {
             excluded: self.take("excluded masks", sizes.masks, old.map(|old| &old.excluded)),
             record: self.take("undecided faces", sizes.record, old.map(|old| &old.record)),
             lists: self.take("edge lists", sizes.lists, old.map(|old| &old.lists)),
-            draws: self.take("draw arguments", DRAWS, old.map(|old| &old.draws)),
+            draws: self.take(DRAWS_LABEL, DRAWS, old.map(|old| &old.draws)),
         }
     }
 }
 
-/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of edge
-/// chunks follows, and the two lists.
+/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of
+/// edge chunks follows, and the two lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WorkPlace {
     pub(crate) count: u64,

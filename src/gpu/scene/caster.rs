@@ -5,11 +5,10 @@ use slotmap::DefaultKey;
 
 use super::handles::MeshHandle;
 use super::mask::LightMask;
+use super::pages::Run;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
 use crate::{Matrix3x4, Mesh};
-
-use super::pages::Run;
 
 /// A mesh instance that throws shadows, for [`Scene::insert`](crate::gpu::Scene::insert).
 #[derive(Clone, Debug)]

@@ -16,8 +16,8 @@ use crate::gpu::shadow::scene_pipelines::ScenePipelines;
 #[cfg(feature = "reference")]
 use crate::layout::SceneDispatch;
 
-/// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later encode of
-/// the same scene overwrites the results. This value is then refused with [`SceneError::StaleFrame`].
+/// The result of one [`Scene::encode`](crate::gpu::Scene::encode): the casters and lights of that moment. A later
+/// encode of the same scene overwrites the results. This value is then refused with [`SceneError::StaleFrame`].
 ///
 /// A clone is cheap. It keeps the scene's buffers alive.
 #[derive(Clone, Debug)]
@@ -35,7 +35,8 @@ pub struct SceneFrame {
     pub(crate) encode: u64,
 }
 
-/// The results of a group of casters for a batch of lights. A group has one page of topology and one source of positions.
+/// The results of a group of casters for a batch of lights. A group has one page of topology and one source of
+/// positions.
 #[cfg(feature = "reference")]
 #[derive(Clone, Copy, Debug)]
 pub struct SceneGroupResults<'a> {
@@ -43,13 +44,13 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// One `u32` a face slot: the lights that the face faces. Slots of casters that no light of the batch reaches have no
-    /// meaning.
+    /// One `u32` a face slot: the lights that the face faces. Slots of casters that no light of the batch reaches have
+    /// no meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
-    /// The number of silhouette edges of each of 32 lights, then [`Self::capacity`] entries for each light. An entry is an
-    /// edge slot, with the winding bit as bit 31.
+    /// The number of silhouette edges of each of 32 lights, then [`Self::capacity`] entries for each light. An entry is
+    /// an edge slot, with the winding bit as bit 31.
     pub lists: &'a wgpu::Buffer,
     /// Entries that the list of each light has room for.
     pub capacity: u32,

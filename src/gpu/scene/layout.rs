@@ -13,8 +13,8 @@ use crate::gpu::common::memory::MemoryError;
 use crate::layout::CHUNK;
 use crate::mesh::EdgeCounts;
 
-/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A source
-/// with more slots than a binding holds has several groups.
+/// The casters of one page with positions from one source: one dispatch of each stage for each batch of lights. A
+/// source with more slots than a binding holds has several groups.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub(crate) source: DefaultKey,
@@ -39,11 +39,10 @@ pub(crate) struct Layout {
     pub(crate) order: Vec<DefaultKey>,
     /// The parts of the table that each encode uploads. The casters of the chunks, which follow, are written once.
     pub(crate) uploaded: usize,
-    /// The lights of casters that are not rigid, for each of their masks: which, and where they begin in the table.
-    pub(crate) in_world: HashMap<LightMask, u32>,
 }
 
-/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their number.
+/// The consistent edges of a smooth surface that may be silhouette edges for a light: a few times the root of their
+/// number.
 fn smooth_edges(consistent: usize) -> usize {
     (16 * consistent.isqrt()).min(consistent)
 }
@@ -137,6 +136,8 @@ impl Layout {
         let parts = std::mem::take(&mut table.parts);
         *table = Table { parts, casters: self.order.len(), batches: lights.batches() };
         let mut next = table.pairs_at();
+        // Casters in world space share their lights if they have the same.
+        let mut in_world: HashMap<LightMask, u32> = HashMap::new();
         for (index, &key) in (0..).zip(&self.order) {
             let Some(caster) = casters.get_mut(key) else { continue };
             let mask = caster.lights.and(&lights.used);
@@ -148,7 +149,7 @@ impl Layout {
             caster.index = index;
             caster.first_light = match caster.placement {
                 Placement::Rigid(_) => own(),
-                Placement::World { .. } => *self.in_world.entry(mask).or_insert_with(own),
+                Placement::World { .. } => *in_world.entry(mask).or_insert_with(own),
             };
         }
         self.uploaded = next;

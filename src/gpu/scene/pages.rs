@@ -144,8 +144,8 @@ impl Pages {
         self.freed.push((run, encodes));
     }
 
-    /// Runs are used again only from the second encode after they were freed on, because the queue would write them before
-    /// frames that were recorded and not submitted yet.
+    /// Runs are used again only from the second encode after they were freed on, because the queue would write them
+    /// before frames that were recorded and not submitted yet.
     pub(crate) fn reclaim(&mut self, encodes: u64) {
         for (run, _) in self.freed.extract_if(.., |(_, freed)| *freed + 2 <= encodes) {
             if let Some(page) = self.all.get_mut(run.page) {

@@ -29,8 +29,8 @@ use crate::layout::{SeenLight, ShadowView};
 use crate::light::check_shadow_lights;
 use crate::{Light, Matrix3x4, Mesh, ShadowCamera};
 
-/// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have it.
-/// The work of recording an encode does not depend on the number of casters, but for those that moved.
+/// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
+/// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
 ///
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
@@ -61,8 +61,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share. `queue`
-    /// is the queue of that device; topology is uploaded by it.
+    /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share.
+    /// `queue` is the queue of that device; topology is uploaded by it.
     ///
     /// # Errors
     /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` is impossible.
@@ -95,8 +95,8 @@ impl Scene {
         })
     }
 
-    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Positions that
-    /// are not finite are allowed; their faces never face a light.
+    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Positions
+    /// that are not finite are allowed; their faces never face a light.
     ///
     /// # Errors
     /// [`SceneError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device.
@@ -232,8 +232,9 @@ impl Scene {
         Ok(())
     }
 
-    /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene of
-    /// its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a later one.
+    /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene
+    /// of its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a
+    /// later one.
     ///
     /// `cameras` are the views that shadow volumes are prepared for. There may be none. `timer` takes a timestamp around
     /// each stage.

@@ -2,8 +2,9 @@
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::buffers::{Buffers, GroupSizes, WorkPlace, work_places};
+use super::buffers::{Buffers, GroupSizes, Wanted, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
+use super::errors::SceneError;
 use super::layout::Layout;
 use super::lights::Lights;
 use super::options::SceneOptions;
@@ -17,8 +18,6 @@ use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::layout::{DrawShape, LANES, SceneDispatch};
-
-use super::errors::SceneError;
 
 /// One group of casters and one batch of lights, as the stages are dispatched for them.
 #[derive(Clone, Debug)]
@@ -94,7 +93,9 @@ impl Structure {
         }
         let others = pages.bytes + table_bytes;
         let old = old.map(|old| &old.buffers);
-        let buffers = Buffers::new(device, old, &sizes, [lit, words], others, options, &limits)?;
+        let memory_limit = options.memory_limit;
+        let wanted = Wanted { groups: &sizes, lit, work: words, others, memory_limit };
+        let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
         let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, &limits);
@@ -104,7 +105,8 @@ impl Structure {
         Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes })
     }
 
-    /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the page's.
+    /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
+    /// page's.
     pub(crate) fn source<'a>(&self, making: &Making<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
         let source = making.sources.get(self.layout.groups.get(group)?.source)?;
         Some((making.pages.get(source.page)?, source))

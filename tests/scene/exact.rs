@@ -1,0 +1,140 @@
+//! Facing of scenes by exact arithmetic and without it, and what is left to it.
+
+use rimline::gpu::{Caster, LightMask, Scene, SceneOptions};
+use rimline::reference::cpu::{self, SceneTable, Threads};
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::band::check_facing;
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{same, shapes};
+
+use crate::found::{Found, check_frame};
+use crate::scenes::{check, roomy, sample};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("a_full_list_of_undecided_faces_loses_nothing", undecided_overflow),
+    ("fast_facing_is_right_outside_its_band", fast),
+    ("ordinary_scenes_leave_few_faces_undecided", few_undecided),
+    ("exact_facing_of_scenes_ends_however_much_there_is_to_settle", full_invocations),
+];
+
+fn undecided_overflow() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut undecided = 0;
+    for seed in 1801..1811 {
+        println!("seed {seed}");
+        let options = SceneOptions { undecided_capacity: Some(1), ..roomy(8) };
+        let (mut scene, frame, found) = sample(gpu, seed, options)?;
+        check_frame(&scene.content, &frame, &found)?;
+        undecided += found.groups.iter().map(|group| group.statistics.undecided_pairs).sum::<u32>();
+        scene.change(gpu)?;
+        check(gpu, &mut scene)?;
+    }
+    println!("{undecided} undecided pairs");
+    if undecided < 1000 { Err("hardly anything was undecided".to_owned()) } else { Ok(()) }
+}
+
+/// Facing without exact arithmetic errs in its band only, and the lists hold what its masks say.
+fn fast() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut silhouettes = 0;
+    for seed in 2601..2611 {
+        println!("seed {seed}");
+        let options = SceneOptions { predicate: Predicate::Fast, ..roomy(8) };
+        let (scene, frame, found) = sample(gpu, seed, options)?;
+        for own in &scene.content.casters {
+            let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+            let lit = found.lit[index as usize];
+            let bits: Vec<u32> = (0..32).filter(|bit| lit >> bit & 1 != 0).collect();
+            let lights = bits.iter().map(|&bit| scene.content.own_light(own, bit));
+            let lights: Vec<_> = lights.collect::<Option<_>>().ok_or("a light is not allowed")?;
+            if lights.is_empty() {
+                continue;
+            }
+            let (mesh, positions) = scene.content.mesh_and_positions(own);
+            let caster = SceneTable(&found.table).caster(index);
+            let results = found.group(group, 0)?;
+            let slots = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
+            let gather =
+                |&mask: &u32| bits.iter().zip(0..).fold(0, |all, (bit, place)| all | (mask >> bit & 1) << place);
+            let facing: Vec<u32> = results.facing[slots].iter().map(gather).collect();
+            check_facing(&format!("caster {index}"), &facing, positions, mesh.faces(), &lights)?;
+            let masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), lights.len(), Threads::ONE);
+            let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
+            for (place, &bit) in (0..).zip(&bits) {
+                let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
+                let list = &results.lists[bit as usize];
+                let list: Vec<u32> = list.iter().filter(own).map(|entry| entry - edges.start).collect();
+                same("list", &list, &cpu::compact(&masks, place, usize::MAX).entries)?;
+                silhouettes += list.len();
+            }
+        }
+    }
+    if silhouettes == 0 { Err("no silhouettes".to_owned()) } else { Ok(()) }
+}
+
+/// Places past the last light of a caster repeat it, and each caster has a bound of its own lights: neither leaves
+/// faces undecided that a single mesh would not.
+fn few_undecided() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(2801);
+    let shape = shapes::torus(30, 20, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    for lights in [1, 2, 3, 5, 6, 7] {
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, roomy(8)).map_err(text)?;
+        let torus = scene.add_mesh(&mesh, &shape.positions).map_err(text)?;
+        for _ in 0..lights {
+            let xyz = [(); 3].map(|()| random.between(-30.0, 30.0));
+            scene.add_light(Light::point(xyz)).map_err(text)?;
+        }
+        for _ in 0..20 {
+            let [x, y, z] = [(); 3].map(|()| random.between(-20.0, 20.0));
+            let rows = [[0.6, 0.0, 0.8, x], [0.0, 1.0, 0.0, y], [-0.8, 0.0, 0.6, z]];
+            scene.insert(Caster::rigid(torus, rows)).map_err(text)?;
+        }
+        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let undecided: u32 = Found::read(gpu, &frame)?.groups.iter().map(|group| group.undecided).sum();
+        println!("{lights} lights: {undecided} of {} faces undecided", 20 * mesh.faces().len());
+        if undecided as usize * 100 > 20 * mesh.faces().len() {
+            return Err(format!("{undecided} faces are undecided"));
+        }
+    }
+    Ok(())
+}
+
+/// A workgroup of 64 that each have 40 faces, as many as a CPU's have.
+const FULL: u32 = 64 * 40;
+
+/// Every pair beyond `f32` and beyond fixed point, and as many faces as fill an invocation's turns, with all lights of
+/// a batch and with one left out: llvmpipe ends an invocation's loops after 65,535 turns without a word.
+fn full_invocations() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 2901;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let mut flat = || [random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0) * 1e-39];
+    let positions: Vec<[f32; 3]> = (0..3 * FULL).map(|_| flat()).collect();
+    let lights: Vec<Light> = (0..32).map(|_| Light::point(flat())).collect();
+    let faces: Vec<[u32; 3]> = (0..FULL).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(text)?;
+    let right = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Exact, Threads::all());
+    for left_out in [None, Some(0)] {
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+        let handles = lights.iter().map(|&light| scene.add_light(light).map_err(text));
+        let handles = handles.collect::<Result<Vec<_>, _>>()?;
+        let flat = scene.add_mesh(&mesh, &positions).map_err(text)?;
+        let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        let mask = left_out.map_or(LightMask::ALL, |bit: usize| LightMask::ALL.without(handles[bit]));
+        scene.insert(Caster { lights: mask, ..Caster::rigid(flat, identity) }).map_err(text)?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+        let found = Found::read(gpu, &frame)?;
+        let group = found.group(0, 0)?;
+        let live = left_out.map_or(u32::MAX, |bit| !(1 << bit));
+        same("undecided pairs", &[group.statistics.undecided_pairs], &[live.count_ones() * FULL])?;
+        let expected: Vec<u32> = right.iter().map(|mask| mask & live).collect();
+        same("facing", &group.facing[..FULL as usize], &expected)?;
+    }
+    Ok(())
+}
