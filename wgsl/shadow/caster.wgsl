@@ -36,11 +36,14 @@ fn view_of(caster: u32, view: ShadowView) -> ShadowView {
   if (!MANY) {
     return view;
   }
+  let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
+  let y = bitcast<vec4<f32>>(caster_part(caster, 1u));
+  let z = bitcast<vec4<f32>>(caster_part(caster, 2u));
   var own = view;
-  for (var row = 0u; row < 3u; row++) {
-    let to_world = bitcast<vec4<f32>>(caster_part(caster, row));
-    own.placement[row] = vec4<f32>(to_world.xyz, to_world.w + view.placement[row].w);
-  }
+  own.placement = array<vec4<f32>, 3>(
+    vec4<f32>(x.xyz, x.w + view.placement[0].w),
+    vec4<f32>(y.xyz, y.w + view.placement[1].w),
+    vec4<f32>(z.xyz, z.w + view.placement[2].w));
   return own;
 }
 

@@ -238,6 +238,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
 @compute @workgroup_size(64)
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   for (var pair = id.x; pair < shape.casters * shape.lights; pair += 64u * groups.x) {
-    choose_light(pair / shape.lights, pair % shape.lights, id.y);
+    // Neighbours have the same light, which many casters have or none.
+    choose_light(pair % shape.casters, pair / shape.casters, id.y);
   }
 }
