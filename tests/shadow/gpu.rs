@@ -20,6 +20,7 @@ mod samples;
 mod scene;
 mod skinned;
 mod stages;
+mod thousands;
 mod trials;
 mod zp_plus_2005;
 
@@ -39,6 +40,7 @@ fn main() {
         overflow::TESTS,
         hairlines::TESTS,
         in_scene::TESTS,
+        thousands::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

@@ -74,6 +74,8 @@ pub struct SceneResults<'a> {
     pub work: &'a wgpu::Buffer,
     /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
+    /// For each group the [`ShadowDraws`](crate::layout::ShadowDraws) of each view and light bit.
+    pub shadow_draws: &'a [wgpu::Buffer],
     /// All groups and batches, batch after batch in each group.
     pub groups: Vec<SceneGroupResults<'a>>,
     /// The size of all buffers but pages, in bytes.
@@ -167,7 +169,16 @@ impl SceneFrame {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
         let bytes = buffers.bytes() + table.size() + volumes;
         let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
-        Ok(SceneResults { choices, table, lit: &buffers.lit, work: &buffers.work, groups: groups.collect(), bytes })
+        let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
+        Ok(SceneResults {
+            choices,
+            shadow_draws,
+            table,
+            lit: &buffers.lit,
+            work: &buffers.work,
+            groups: groups.collect(),
+            bytes,
+        })
     }
 
     /// The place of a caster in the scene table, and its group.
