@@ -246,7 +246,7 @@ shared_structs! {
         /// Highest corner of the box.
         high: [f32; 3],
         /// Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its
-        /// mesh space and the box is known; 8 a face is not finite.
+        /// mesh space and the box is known; 8 a face is not finite; 16 the caller excludes faces.
         flags: u32,
         /// First face slot, a multiple of [`CHUNK`].
         first_face_slot: u32,

@@ -5,8 +5,10 @@ use rimline::gpu::{
     Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneFrame, SceneOptions, ScenePipelines,
     ShadowFormat, ShadowOptions,
 };
+use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
-use rimline::{Counting, Light, Matrix3x4, Mesh, ShadowCamera};
+use rimline::reference::shadow::CAST_AVERTED;
+use rimline::{Counting, Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 
 use crate::classes::CLASSES;
 use crate::render::{Counted, Placing, Renderer};
@@ -21,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("casters_in_a_scene_count_as_each_by_itself", alike),
     ("casters_in_a_scene_with_lists_that_overflow", overflow),
     ("scenes_with_a_past_many_lights_and_views", busy),
+    ("excluded_faces_count_as_if_they_were_not_there", excluded),
     ("rigid_casters_far_away_and_at_any_scale", far_away),
 ];
 
@@ -178,12 +181,19 @@ impl InScene {
                 (_, None) => {
                     let buffer = gpu.storage(&body.shape.positions);
                     let positions = CasterPositions::Buffer { buffer, offset: 0, stride: 12 };
-                    (mesh(&body.shape.faces)?, body.shape.positions.clone(), positions)
+                    let faces = body.instead.as_ref().unwrap_or(&body.shape.faces);
+                    (mesh(faces)?, body.shape.positions.clone(), positions)
                 }
             };
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
             let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: !renderer.options.every_face };
-            casters.push(scene.insert(caster).map_err(text)?);
+            let caster = scene.insert(caster).map_err(text)?;
+            if !body.left_out.is_empty() {
+                // What is given last counts.
+                scene.set_excluded(caster, lights[0], &[0]).map_err(text)?;
+                scene.set_excluded(caster, lights[0], &body.left_out).map_err(text)?;
+            }
+            casters.push(caster);
         }
         let pipelines = ScenePipelines::new(&renderer.pipelines, format, counting).map_err(text)?;
         let mut cameras = vec![camera];
@@ -330,6 +340,67 @@ fn overflow() -> Result<(), String> {
     }
     println!("lights with lists that overflowed: of sides {}, of caps {}", overflowed[0], overflowed[1]);
     if overflowed.contains(&0) { Err("no list of a kind overflowed".to_owned()) } else { Ok(()) }
+}
+
+/// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where averted
+/// faces cast, as the averted faces without these, each of which casts.
+fn excluded() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut changed, mut averted_casters) = (0, 0);
+    for class in CLASSES {
+        let seed = seed(class, 230);
+        let mut random = Random::new(seed);
+        let mut frame = (class.frame)(&mut random);
+        frame.size = 48;
+        let [x, y, z] = frame.lights[0].xyz;
+        frame.lights.push(Light::homogeneous([x + 1.0, y - 0.5, z + 0.25, frame.lights[0].w]));
+        frame.bodies.iter_mut().for_each(|body| body.mirror = None);
+        let whole = frame.clone();
+        for body in frame.bodies.iter_mut().filter(|body| body.casts) {
+            let all = 0..body.shape.faces.len() as u32;
+            body.left_out = all.filter(|_| random.below(3) == 0).collect();
+        }
+        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+            let count = |frame: &Frame, every_face: bool| {
+                let options = ShadowOptions { every_face, ..ShadowOptions::default() };
+                Renderer { placing: Placing::Scene, options, ..Renderer::new(gpu) }.count(frame, counting)
+            };
+            let what = format!("{}, seed {seed}, {counting:?}", class.name);
+            for every_face in [true, false] {
+                let found = count(&frame, every_face)?;
+                let without = count(&whole, every_face)?;
+                same(&format!("{what}, the other light"), &found.stencils[1], &without.stencils[1])?;
+                let mut reduced = frame.clone();
+                let casters = reduced.bodies.iter_mut().filter(|body| body.casts);
+                for (body, chosen) in casters.zip(&found.chosen) {
+                    let averted_only = chosen[0].casting == CAST_AVERTED;
+                    averted_casters += usize::from(averted_only);
+                    let facing = cpu::facing(
+                        &body.shape.positions,
+                        &body.shape.faces,
+                        &frame.lights[..1],
+                        Predicate::Exact,
+                        Threads::ONE,
+                    );
+                    let left_out = std::mem::take(&mut body.left_out);
+                    let is_left = |face: &(u32, u32)| left_out.binary_search(&face.0).is_err();
+                    let casts = |face: &(u32, u32)| is_left(face) && !(averted_only && face.1 & 1 != 0);
+                    let left = (0..).zip(facing).filter(casts).map(|(face, _)| body.shape.faces[face as usize]);
+                    body.instead = Some(left.collect());
+                }
+                let expected = count(&reduced, true)?;
+                let compare =
+                    |found: &Counted| same(&format!("{what}, {every_face}"), &found.stencils[0], &expected.stencils[0]);
+                compare(&found)?;
+                if found.stencils[0] != without.stencils[0] {
+                    changed += 1;
+                    must_fail("no exclusion", &compare(&without))?;
+                }
+            }
+        }
+    }
+    println!("{changed} pictures that excluded faces change, {averted_casters} casters of which averted faces cast");
+    if changed.min(averted_casters) < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }
 
 /// Rigid casters with matrices of scales from a thousandth to a thousand, mirrored ones among them, a million away.

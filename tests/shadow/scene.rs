@@ -13,6 +13,10 @@ pub(crate) struct Body {
     /// The GPU gets a mesh in its own space, which is placed by a scale of 1 or -1 along each axis, of a negative
     /// determinant. So nothing is rounded.
     pub(crate) mirror: Option<Vec3>,
+    /// Faces that a scene excludes for the first light.
+    pub(crate) left_out: Vec<u32>,
+    /// The faces that a scene gets instead of the shape's.
+    pub(crate) instead: Option<Vec<[u32; 3]>>,
 }
 
 /// A caster as the GPU gets it, with camera and lights in its space.
@@ -24,7 +28,7 @@ pub(crate) struct Placed {
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self { shape, casts: true, mirror: None }
+        Self { shape, casts: true, mirror: None, left_out: Vec::new(), instead: None }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {

@@ -164,6 +164,7 @@ const CLOSED: u32 = 1u;
 const MIRRORED: u32 = 2u;
 const RIGID: u32 = 4u;
 const HOLED: u32 = 8u;
+const EXCLUDING: u32 = 16u;
 
 // A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
 // of the mesh.
@@ -178,7 +179,7 @@ struct SceneCaster {
   scale: f32,
   high: vec3<f32>,
   // Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its mesh
-  // space and the box is known; 8 a face is not finite.
+  // space and the box is known; 8 a face is not finite; 16 the caller excludes faces.
   flags: u32,
   first_face_slot: u32,
   faces: u32,

@@ -132,7 +132,8 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
       let signs = decide(item.index);
       facing_masks[slot] = signs.facing;
       if (slot < arrayLength(&excluded_masks)) {
-        excluded_masks[slot] = signs.excluded;
+        // A scene may have excluded the face for other lights.
+        excluded_masks[slot] |= signs.excluded;
       }
     }
   }

@@ -76,9 +76,10 @@ const NEAR: u32 = 2u;
 const CAPPED: u32 = 3u;
 // Faces may be excluded.
 const EXCLUDES: u32 = 4u;
-// In the words of the first caster: any caster may have excluded faces, with vertices that are all finite or not.
-const ANY_EXCLUDES: u32 = 5u;
-const ANY_HOLES: u32 = 6u;
+// In the words of the first caster: some caster has excluded faces if any light is in the plane of a face, or has some in any
+// case. Then sides are not among the silhouettes alone.
+const MAY_EXCLUDE: u32 = 5u;
+const DOES_EXCLUDE: u32 = 6u;
 const CHOICE_WORDS: u32 = 8u;
 
 // The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's

@@ -187,6 +187,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   var high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
   var is_empty = low.x > high.x;
   var has_holes = (flags & HOLED) != 0u;
+  let is_excluding = (flags & EXCLUDING) != 0u;
   if (!MANY || (flags & RIGID) == 0u) {
     let at = 7u * caster;
     low = unordered(~vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
@@ -205,6 +206,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   light.casting = CAST_NOTHING;
   if (!is_empty) {
     light = chosen(view, light, scale, shape.averted != 0u && (flags & CLOSED) != 0u, low, high, has_holes);
+    light.excludes = select(light.excludes, 1u, is_excluding);
   }
   if (light.casting == CAST_NOTHING) {
     atomicAdd(&shadow_statistics.skipped, 1u);
@@ -223,7 +225,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
     let first = CHOICE_WORDS * choices_of(0u, number / 32u, view_number);
-    atomicOr(&choices[first + select(ANY_EXCLUDES, ANY_HOLES, has_holes)], bit);
+    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, has_holes || is_excluding)], bit);
   }
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);

@@ -43,7 +43,7 @@ fn silhouettes_of(bit: u32) -> u32 {
 fn silhouettes_suffice(bit: u32) -> bool {
   let more = choice_part(0u, draw.first_light / 32u, draw.view, 1u);
   // Lights that are in a caster exclude nothing if no light is in the plane of a face.
-  let any = more[ANY_HOLES - 4u] | select(0u, more[ANY_EXCLUDES - 4u], extraction_statistics[3] != 0u);
+  let any = more[DOES_EXCLUDE - 4u] | select(0u, more[MAY_EXCLUDE - 4u], extraction_statistics[3] != 0u);
   return silhouettes_of(bit) <= shape.capacity && ((any >> bit) & 1u) == 0u;
 }
 

@@ -1,9 +1,11 @@
 //! Casters: what a caller gives, and what the scene keeps of it.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 use slotmap::DefaultKey;
 
-use super::handles::MeshHandle;
+use super::handles::{LightHandle, MeshHandle};
 use super::mask::LightMask;
 use super::pages::Run;
 use crate::light::MeshSpace;
@@ -99,6 +101,8 @@ pub(crate) struct CasterEntry {
     pub(crate) source: DefaultKey,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
+    /// Faces that count nowhere, for a light each.
+    pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.
     pub(crate) is_moved: bool,

@@ -55,6 +55,14 @@ pub enum SceneError {
         /// The number of casters.
         casters: usize,
     },
+    /// A face that the mesh does not have was to be excluded.
+    #[error("face {face} is to be excluded, and the mesh of the caster has {faces} faces; faces count from 0")]
+    NoSuchFace {
+        /// The face given.
+        face: u32,
+        /// Faces of the mesh.
+        faces: u32,
+    },
     /// A transform was given for a caster whose positions lie in a buffer in world space.
     #[error(
         "the caster has positions in a buffer, in world space, and no transform; insert it as `CasterPositions::Rigid`"

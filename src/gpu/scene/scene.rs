@@ -183,7 +183,8 @@ impl Scene {
         }
         self.structure = None;
         let (is_moved, index, first_light) = (false, 0, 0);
-        let entry = CasterEntry { mesh, source, lights, in_depth, placement, is_moved, index, first_light };
+        let excluded = Vec::new();
+        let entry = CasterEntry { mesh, source, lights, in_depth, excluded, placement, is_moved, index, first_light };
         Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
     }
 
@@ -214,6 +215,30 @@ impl Scene {
             entry.lights = lights;
             self.structure = None;
         }
+        Ok(())
+    }
+
+    /// Excludes faces of a caster for a light: they count nowhere, as if the caster had no such faces. `faces` are numbers of
+    /// faces in the mesh, and replace those of an earlier call. An empty list excludes none. A surface is then closed by
+    /// its boundary: an edge between an excluded face and another bounds the volume once.
+    ///
+    /// This is for faces of which it is known that their shadow lies in that of others. It goes with the light.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchFace`], or an error of a handle.
+    pub fn set_excluded(&mut self, caster: CasterHandle, light: LightHandle, faces: &[u32]) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        self.lights.check(light)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        let count = self.meshes.get(entry.mesh).map_or(0, |mesh| mesh.faces);
+        if let Some(&face) = faces.iter().find(|&&face| face >= count) {
+            return Err(SceneError::NoSuchFace { face, faces: count });
+        }
+        entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
+        if !faces.is_empty() {
+            entry.excluded.push((light, faces.into()));
+        }
+        self.structure = None;
         Ok(())
     }
 

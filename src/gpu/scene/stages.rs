@@ -47,15 +47,18 @@ impl Passes {
         encoder: &mut wgpu::CommandEncoder,
         timer: Option<&mut StageTimer>,
     ) {
-        let Structure { parts, buffers, .. } = structure;
+        let Structure { parts, buffers, given, .. } = structure;
         if parts.is_empty() {
             return;
         }
         encoder.clear_buffer(&buffers.work, 0, Some(2 * 4 * parts.len() as u64));
-        for (part, buffers) in parts.iter().zip(buffers.groups.iter().flatten()) {
+        for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
             encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
             encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
-            encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks));
+            match given {
+                Some(given) => encoder.copy_buffer_to_buffer(given, 0, &buffers.excluded, 0, part.sizes.masks),
+                None => encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks)),
+            }
         }
         Pass::record_all(&self.0, encoder, timer);
     }

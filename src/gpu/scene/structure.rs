@@ -5,7 +5,7 @@ use slotmap::{DefaultKey, SlotMap};
 use super::buffers::{Buffers, GroupSizes, Wanted, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
 use super::errors::SceneError;
-use super::layout::Layout;
+use super::layout::{Group, Layout};
 use super::lights::Lights;
 use super::options::SceneOptions;
 use super::pages::{Page, Pages};
@@ -13,7 +13,7 @@ use super::sources::{Source, Sources};
 use super::table::{Part, Table};
 use super::volume_buffers::choice_bytes;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
-use crate::gpu::common::memory::{Allocation, MemoryError, check, guarded, mapped, write_mapped};
+use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
@@ -49,6 +49,8 @@ pub(crate) struct Structure {
     pub(crate) parts: Vec<GroupBatch>,
     pub(crate) uniforms: wgpu::Buffer,
     pub(crate) shapes: wgpu::Buffer,
+    /// For each group and batch the masks of faces that callers exclude, if there are any.
+    pub(crate) given: Vec<Option<wgpu::Buffer>>,
 }
 
 /// All that a structure is made from.
@@ -91,7 +93,9 @@ impl Structure {
             let limit = limits.binding;
             return Err(MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit }.into());
         }
-        let others = pages.bytes + table_bytes;
+        let given = given_masks(&layout, table, casters, lights);
+        let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
+        let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
         let wanted = Wanted { groups: &sizes, lit, work: words, others, memory_limit };
@@ -102,7 +106,11 @@ impl Structure {
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
         let choices_at = table.parts.len();
-        Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes })
+        let usage = wgpu::BufferUsages::COPY_SRC;
+        let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
+        let given =
+            guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
+        Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes, given })
     }
 
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
@@ -111,6 +119,34 @@ impl Structure {
         let source = making.sources.get(self.layout.groups.get(group)?.source)?;
         Some((making.pages.get(source.page)?, source))
     }
+}
+
+/// For each group and batch the masks of faces that callers exclude, by slots. `None`: there are none.
+fn given_masks(
+    layout: &Layout,
+    table: &Table,
+    casters: &SlotMap<DefaultKey, CasterEntry>,
+    lights: &Lights,
+) -> Vec<Option<Vec<u32>>> {
+    let batches = table.batches;
+    let mut given = vec![None; layout.groups.len() * batches];
+    for (&key, index) in layout.order.iter().zip(0_u32..) {
+        let Some(caster) = casters.get(key).filter(|caster| !caster.excluded.is_empty()) else { continue };
+        let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
+        let room = layout.groups.get(number).map_or(0, Group::face_slots);
+        for (light, faces) in caster.excluded.iter().filter(|(light, _)| lights.check(*light).is_ok()) {
+            let bit = light.bit as usize;
+            let Some(masks) = given.get_mut(number * batches + bit / 32) else { continue };
+            let masks = masks.get_or_insert_with(|| vec![0; room as usize]);
+            let first = table.first_face_slot(index);
+            for &face in &**faces {
+                if let Some(mask) = masks.get_mut((first + face) as usize) {
+                    *mask |= 1 << (bit % 32);
+                }
+            }
+        }
+    }
+    given
 }
 
 /// The bits of a batch up to the last light.

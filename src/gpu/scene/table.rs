@@ -12,6 +12,8 @@ const MIRRORED: u32 = 2;
 const RIGID: u32 = 4;
 /// A face has a corner that is not finite.
 const HOLED: u32 = 8;
+/// The caller excludes faces.
+const EXCLUDING: u32 = 16;
 
 /// Words of the table, in fours.
 pub(crate) type Part = [u32; 4];
@@ -80,7 +82,8 @@ impl Table {
             flags: flag(mesh.is_closed && entry.in_depth, CLOSED)
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
-                | flag(rigid.is_some() && mesh.is_holed, HOLED),
+                | flag(rigid.is_some() && mesh.is_holed, HOLED)
+                | flag(!entry.excluded.is_empty(), EXCLUDING),
             first_face_slot: slots.first_face,
             faces: mesh.faces,
             first_face: faces,
@@ -92,6 +95,11 @@ impl Table {
             reserved: [0; 4],
         };
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
+    }
+
+    /// The first face slot of a caster.
+    pub(crate) fn first_face_slot(&self, index: u32) -> u32 {
+        self.parts.get(CASTER_PARTS * index as usize + 5).map_or(0, |part| part[0])
     }
 
     /// Writes a new transform of a rigid caster.

@@ -191,7 +191,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "excluded faces: lights in their plane are not marked",
         changes: &[
-            ("wgsl/extract/exact_facing.wgsl", "excluded_masks[face] = signs.excluded;", "excluded_masks[face] = 0u;"),
+            (
+                "wgsl/extract/exact_facing.wgsl",
+                "excluded_masks[slot] |= signs.excluded;",
+                "excluded_masks[slot] |= 0u;",
+            ),
             (
                 "src/cpu/extract/exact_facing.rs",
                 "exact.sign(light.to_array()) == 0)",
