@@ -414,8 +414,8 @@ shared_structs! {
         edge_chunks_at: u32,
         /// Views.
         views: u32,
-        /// 0.
-        reserved: u32,
+        /// Batches in which casters are counted, one after the other.
+        count_batches: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -426,8 +426,8 @@ shared_structs! {
         first_light: u32,
         /// The view.
         view: u32,
-        /// 0.
-        reserved: u32,
+        /// The batch of casters that is counted.
+        count_batch: u32,
     }
 
     /// The draws of one light's shadow volume.

@@ -113,7 +113,7 @@ impl Drawn<'_> {
     fn frame(&self, gpu: &Gpu, shape: ShadowShape) -> [wgpu::Buffer; 4] {
         let light = self.index as u32;
         let (_, _, mesh) = &self.scene.caster;
-        let draw = ShadowDraw { light, first_light: light / 32 * 32, view: 0, reserved: 0 };
+        let draw = ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 };
         let table = table(mesh, (0, 3), self.lights, self.capped);
         let choices_at = size_of::<SceneCaster>() as u32 / 16;
         let batches = self.lights.len().div_ceil(32) as u32;

@@ -90,6 +90,8 @@ pub(crate) struct Renderer<'a> {
     /// Of every light.
     pub(crate) range: f32,
     pub(crate) placing: Placing,
+    /// Of the casters of a scene.
+    pub(crate) count_batches: u32,
 }
 
 impl<'a> Renderer<'a> {
@@ -104,6 +106,7 @@ impl<'a> Renderer<'a> {
             list_capacity: None,
             range: f32::INFINITY,
             placing: Placing::Alone,
+            count_batches: 1,
         }
     }
 

@@ -64,7 +64,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         face_chunks_at: 0,
         edge_chunks_at: 0,
         views: 1,
-        reserved: 0,
+        count_batches: 1,
     }
 }
 
@@ -229,7 +229,7 @@ impl Staged {
         let mut listed = Listed::default();
         for (word, planes) in self.facing.chunks(faces).zip(self.excluded.chunks(faces)).enumerate() {
             let (light, first_light) = (32 * word as u32, 32 * word as u32);
-            let draw = uniform(gpu, &ShadowDraw { light, first_light, view: 0, reserved: 0 });
+            let draw = uniform(gpu, &ShadowDraw { light, first_light, view: 0, count_batch: 0 });
             let count = (lights.len() - 32 * word).min(32);
             let mut words = vec![0_u32; 128];
             words.resize(128 + 2 * count * capacity as usize, u32::MAX);
@@ -418,7 +418,7 @@ fn list_sides() -> Result<(), String> {
             let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1]));
             for (batch, twin) in twin.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
-                let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, reserved: 0 });
+                let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, count_batch: 0 });
                 let mut raw = vec![u32::MAX; 32 * room];
                 for (list, raw) in silhouettes[32 * batch..].iter().zip(raw.chunks_mut(room)) {
                     // What a list that overflowed has of its edges says nothing.
@@ -474,7 +474,7 @@ fn shadow_arguments() -> Result<(), String> {
         let statistics = gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]);
         let shape_buffer = uniform(gpu, &shape);
         for (batch, (sides, caps)) in (0..).zip(sides.chunks(32).zip(caps.chunks(32))) {
-            let draw = ShadowDraw { light: 32 * batch, first_light: 32 * batch, view: 0, reserved: 0 };
+            let draw = ShadowDraw { light: 32 * batch, first_light: 32 * batch, view: 0, count_batch: 0 };
             let (mut side_counts, mut cap_counts) = ([[7_u32; 2]; 32], [[7_u32; 4]; 32]);
             side_counts[..sides.len()].copy_from_slice(sides);
             cap_counts[..caps.len()].copy_from_slice(caps);

@@ -42,7 +42,7 @@ fn cap_of(instance: u32) -> Cap {
   own.caster = caster_of(shape.face_chunks_at, slot);
   own.view = view_of(own.caster, seen.view);
   own.light = light_of(own.caster, seen.light, draw.light);
-  own.valid = true;
+  own.valid = is_counted(own.caster);
   let run = face_run(own.caster);
   let face = run.z + slot - run.x;
   own.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
@@ -55,7 +55,7 @@ fn cap_of(instance: u32) -> Cap {
     let mirrored = (caster_flags(own.caster) & MIRRORED) != 0u;
     let is_excluded = own.light.excludes != 0u && ((excluded_masks[slot] >> bit) & 1u) != 0u;
     let has_cap = own.light.counting != COUNT_Z_PASS || own.light.end > 0.0;
-    own.valid = slot - run.x < run.y && casts(own.light, facing) && has_cap && !is_excluded &&
+    own.valid = own.valid && slot - run.x < run.y && casts(own.light, facing) && has_cap && !is_excluded &&
       cap_kind(own.light, facing, mirrored) == CAP_KIND &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
       is_finite(vertex_position(own.caster, corners.x)) && is_finite(vertex_position(own.caster, corners.y)) &&

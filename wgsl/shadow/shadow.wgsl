@@ -83,7 +83,8 @@ struct ShadowShape {
   face_chunks_at: u32,
   edge_chunks_at: u32,
   views: u32,
-  reserved: u32,
+  // Casters are counted in so many batches, one after the other.
+  count_batches: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.
@@ -92,7 +93,8 @@ struct ShadowDraw {
   // The first light of its batch.
   first_light: u32,
   view: u32,
-  reserved: u32,
+  // The batch of casters that is counted.
+  count_batch: u32,
 }
 
 const CAST_NOTHING: u32 = 0u;

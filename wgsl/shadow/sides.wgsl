@@ -44,7 +44,7 @@ fn side_of(instance: u32, kind: u32) -> Side {
   var own: Side;
   own.view = view_of(caster, seen.view);
   own.light = light_of(caster, seen.light, draw.light);
-  own.valid = true;
+  own.valid = is_counted(caster);
   var winding = entry >= WINDING;
   if (overflowed || has_measures()) {
     own.light = chosen_light(caster, own.light, draw.light, draw.view);
@@ -53,7 +53,7 @@ fn side_of(instance: u32, kind: u32) -> Side {
     // A slot beyond the edges of its caster has a record of another, or none.
     let is_there = slot - run.x < run.y;
     let side = side_at(caster, record, own.light, bit);
-    own.valid = is_there && side.weight > (instance & 1u) && side_kind(own.light) == kind;
+    own.valid = own.valid && is_there && side.weight > (instance & 1u) && side_kind(own.light) == kind;
     winding = side.winding;
   }
   let turned_over = (caster_flags(caster) & MIRRORED) != 0u;

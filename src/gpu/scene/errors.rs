@@ -87,6 +87,15 @@ pub enum SceneError {
         /// Views of the frame.
         views: usize,
     },
+    /// The pipelines and the scene do not agree on whether casters are counted in batches.
+    #[error(
+        "the scene counts its casters in {count_batches} batches (`SceneOptions::count_batches`); draw several with \
+         `ScenePipelines::in_batches`, and one with `ScenePipelines::new`"
+    )]
+    CountBatches {
+        /// Batches of the scene.
+        count_batches: u32,
+    },
     /// The light was not in the scene when the frame was encoded.
     #[error("the light was not in the scene when this frame was encoded; add it before `Scene::encode`")]
     NotEncoded,

@@ -28,6 +28,7 @@ pub struct SceneFrame {
     /// What pipelines must be, for each view.
     pub(crate) views: Arc<[Convention]>,
     pub(crate) may_end: bool,
+    pub(crate) count_batches: u32,
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
     pub(crate) lights: Arc<[(LightHandle, Light)]>,
@@ -99,8 +100,9 @@ impl SceneFrame {
     }
 
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
-    /// the attachments of `pipelines`. It counts up from the current content of the stencil. Other state of the pass does
-    /// not matter. It changes the pipeline and bind groups 0 and 1.
+    /// the attachments of `pipelines`. It counts up from the current content of the stencil, which must be 0 if casters are
+    /// counted in batches. Afterwards the stencil is 0 where the light arrives. Other state of the pass does not matter. It
+    /// changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0 if casters are counted in batches.
     ///
     /// # Errors
     /// [`SceneError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode
@@ -121,11 +123,19 @@ impl SceneFrame {
         if !self.lights.iter().any(|(handle, _)| *handle == light) {
             return Err(SceneError::NotEncoded);
         }
-        check_same(["the pipelines", "the scene"], [pipelines.0.shared().device(), &self.device])?;
-        convention.check_drawn_by(pipelines.0.convention)?;
+        check_same(["the pipelines", "the scene"], [pipelines.volumes.shared().device(), &self.device])?;
+        convention.check_drawn_by(pipelines.volumes.convention)?;
+        if (self.count_batches > 1) != pipelines.is_in_batches() {
+            return Err(SceneError::CountBatches { count_batches: self.count_batches });
+        }
         if let Some(volumes) = &self.volumes {
-            for draws in volumes.draws(view, light.bit as usize, self.may_end) {
-                draws.draw(pass, &pipelines.0);
+            for count_batch in 0..self.count_batches {
+                if count_batch > 0 {
+                    pipelines.resolve(pass);
+                }
+                for draws in volumes.draws(count_batch as usize, view, light.bit as usize, self.may_end) {
+                    draws.draw(pass, &pipelines.volumes);
+                }
             }
         }
         Ok(())

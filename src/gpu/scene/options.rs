@@ -23,6 +23,12 @@ pub struct SceneOptions {
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
+    /// Casters are counted in so many batches, each of which is then one bit of darkness. At least 1. With several, 127 casters
+    /// of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit. Each
+    /// batch takes a draw of all lists and a full-screen draw. Draw with [`ScenePipelines::in_batches`].
+    ///
+    /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
+    pub count_batches: u32,
     /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
     /// `None`: room for every face where every face may have a cap, else for a share. An overflow loses nothing: the draw
     /// then goes over all faces.
@@ -33,7 +39,7 @@ pub struct SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unseen shadows
-    /// skipped, infinite volumes, no memory limit.
+    /// skipped, infinite volumes, one batch of casters, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -43,6 +49,7 @@ impl Default for SceneOptions {
             counting: Counting::Auto,
             skip_unseen: true,
             end_at_range: false,
+            count_batches: 1,
             cap_capacity: None,
             memory_limit: None,
         }

@@ -297,9 +297,20 @@ impl Scene {
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
         let views = cameras.iter().map(|camera| self.convention(camera)).collect();
-        let may_end = self.options.end_at_range;
+        let (may_end, count_batches) = (self.options.end_at_range, self.options.count_batches.max(1));
         let device = self.pipelines.device().clone();
-        Ok(SceneFrame { structure, volumes, views, may_end, device, scene: self.id, lights, encodes, encode })
+        Ok(SceneFrame {
+            structure,
+            volumes,
+            views,
+            may_end,
+            count_batches,
+            device,
+            scene: self.id,
+            lights,
+            encodes,
+            encode,
+        })
     }
 
     /// The cameras as stages see them.

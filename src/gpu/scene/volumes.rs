@@ -76,9 +76,11 @@ impl Volumes {
             shapes.push(&shape(structure, part, *room, views, options));
         }
         let mut draws = UniformTable::default();
-        for view in 0..views as u32 {
-            for light in 0..lights as u32 {
-                draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, reserved: 0 });
+        for count_batch in 0..options.count_batches.max(1) {
+            for view in 0..views as u32 {
+                for light in 0..lights as u32 {
+                    draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });
+                }
             }
         }
         let shapes = &shapes.into_buffer(device, "shadow shapes");
@@ -139,13 +141,20 @@ impl Volumes {
         Pass::record_all(&self.listing, encoder, timer);
     }
 
-    /// The draws of a light in a view, for each group of casters.
-    pub(crate) fn draws(&self, view: usize, light: usize, may_end: bool) -> impl Iterator<Item = LightDraws<'_>> {
+    /// The draws of a light in a view for a batch of casters, for each group.
+    pub(crate) fn draws(
+        &self,
+        count_batch: usize,
+        view: usize,
+        light: usize,
+        may_end: bool,
+    ) -> impl Iterator<Item = LightDraws<'_>> {
         let (batch, place) = (light / 32, view * self.lights + light);
+        let uniform = count_batch * self.views * self.lights + place;
         self.groups.iter().zip(&self.buffers.draws).filter_map(move |(group, draws)| {
             Some(LightDraws {
                 frame: group.frames.get(batch)?,
-                uniform: (place * UniformTable::stride::<ShadowDraw>()) as u32,
+                uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
                 seen: (place * size_of::<SeenLight>()) as u32,
                 sides: group.sides.get(batch)?.get(view)?,
                 caps: group.caps.get(batch)?.get(view)?,
@@ -183,7 +192,7 @@ fn shape(structure: &Structure, part: &GroupBatch, room: Room, views: usize, opt
         face_chunks_at: dispatch.face_chunks_at,
         edge_chunks_at: dispatch.edge_chunks_at,
         views: views as u32,
-        reserved: 0,
+        count_batches: options.count_batches.max(1),
     }
 }
 

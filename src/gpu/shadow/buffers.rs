@@ -121,7 +121,7 @@ impl Buffers {
         let bytes = check(&wanted, split.buffer, memory_limit)?;
         let mut draw_lights = UniformTable::default();
         for light in 0..shape.max_lights as u32 {
-            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, view: 0, reserved: 0 });
+            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 });
         }
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
         let stored = |label, bytes| buffer(device, label, bytes, storage);

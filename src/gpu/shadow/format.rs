@@ -123,14 +123,31 @@ pub(crate) enum Count {
     Always,
 }
 
+/// The casters that pipelines draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Casters {
+    /// One, at the beginning of the table.
+    One,
+    /// Those of a scene.
+    Scene,
+    /// Those of a scene, counted in batches: bit 7 tells what earlier batches darken.
+    Batches,
+}
+
+impl Casters {
+    /// The bits of the stencil that count.
+    pub(super) fn count_mask(self) -> u32 {
+        if self == Self::Batches { 0x7f } else { 0xff }
+    }
+}
+
 /// Everything that a pipeline of volumes depends on.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct VolumeKey {
     pub(super) entry_point: &'static str,
     /// The list of cap faces.
     pub(super) kind: u32,
-    /// Whether there may be several casters.
-    pub(super) many: bool,
+    pub(super) casters: Casters,
     pub(super) count: Count,
     pub(super) turned: bool,
     pub(super) format: ShadowFormat,

@@ -3,7 +3,7 @@
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::ShadowDrawError;
-use super::format::{Count, ShadowFormat, ShadowFormatError, VolumeKey};
+use super::format::{Casters, Count, ShadowFormat, ShadowFormatError, VolumeKey};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
@@ -82,30 +82,30 @@ impl ShadowPipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        Self::make(pipelines.into(), format, counting, false)
+        Self::make(pipelines.into(), format, counting, Casters::One)
     }
 
-    /// `many`: for the casters of a scene, which are found in the table.
+    /// The pipelines for one caster or for those of a scene.
     pub(crate) fn make(
         pipelines: Pipelines,
         format: &ShadowFormat,
         counting: Counting,
-        many: bool,
+        casters: Casters,
     ) -> Result<Self, ShadowFormatError> {
         pipelines.clone().construct(Subject::Shadow, || {
             check(pipelines.device(), format, counting.may_fail())?;
             let device = pipelines.device().clone();
-            any_error(&device, || Self::with(pipelines, format, counting, many))
+            any_error(&device, || Self::with(pipelines, format, counting, casters))
                 .map_err(|message| ShadowFormatError::Refused { message })
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, many: bool) -> Self {
+    fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, casters: Casters) -> Self {
         let is_zp_plus_2005 = counting.is_zp_plus_2005();
         let is_fail = counting.may_fail();
         let Layouts { frame, side_data, cap_data } = layouts(&shared);
-        let sides = Maker { shared: &shared, format, stage: &SIDES, many, groups: [&frame, &side_data] };
-        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, many, groups: [&frame, &cap_data] };
+        let sides = Maker { shared: &shared, format, stage: &SIDES, casters, groups: [&frame, &side_data] };
+        let caps = Maker { shared: &shared, format, stage: &CAP_FACES, casters, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
         let near = |side, cap| {
             let side = sides.pipeline(side, 0, Count::Visible, false);
@@ -209,19 +209,19 @@ struct Maker<'a> {
     shared: &'a Pipelines,
     format: &'a ShadowFormat,
     stage: &'static Stage,
-    many: bool,
+    casters: Casters,
     groups: [&'a wgpu::BindGroupLayout; 2],
 }
 
 impl Maker<'_> {
     /// `turned` swaps the counting of fronts and backs. The vertex order and so the bits of depth stay the same.
     fn pipeline(&self, entry_point: &'static str, kind: u32, count: Count, turned: bool) -> wgpu::RenderPipeline {
-        let key = VolumeKey { entry_point, kind, many: self.many, count, turned, format: self.format.clone() };
+        let key = VolumeKey { entry_point, kind, casters: self.casters, count, turned, format: self.format.clone() };
         self.shared.volume(&key, || self.make(&key))
     }
 
     fn make(&self, key: &VolumeKey) -> wgpu::RenderPipeline {
-        let &VolumeKey { entry_point, kind, many, count, turned, ref format } = key;
+        let &VolumeKey { entry_point, kind, casters, count, turned, ref format } = key;
         let (device, stage) = (self.shared.device(), self.stage);
         let is_caps = *stage == CAP_FACES;
         let module = self.shared.module(stage.name, &stage.wgsl());
@@ -233,8 +233,8 @@ impl Maker<'_> {
         let is_reversed = format.depth == DepthDirection::Reversed;
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
-        let stencil = stencil(count, turned);
-        let constants = [("MANY", f64::from(u8::from(many))), ("CAP_KIND", f64::from(kind))];
+        let stencil = stencil(count, turned, casters.count_mask());
+        let constants = [("MANY", f64::from(u8::from(casters != Casters::One))), ("CAP_KIND", f64::from(kind))];
         let constants = if is_caps { &constants[..] } else { &constants[..1] };
         let targets: Vec<_> = format
             .colors
@@ -286,7 +286,7 @@ impl Maker<'_> {
     }
 }
 
-fn stencil(count: Count, turned: bool) -> wgpu::StencilState {
+fn stencil(count: Count, turned: bool, write_mask: u32) -> wgpu::StencilState {
     let face = |is_front: bool| {
         let ups = is_front == (count != Count::Hidden);
         let operation = if ups == turned { StencilOperation::DecrementWrap } else { StencilOperation::IncrementWrap };
@@ -294,5 +294,5 @@ fn stencil(count: Count, turned: bool) -> wgpu::StencilState {
         let (fail, pass) = if count == Count::Hidden { (operation, keep) } else { (keep, operation) };
         wgpu::StencilFaceState { compare: CompareFunction::Always, fail_op: keep, depth_fail_op: fail, pass_op: pass }
     };
-    wgpu::StencilState { front: face(true), back: face(false), read_mask: 0xff, write_mask: 0xff }
+    wgpu::StencilState { front: face(true), back: face(false), read_mask: 0xff, write_mask }
 }

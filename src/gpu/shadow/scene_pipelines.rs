@@ -1,14 +1,30 @@
 //! Render pipelines that count the shadow volumes of scenes.
 
-use super::format::{ShadowFormat, ShadowFormatError};
+use super::format::{Casters, ShadowFormat, ShadowFormatError};
 use super::pipelines::ShadowPipelines;
+use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::shadow::Counting;
+
+/// The bit of the stencil that tells what earlier batches of casters darken.
+const DARK: u32 = 0x80;
+
+/// A triangle over the whole picture.
+const WHOLE: &str = "
+@vertex fn whole(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.5, 1.0);
+}
+@fragment fn nothing() {}
+";
 
 /// The render pipelines that draw the volumes of a [`Scene`](crate::gpu::Scene), for one counting method and one
 /// [`ShadowFormat`]. Scenes share them.
 #[derive(Debug)]
-pub struct ScenePipelines(pub(crate) ShadowPipelines);
+pub struct ScenePipelines {
+    pub(crate) volumes: ShadowPipelines,
+    /// Turns counts into the bit of darkness, if casters are counted in batches.
+    resolve: Option<wgpu::RenderPipeline>,
+}
 
 impl ScenePipelines {
     /// Makes the pipelines. `pipelines` is the caller's device, or the [`Pipelines`] that the scenes share. `counting` is
@@ -21,11 +37,95 @@ impl ScenePipelines {
         format: &ShadowFormat,
         counting: Counting,
     ) -> Result<Self, ShadowFormatError> {
-        ShadowPipelines::make(pipelines.into(), format, counting, true).map(Self)
+        let volumes = ShadowPipelines::make(pipelines.into(), format, counting, Casters::Scene)?;
+        Ok(Self { volumes, resolve: None })
+    }
+
+    /// Makes the pipelines for scenes whose casters are counted in several batches
+    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)).
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn in_batches(
+        pipelines: impl Into<Pipelines>,
+        format: &ShadowFormat,
+        counting: Counting,
+    ) -> Result<Self, ShadowFormatError> {
+        let pipelines = pipelines.into();
+        let volumes = ShadowPipelines::make(pipelines.clone(), format, counting, Casters::Batches)?;
+        let made = any_error(pipelines.device(), || resolve(&pipelines, format));
+        let resolve = made.map_err(|message| ShadowFormatError::Refused { message })?;
+        Ok(Self { volumes, resolve: Some(resolve) })
     }
 
     /// The counting method of these pipelines.
     pub fn counting(&self) -> Counting {
-        self.0.counting()
+        self.volumes.counting()
     }
+
+    pub(crate) fn is_in_batches(&self) -> bool {
+        self.resolve.is_some()
+    }
+
+    /// Where a count is not 0, sets the bit of darkness and the count to 0.
+    pub(crate) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(resolve) = &self.resolve {
+            pass.set_pipeline(resolve);
+            pass.set_stencil_reference(DARK);
+            pass.draw(0..3, 0..1);
+            pass.set_stencil_reference(0);
+        }
+    }
+}
+
+fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> wgpu::RenderPipeline {
+    let device = pipelines.device();
+    let module = pipelines.module("resolve counts", WHOLE);
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("resolve counts"),
+        bind_group_layouts: &[],
+        immediate_size: 0,
+    });
+    // The reference has no bit of the count, so the comparison is with 0.
+    let face = wgpu::StencilFaceState {
+        compare: wgpu::CompareFunction::NotEqual,
+        fail_op: wgpu::StencilOperation::Keep,
+        depth_fail_op: wgpu::StencilOperation::Keep,
+        pass_op: wgpu::StencilOperation::Replace,
+    };
+    let targets: Vec<_> = format
+        .colors
+        .iter()
+        .map(|color| {
+            let write_mask = wgpu::ColorWrites::empty();
+            color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask })
+        })
+        .collect();
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("resolve counts"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("whole"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: format.depth_stencil,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: wgpu::StencilState { front: face, back: face, read_mask: !DARK & 0xff, write_mask: 0xff },
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("nothing"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }

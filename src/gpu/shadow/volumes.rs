@@ -144,7 +144,7 @@ impl ShadowVolumes {
             face_chunks_at: 0,
             edge_chunks_at: 0,
             views: 1,
-            reserved: 0,
+            count_batches: 1,
         };
         if source.buffers.faces.size() > split.binding {
             let (bytes, limit) = (source.buffers.faces.size(), split.binding);

@@ -31,7 +31,7 @@ const CLOSED: ShadowShape = ShadowShape {
     face_chunks_at: 0,
     edge_chunks_at: 0,
     views: 1,
-    reserved: 0,
+    count_batches: 1,
 };
 
 /// A closed cube's faces with these lowest and highest corners.
