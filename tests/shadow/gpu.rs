@@ -18,6 +18,7 @@ mod refusals;
 mod render;
 mod samples;
 mod scene;
+mod scene_refusals;
 mod skinned;
 mod stages;
 mod thousands;
@@ -41,6 +42,7 @@ fn main() {
         hairlines::TESTS,
         in_scene::TESTS,
         thousands::TESTS,
+        scene_refusals::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,
