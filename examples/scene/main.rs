@@ -45,6 +45,7 @@ pub(crate) struct World<'a> {
     scene: Scene,
     pipelines: ScenePipelines,
     lights: Vec<LightHandle>,
+    /// The boxes that move.
     floating: Vec<CasterHandle>,
 }
 
@@ -63,8 +64,8 @@ impl<'a> World<'a> {
         let model = places::figures()?;
         let deformer = Deformer::new(&shared, &model, DeformerOptions::default())?;
         let figure = &model.geometries()[0];
-        let mesh =
-            scene.add_mesh(&Mesh::new(figure.positions(), figure.faces(), Weld::Position)?, figure.positions())?;
+        let mesh = Mesh::new(figure.positions(), figure.faces(), Weld::Position)?;
+        let mesh = scene.add_mesh(&mesh, figure.positions())?;
         let dressed = places::dressed(figure.positions().len() as u32);
         for figure in &dressed {
             let (buffer, offset) = (deformer.positions().buffer.clone(), 12 * u64::from(figure.first_vertex));
@@ -75,10 +76,10 @@ impl<'a> World<'a> {
 
         // Boxes: one cube with many matrices.
         let cube = shapes::cube();
-        let mesh = scene.add_mesh(&Mesh::new(&cube.positions, &cube.faces, Weld::Position)?, &cube.positions)?;
+        let mesh = scene.add_mesh(&cube.mesh()?, &cube.positions)?;
         let placed = places::boxes(0.0);
-        let mut insert = |place: &stage::Placed| scene.insert(Caster::rigid(mesh, place.rows));
-        let casters = placed.iter().map(&mut insert).collect::<Result<Vec<_>, _>>()?;
+        let casters: Vec<_> =
+            placed.iter().map(|place| scene.insert(Caster::rigid(mesh, place.rows))).collect::<Result<_, _>>()?;
         let boxes = stage.bodies(&canvas.storage(bytemuck::cast_slice(&cube.positions)), &cube.faces, &placed);
 
         let floating = casters[places::FLOATING].to_vec();

@@ -1,6 +1,6 @@
 //! Where everything is at a time: figures that walk around boxes, and the lights.
 
-use std::f32::consts::{GOLDEN_RATIO, TAU};
+use std::f32::consts::TAU;
 use std::ops::Range;
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
@@ -107,9 +107,9 @@ fn placed(half: Vec3, turn: Quat, at: Vec3, albedo: [f32; 3]) -> Placed {
     Placed { rows: rows(Affine3A::from_scale_rotation_translation(half, turn, at)), albedo, first_vertex: 0 }
 }
 
-/// Numbers from 0 to 1, evenly spread.
+/// Numbers from 0 to 1, evenly spread by the golden ratio.
 fn spread(number: usize) -> f32 {
-    (GOLDEN_RATIO * number as f32).fract()
+    (0.618_034 * number as f32).fract()
 }
 
 fn rows(matrix: Affine3A) -> Matrix3x4 {

@@ -37,13 +37,17 @@ struct Point {
   @location(2) albedo: vec3<f32>,
 }
 
+fn along(row: vec4<f32>, at: vec3<f32>) -> f32 {
+  return row.x * at.x + row.y * at.y + row.z * at.z;
+}
+
 // A corner of an instance, less the eye. Shadow volumes place their vertices by the same products and sums.
 fn corner(number: u32, placed: Placed) -> vec3<f32> {
   let first = 3u * (placed.first_vertex + faces[number]);
   let at = vec3<f32>(positions[first], positions[first + 1u], positions[first + 2u]);
   let rows = placed.rows;
   let shift = vec3<f32>(rows[0].w, rows[1].w, rows[2].w) - frame.eye;
-  return vec3<f32>(dot(rows[0].xyz, at), dot(rows[1].xyz, at), dot(rows[2].xyz, at)) + shift;
+  return vec3<f32>(along(rows[0], at), along(rows[1], at), along(rows[2], at)) + shift;
 }
 
 fn point(from_eye: vec3<f32>, normal: vec3<f32>, albedo: vec3<f32>) -> Point {
