@@ -14,6 +14,7 @@
 //! * [`gpu::include_wgsl`]: WGSL that reads the results in your own shaders.
 //! * [`gpu::ShadowVolumes`]: stencil shadows in your render pass. The GPU chooses the counting method for each caster
 //!   and light.
+//! * [`gpu::Scene`]: the same for many casters and lights together.
 //! * [`gpu::ShadowQuery`]: counts the faces between points and lights.
 //! * [`AreaLight`]: samples lights that have an area. The samples share one extraction.
 //! * [`cpu`]: extraction, deformation and the shadow depth query without a device. Extraction and query give the same

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let device = &canvas.device;
     let camera = Camera::new([2.4, 3.6, 6.0], [0.75, 1.05, 0.0], 35.0);
     let sun = Light::directional([-0.8, 1.2, 0.5]);
-    let lamp = Lamp { xyzw: sun.to_array(), color: [0.95, 0.90, 0.82] };
+    let lamp = Lamp { light: sun, color: [0.95, 0.90, 0.82] };
     let stage = Stage::new(&canvas, &camera, &[lamp], format.light_pass_depth_stencil());
     let shape = shapes::torus(192, 96, 1.0, 0.4);
     let vertices: Vec<_> = shape.positions.iter().map(|&[x, y, z]| [x, 1.4 - z, y]).collect();

@@ -48,7 +48,7 @@ pub(crate) fn picture(canvas: &Canvas, parts: usize) -> Result<wgpu::CommandEnco
     let device = &canvas.device;
     let (camera, lamp) = (camera(), LAMP);
     let patterns: Vec<Vec<Light>> = (0..parts).map(|part| lamp.pattern_samples(SAMPLES, part, parts)).collect();
-    let share = |&light: &Light| Lamp { xyzw: light.to_array(), color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
+    let share = |&light: &Light| Lamp { light, color: [0.95, 0.90, 0.82].map(|c| c / SAMPLES as f32) };
     let lamps: Vec<Vec<Lamp>> = patterns.iter().map(|lights| lights.iter().map(share).collect()).collect();
     let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let stage = Stage::in_parts(canvas, &camera, &lamps, format.light_pass_depth_stencil());

@@ -34,6 +34,7 @@ impl Canvas {
         Self::of_size([size; 2])
     }
 
+    /// `width` is a multiple of 64, so that rows of pixels can be copied.
     pub(crate) fn of_size([width, height]: [u32; 2]) -> Result<Self, Box<dyn std::error::Error>> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))?;

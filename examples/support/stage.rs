@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each example uses its part")]
 
 use glam::{Mat4, Vec3, Vec4};
-use rimline::wgpu;
+use rimline::{Light, Matrix3x4, wgpu};
 use wgpu::{BindGroup, BindGroupLayout, BufferBinding, BufferSize, LoadOp, StoreOp, TextureFormat};
 
 use super::support::{Canvas, PipelineOptions};
@@ -44,22 +44,47 @@ impl Camera {
     }
 }
 
-/// A light as homogeneous coordinates, and its colour.
+/// A light and its colour. Without a range it does not fade; with one it fades to nothing there.
+#[derive(Clone, Copy)]
 pub(crate) struct Lamp {
-    pub(crate) xyzw: [f32; 4],
+    pub(crate) light: Light,
     pub(crate) color: [f32; 3],
 }
 
-/// What the renderer draws.
+/// What the renderer draws: instances of one mesh.
 pub(crate) struct Body {
-    pub(crate) group: BindGroup,
-    pub(crate) corners: u32,
+    group: BindGroup,
+    corners: u32,
+    instances: wgpu::Buffer,
+    count: u32,
+}
+
+/// An instance of a mesh.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Placed {
+    /// From its positions to world space.
+    pub(crate) rows: Matrix3x4,
+    /// The colour, linear.
+    pub(crate) albedo: [f32; 3],
+    /// Its vertex 0 in the buffer of positions.
+    pub(crate) first_vertex: u32,
+}
+
+impl Default for Placed {
+    /// Clay, in world space.
+    fn default() -> Self {
+        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        Self { rows, albedo: [0.66, 0.64, 0.60], first_vertex: 0 }
+    }
 }
 
 /// The renderer.
 pub(crate) struct Stage<'a> {
     canvas: &'a Canvas,
     layouts: [BindGroupLayout; 2],
+    /// For each part its camera, then its lamps.
+    slots: wgpu::Buffer,
     frame: BindGroup,
     cameras: Vec<Camera>,
     lamps: usize,
@@ -73,6 +98,8 @@ pub(crate) struct Stage<'a> {
 }
 
 const SLOT: u64 = 256;
+/// How bright the light is that comes from everywhere, if nothing else is set.
+const AMBIENT: f32 = 0.22;
 
 /// Parts, if there are more than one: four each way.
 pub(crate) const PARTS: usize = 16;
@@ -110,12 +137,14 @@ impl<'a> Stage<'a> {
             let mut frame = [0.0; 64];
             frame[..16].copy_from_slice(camera.view_projection.as_flattened());
             frame[16..19].copy_from_slice(&camera.eye);
+            frame[19] = AMBIENT;
             data.push(frame);
             cameras.push(camera);
             for lamp in lamps.as_ref() {
                 let mut slot = [0.0; 64];
-                slot[..4].copy_from_slice(&lamp.xyzw);
+                slot[..4].copy_from_slice(&lamp.light.to_array());
                 slot[4..7].copy_from_slice(&lamp.color);
+                slot[7] = lamp.light.range.powi(-2);
                 data.push(slot);
             }
         }
@@ -141,7 +170,7 @@ impl<'a> Stage<'a> {
             view_dimension: wgpu::TextureViewDimension::D2Array,
             multisampled: false,
         };
-        let layouts = [canvas.layout(&[uniform(true), uniform(true)]), canvas.layout(&[storage; 2])];
+        let layouts = [canvas.layout(&[uniform(true), uniform(true)]), canvas.layout(&[storage; 3])];
         let part = |size| BufferBinding { buffer: &buffer, offset: 0, size: BufferSize::new(size) };
         let parts = [part(80), part(32)].map(wgpu::BindingResource::Buffer);
         let frame = canvas.group(&layouts[0], &parts);
@@ -160,7 +189,7 @@ impl<'a> Stage<'a> {
                     })
                 })
         };
-        // Ambient light goes everywhere, and leaves the depths that shadow volumes are tested against.
+        // Ambient light goes everywhere, and leaves its depths.
         let nearer = wgpu::DepthStencilState {
             format: DEPTH_STENCIL,
             depth_write_enabled: Some(true),
@@ -189,14 +218,33 @@ impl<'a> Stage<'a> {
         let dimension = Some(wgpu::TextureViewDimension::D2Array);
         let layers = color.create_view(&wgpu::TextureViewDescriptor { dimension, ..view });
         let tone = (tone, canvas.group(&read, &[wgpu::BindingResource::TextureView(&layers)]));
-        Self { canvas, layouts, frame, cameras, lamps, ambient, lit, tone, color, depth }
+        Self { canvas, layouts, slots: buffer, frame, cameras, lamps, ambient, lit, tone, color, depth }
+    }
+
+    /// Sets how bright the light is that comes from everywhere.
+    pub(crate) fn set_ambient(&self, ambient: f32) {
+        for part in 0..self.cameras.len() {
+            let at = (part * (1 + self.lamps)) as u64 * SLOT + 4 * 19;
+            self.canvas.queue.write_buffer(&self.slots, at, bytemuck::bytes_of(&ambient));
+        }
     }
 
     /// Something to draw: tightly packed positions and faces.
     pub(crate) fn body(&self, positions: &wgpu::Buffer, faces: &[[u32; 3]]) -> Body {
-        let buffers = [positions, &self.canvas.storage(bytemuck::cast_slice(faces))];
+        self.bodies(positions, faces, &[Placed::default()])
+    }
+
+    /// Instances of something to draw.
+    pub(crate) fn bodies(&self, positions: &wgpu::Buffer, faces: &[[u32; 3]], placed: &[Placed]) -> Body {
+        let instances = self.canvas.storage(bytemuck::cast_slice(placed));
+        let buffers = [positions, &self.canvas.storage(bytemuck::cast_slice(faces)), &instances];
         let group = self.canvas.group(&self.layouts[1], &buffers.map(wgpu::Buffer::as_entire_binding));
-        Body { group, corners: 3 * faces.len() as u32 }
+        Body { group, corners: 3 * faces.len() as u32, instances, count: placed.len() as u32 }
+    }
+
+    /// Moves the instances of a body, as many as it was made with.
+    pub(crate) fn place(&self, body: &Body, placed: &[Placed]) {
+        self.canvas.queue.write_buffer(&body.instances, 0, bytemuck::cast_slice(placed));
     }
 
     /// The camera of a part, from which its shadow volumes are seen.
@@ -225,24 +273,32 @@ impl<'a> Stage<'a> {
         bodies: &[Body],
         shade: impl Fn(&mut wgpu::RenderPass<'_>, usize) -> Result<(), E>,
     ) -> Result<(), E> {
-        let layer = wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer: part as u32,
-            array_layer_count: Some(1),
-            ..wgpu::TextureViewDescriptor::default()
-        };
-        let color = self.color.create_view(&layer);
-        let slot = part * (1 + self.lamps);
-        let sky = wgpu::Color { r: 0.62, g: 0.62, b: 0.63, a: 1.0 };
-        let mut pass = self.pass(encoder, &color, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
-        self.everything(&mut pass, &self.ambient, bodies, [slot, slot]);
-        drop(pass);
+        self.depth_pass(encoder, part, bodies);
         for lamp in 0..self.lamps {
-            let mut pass = self.pass(encoder, &color, (LoadOp::Load, LoadOp::Load));
+            let mut pass = self.light_pass(encoder, part);
             shade(&mut pass, lamp)?;
-            self.everything(&mut pass, &self.lit, bodies, [slot, slot + 1 + lamp]);
+            self.add_light(&mut pass, part, bodies, lamp);
         }
         Ok(())
+    }
+
+    /// The first pass of a part: everything in ambient light. It leaves the depths that shadow volumes are tested against.
+    pub(crate) fn depth_pass(&self, encoder: &mut wgpu::CommandEncoder, part: usize, bodies: &[Body]) {
+        let sky = wgpu::Color { r: 0.62, g: 0.62, b: 0.63, a: 1.0 };
+        let slot = part * (1 + self.lamps);
+        let mut pass = self.pass(encoder, part, (LoadOp::Clear(sky), LoadOp::Clear(0.0)));
+        self.everything(&mut pass, &self.ambient, bodies, [slot, slot]);
+    }
+
+    /// A pass for a light, with its stencil at 0.
+    pub(crate) fn light_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, part: usize) -> wgpu::RenderPass<'e> {
+        self.pass(encoder, part, (LoadOp::Load, LoadOp::Load))
+    }
+
+    /// Adds a light in its pass, where the stencil is still 0.
+    pub(crate) fn add_light(&self, pass: &mut wgpu::RenderPass<'_>, part: usize, bodies: &[Body], lamp: usize) {
+        let slot = part * (1 + self.lamps);
+        self.everything(pass, &self.lit, bodies, [slot, slot + 1 + lamp]);
     }
 
     /// Makes the picture of what was drawn.
@@ -265,7 +321,7 @@ impl<'a> Stage<'a> {
         pass.set_pipeline(body);
         for body in bodies {
             pass.set_bind_group(1, &body.group, &[]);
-            pass.draw(0..body.corners, 0..1);
+            pass.draw(0..body.corners, 0..body.count);
         }
         pass.set_pipeline(floor);
         pass.draw(0..4, 0..1);
@@ -274,10 +330,16 @@ impl<'a> Stage<'a> {
     fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
-        view: &wgpu::TextureView,
+        part: usize,
         (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
     ) -> wgpu::RenderPass<'e> {
         let store = StoreOp::Store;
+        let view = &self.color.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: part as u32,
+            array_layer_count: Some(1),
+            ..wgpu::TextureViewDescriptor::default()
+        });
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("stage"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -26,11 +26,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let device = &canvas.device;
     let camera = Camera::new([0.0, 6.0, 11.5], [0.0, 0.75, -0.2], 33.0);
     let lamps = [
-        Lamp { xyzw: [-4.5, 6.0, 3.5, 1.0], color: [0.62, 0.10, 0.05] },
-        Lamp { xyzw: [4.5, 6.0, 3.5, 1.0], color: [0.06, 0.46, 0.10] },
-        Lamp { xyzw: [0.0, 7.0, 5.5, 1.0], color: [0.07, 0.14, 0.60] },
+        Lamp { light: Light::point([-4.5, 6.0, 3.5]), color: [0.62, 0.10, 0.05] },
+        Lamp { light: Light::point([4.5, 6.0, 3.5]), color: [0.06, 0.46, 0.10] },
+        Lamp { light: Light::point([0.0, 7.0, 5.5]), color: [0.07, 0.14, 0.60] },
     ];
-    let lights = lamps.each_ref().map(|lamp| Light::homogeneous(lamp.xyzw));
+    let lights = lamps.map(|lamp| lamp.light);
     let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
     let stage = Stage::new(&canvas, &camera, &lamps, format.light_pass_depth_stencil());
 

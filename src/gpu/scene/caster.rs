@@ -41,8 +41,14 @@ pub enum CasterPositions {
     /// At the positions that were given with the mesh, placed in world space by this matrix: three rows of four. Lights
     /// are moved to mesh space instead, as [`Light::to_mesh_space`](crate::Light::to_mesh_space) does. A caster with a
     /// singular matrix, or one that is not finite, casts nothing.
+    ///
+    /// A vertex less the camera's origin is at `row.xyz · position + (row.w − origin)` for each axis, with products added
+    /// from x to z. With z-fail a depth pass must compute the same bits; see [`Counting`](crate::Counting).
     Rigid(Matrix3x4),
     /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode.
+    /// Casters with the same buffer are drawn together, so keep many in one buffer. For example a
+    /// [`Deformer`](crate::gpu::Deformer) writes instance after instance: `stride` is 12, and `offset` is 12 times the number
+    /// of vertices of all instances before.
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,

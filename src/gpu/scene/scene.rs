@@ -32,6 +32,10 @@ use crate::{Light, Matrix3x4, Mesh, ShadowCamera};
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
 /// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
 ///
+/// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
+/// seen, and for each light draw its shadows by [`SceneFrame::draw`] and add its light. The README has this in short; the
+/// example `scene` is a whole program.
+///
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
 pub struct Scene {
@@ -95,8 +99,9 @@ impl Scene {
         })
     }
 
-    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Positions
-    /// that are not finite are allowed; their faces never face a light.
+    /// Uploads a mesh. `positions` are those of its source vertices in mesh space. Rigid casters read them. Casters with a
+    /// buffer of their own do not, but the mesh has positions in any case: give those at rest. Positions that are not finite
+    /// are allowed; their faces never face a light.
     ///
     /// # Errors
     /// [`SceneError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device.
@@ -188,7 +193,8 @@ impl Scene {
         Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
     }
 
-    /// Moves a rigid caster.
+    /// Moves a rigid caster. A caster with a buffer moves by what is written to the buffer; for another buffer, remove it
+    /// and insert it anew.
     ///
     /// # Errors
     /// [`SceneError::NotRigid`], or an error of the handle.

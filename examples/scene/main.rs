@@ -1,0 +1,113 @@
+//! 100 casters and 4 lights in one scene: walking figures, which share a mesh and are deformed on the GPU, and boxes, which
+//! share a mesh and have a matrix each. Writes `scene.png`. Run it with
+//! `cargo run --release --example scene [SECONDS]`.
+
+#[path = "../walking_figure/figure/mod.rs"]
+#[allow(dead_code, reason = "the figure's file is not written here")]
+mod figure;
+pub(crate) mod places;
+#[path = "../support/stage.rs"]
+pub(crate) mod stage;
+#[path = "../support/mod.rs"]
+pub(crate) mod support;
+
+use std::error::Error;
+
+use rimline::gpu::{
+    Caster, CasterHandle, CasterPositions, Deformer, DeformerOptions, LightHandle, LightMask, Pipelines, Scene,
+    SceneOptions, ScenePipelines, ShadowFormat,
+};
+use rimline::mesh::Weld;
+use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
+use rimline_measure::shapes;
+use stage::{Body, COLOR, Camera, DEPTH_STENCIL, Stage};
+use support::Canvas;
+
+pub(crate) const SIZE: [u32; 2] = [1152, 768];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let seconds: f32 = std::env::args().nth(1).map_or(Ok(0.75), |text| text.parse())?;
+    let canvas = Canvas::of_size(SIZE)?;
+    let mut world = World::new(&canvas)?;
+    let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    world.frame(&mut encoder, seconds)?;
+    canvas.save(encoder, "scene.png")
+}
+
+/// All that stays from frame to frame.
+pub(crate) struct World<'a> {
+    /// A renderer, and what it draws: figures, boxes.
+    stage: Stage<'a>,
+    bodies: [Body; 2],
+    /// Moves the figures.
+    deformer: Deformer,
+    /// Throws the shadows.
+    scene: Scene,
+    pipelines: ScenePipelines,
+    lights: Vec<LightHandle>,
+    /// The boxes that move.
+    floating: Vec<CasterHandle>,
+}
+
+impl<'a> World<'a> {
+    pub(crate) fn new(canvas: &'a Canvas) -> Result<Self, Box<dyn Error>> {
+        let format =
+            ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+        let stage = Stage::new(canvas, &places::camera(), &places::LAMPS, format.light_pass_depth_stencil());
+        stage.set_ambient(places::AMBIENT);
+        let shared = Pipelines::new(&canvas.device);
+        let pipelines = ScenePipelines::new(&shared, &format, Counting::Auto)?;
+        let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions::default())?;
+        let lights = places::LAMPS.iter().map(|lamp| scene.add_light(lamp.light)).collect::<Result<_, _>>()?;
+
+        // Figures: the deformer writes all of them to one buffer, one after the other.
+        let model = places::figures()?;
+        let deformer = Deformer::new(&shared, &model, DeformerOptions::default())?;
+        let figure = &model.geometries()[0];
+        let mesh = Mesh::new(figure.positions(), figure.faces(), Weld::Position)?;
+        let mesh = scene.add_mesh(&mesh, figure.positions())?;
+        let dressed = places::dressed(figure.positions().len() as u32);
+        for figure in &dressed {
+            let (buffer, offset) = (deformer.positions().buffer.clone(), 12 * u64::from(figure.first_vertex));
+            let positions = CasterPositions::Buffer { buffer, offset, stride: 12 };
+            scene.insert(Caster { mesh, positions, lights: LightMask::ALL, in_depth: true })?;
+        }
+        let figures = stage.bodies(deformer.positions().buffer, figure.faces(), &dressed);
+
+        // Boxes: one cube with many matrices.
+        let cube = shapes::cube();
+        let mesh = scene.add_mesh(&cube.mesh()?, &cube.positions)?;
+        let placed = places::boxes(0.0);
+        let casters: Vec<_> =
+            placed.iter().map(|place| scene.insert(Caster::rigid(mesh, place.rows))).collect::<Result<_, _>>()?;
+        let boxes = stage.bodies(&canvas.storage(bytemuck::cast_slice(&cube.positions)), &cube.faces, &placed);
+
+        let floating = casters[places::FLOATING].to_vec();
+        Ok(Self { stage, bodies: [figures, boxes], deformer, scene, pipelines, lights, floating })
+    }
+
+    /// Records a frame.
+    pub(crate) fn frame(&mut self, encoder: &mut wgpu::CommandEncoder, seconds: f32) -> Result<(), Box<dyn Error>> {
+        let Self { stage, bodies, scene, .. } = self;
+        // What moved. The figures' buffer is read anew by each encode.
+        self.deformer.encode(encoder, &places::pose(seconds)?, seconds, None, None)?;
+        let boxes = places::boxes(seconds);
+        stage.place(&bodies[1], &boxes);
+        for (&caster, place) in self.floating.iter().zip(&boxes[places::FLOATING]) {
+            scene.set_transform(caster, place.rows)?;
+        }
+        // The shadow volumes of all casters and lights, as the camera sees them.
+        let Camera { eye, view_projection } = *stage.camera(0);
+        let camera = ShadowCamera { view_projection, origin: eye, depth: DepthDirection::Reversed };
+        let shadows = scene.encode(encoder, &[camera], None)?;
+        // One depth pass, then a pass for each light.
+        stage.depth_pass(encoder, 0, bodies);
+        for (number, &light) in self.lights.iter().enumerate() {
+            let mut pass = stage.light_pass(encoder, 0);
+            shadows.draw(&mut pass, &self.pipelines, 0, light)?;
+            stage.add_light(&mut pass, 0, bodies, number);
+        }
+        stage.develop(encoder);
+        Ok(())
+    }
+}
