@@ -100,19 +100,15 @@ impl SceneFrame {
     }
 
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
-<<<<<<< HEAD
-    /// the attachments of `pipelines`. It counts up from the current content of the stencil, which must be 0 if casters are
-    /// counted in batches. Afterwards the stencil is 0 where the light arrives. Other state of the pass does not matter. It
-    /// changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0 if casters are counted in batches.
-=======
     /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
-    /// content of the stencil. Other state of the pass does not matter. It changes the pipeline and bind groups 0 and 1.
+    /// content of the stencil, which must be 0 if casters are counted in batches. Other state of the pass does not matter.
+    /// It changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0 if casters are counted in
+    /// batches.
     ///
     /// Each light has a pass of its own. The pass loads the depths of the depth pass and clears the stencil to 0. After
     /// this draw, the same pass adds the light where the stencil is still 0: with a pipeline of
     /// [`ShadowFormat::light_pass_depth_stencil`](crate::gpu::ShadowFormat::light_pass_depth_stencil). A light with a range
     /// must add nothing beyond it.
->>>>>>> scene-example
     ///
     /// # Errors
     /// [`SceneError`] if the pipelines do not match the scene, the frame has no such view or light, or a later encode
