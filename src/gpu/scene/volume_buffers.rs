@@ -3,9 +3,10 @@
 use wgpu::BufferUsages;
 
 use super::structure::Structure;
+use super::table::choice_bytes;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
-use crate::gpu::shadow::buffers::{CAP_COUNTS, CHOICES, MEASURES, SIDE_COUNTS};
+use crate::gpu::shadow::buffers::{CAP_COUNTS, SIDE_COUNTS};
 use crate::layout::{SeenLight, ShadowDraws, ShadowStatistics};
 use crate::shadow::Counting;
 
@@ -58,13 +59,6 @@ impl Room {
     pub(crate) fn cap_bytes(self) -> u64 {
         CAP_COUNTS + 4 * (u64::from(self.near) + u64::from(self.far)) * u64::from(self.lights)
     }
-}
-
-/// Bytes of the choices of all casters, and with their measures.
-pub(crate) fn choice_bytes(casters: usize, batches: usize, views: usize, has_measures: bool) -> [u64; 2] {
-    let choices = CHOICES * (casters * batches * views) as u64;
-    let measures = if has_measures { MEASURES * (32 * batches * views * casters) as u64 } else { 0 };
-    [choices, choices + measures.next_multiple_of(16)]
 }
 
 /// The buffers.

@@ -3,7 +3,8 @@
 use wgpu::BindingResource;
 
 use super::structure::{GroupBatch, Making, Structure};
-use super::volume_buffers::{Lists, Room, VolumeBuffers, choice_bytes};
+use super::table::choice_bytes;
+use super::volume_buffers::{Lists, Room, VolumeBuffers};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, group};
