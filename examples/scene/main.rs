@@ -14,8 +14,8 @@ pub(crate) mod support;
 use std::error::Error;
 
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, Deformer, DeformerOptions, LightHandle, LightMask, Pipelines, Scene,
-    SceneOptions, ScenePipelines, ShadowFormat,
+    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Pipelines, Scene, SceneOptions, ScenePipelines,
+    ShadowFormat,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Mesh, ShadowCamera, wgpu};
@@ -67,10 +67,9 @@ impl<'a> World<'a> {
         let mesh = Mesh::new(figure.positions(), figure.faces(), Weld::Position)?;
         let mesh = scene.add_mesh(&mesh, figure.positions())?;
         let dressed = places::dressed(figure.positions().len() as u32);
-        for figure in &dressed {
-            let (buffer, offset) = (deformer.positions().buffer.clone(), 12 * u64::from(figure.first_vertex));
-            let positions = CasterPositions::Buffer { buffer, offset, stride: 12 };
-            scene.insert(Caster { mesh, positions, lights: LightMask::ALL, in_depth: true })?;
+        for instance in 0..dressed.len() {
+            let positions = deformer.instance_positions(instance).ok_or("no such figure")?;
+            scene.insert(Caster::in_buffer(mesh, positions))?;
         }
         let figures = stage.bodies(deformer.positions().buffer, figure.faces(), &dressed);
 

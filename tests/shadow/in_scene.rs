@@ -190,7 +190,15 @@ impl InScene {
             };
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
             let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: !renderer.options.every_face };
-            let caster = scene.insert(caster).map_err(text)?;
+            // Some are elsewhere at first.
+            let caster = if is_busy && random.below(2) == 0 {
+                let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]));
+                let elsewhere = scene.insert(Caster { positions, ..caster.clone() }).map_err(text)?;
+                scene.set_positions(elsewhere, caster.positions).map_err(text)?;
+                elsewhere
+            } else {
+                scene.insert(caster).map_err(text)?
+            };
             if !body.left_out.is_empty() {
                 // What is given last counts.
                 scene.set_excluded(caster, lights[0], &[0]).map_err(text)?;

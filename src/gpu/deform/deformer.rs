@@ -13,7 +13,7 @@ use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
 use crate::layout::DeformChunk;
-use crate::model::{Model, Pose, PoseMismatch};
+use crate::model::{Geometry, Model, Pose, PoseMismatch};
 
 /// What a [`Deformer`] computes besides morph targets and skins, and its memory limit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,6 +85,8 @@ pub struct Deformer {
     pose: wgpu::Buffer,
     chunks: wgpu::Buffer,
     layouts: Vec<PoseLayout>,
+    /// Where the positions of each instance begin, in bytes.
+    offsets: Vec<u64>,
     /// The constant part of each dispatch's uniform, and its instance.
     plan: Vec<(usize, DeformChunk)>,
     pass: Pass,
@@ -177,6 +179,7 @@ impl Deformer {
             pose,
             chunks,
             layouts: data.pose_layouts.clone(),
+            offsets: instance_offsets(model),
             plan: dispatches_planned.into_iter().map(|planned| (planned.instance, planned.chunk)).collect(),
             pass: Pass { pipeline, dispatches },
             displaced,
@@ -187,6 +190,12 @@ impl Deformer {
     /// The positions, once the encoder was submitted.
     pub fn positions(&self) -> PositionBuffer<'_> {
         PositionBuffer { buffer: &self.positions, offset: 0, stride: 12 }
+    }
+
+    /// The positions of instance number `instance`, once the encoder was submitted. `None` if the model has fewer instances.
+    pub fn instance_positions(&self, instance: usize) -> Option<PositionBuffer<'_>> {
+        let offset = *self.offsets.get(instance)?;
+        Some(PositionBuffer { buffer: &self.positions, offset, stride: 12 })
     }
 
     /// Records the deformation into `pose`. `time_s` is the time in seconds for the displacement. `resources` is the
@@ -247,6 +256,17 @@ impl Deformer {
         }
         Ok((words, target_counts))
     }
+}
+
+/// Where the positions of each instance begin, in bytes.
+fn instance_offsets(model: &Model) -> Vec<u64> {
+    let mut next = 0;
+    let offset = |geometry: &Geometry| {
+        let offset = next;
+        next += 12 * geometry.positions().len() as u64;
+        offset
+    };
+    model.placed_geometries().map(offset).collect()
 }
 
 /// Checks that one invocation may add all terms of a vertex of instance number `instance`, with `targets` active morph

@@ -8,6 +8,7 @@ use slotmap::DefaultKey;
 use super::handles::{LightHandle, MeshHandle};
 use super::mask::LightMask;
 use super::pages::Run;
+use crate::gpu::common::positions::PositionBuffer;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
 use crate::{Matrix3x4, Mesh};
@@ -32,6 +33,17 @@ impl Caster {
         let positions = CasterPositions::Rigid(mesh_to_world);
         Self { mesh, positions, lights: LightMask::ALL, in_depth: true }
     }
+
+    /// A caster in the depth buffer, for all lights, whose vertices lie in a buffer in world space.
+    pub fn in_buffer(mesh: MeshHandle, positions: PositionBuffer<'_>) -> Self {
+        Self { mesh, positions: positions.into(), lights: LightMask::ALL, in_depth: true }
+    }
+}
+
+impl From<PositionBuffer<'_>> for CasterPositions {
+    fn from(PositionBuffer { buffer, offset, stride }: PositionBuffer<'_>) -> Self {
+        Self::Buffer { buffer: buffer.clone(), offset, stride }
+    }
 }
 
 /// Where the vertices of a caster are.
@@ -47,8 +59,8 @@ pub enum CasterPositions {
     Rigid(Matrix3x4),
     /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode.
     /// Casters with the same buffer are drawn together, so keep many in one buffer. For example a
-    /// [`Deformer`](crate::gpu::Deformer) writes instance after instance: `stride` is 12, and `offset` is 12 times the number
-    /// of vertices of all instances before.
+    /// [`Deformer`](crate::gpu::Deformer) writes instance after instance; see
+    /// [`Deformer::instance_positions`](crate::gpu::Deformer::instance_positions).
     Buffer {
         /// The buffer, with usage `STORAGE`.
         buffer: wgpu::Buffer,

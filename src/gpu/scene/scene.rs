@@ -172,17 +172,7 @@ impl Scene {
     pub fn insert(&mut self, caster: Caster) -> Result<CasterHandle, SceneError> {
         let Caster { mesh, positions, lights, in_depth } = caster;
         let mesh = mesh.key_in(self.id)?;
-        let entry = self.meshes.get(mesh).ok_or(SceneError::Stale { what: "mesh" })?;
-        let (page, vertices) = (entry.run.page, entry.vertices);
-        let (placement, bound) = match positions {
-            CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
-            CasterPositions::Buffer { buffer, offset, stride } => {
-                let positions = PositionBuffer { buffer: &buffer, offset, stride };
-                let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;
-                (placement, Some(bound))
-            }
-        };
-        let source = self.sources.take(page, bound);
+        let (placement, source) = self.place(mesh, positions)?;
         if let Some(entry) = self.meshes.get_mut(mesh) {
             entry.casters += 1;
         }
@@ -208,6 +198,42 @@ impl Scene {
             self.moved.push(key);
         }
         Ok(())
+    }
+
+    /// Gives a caster other positions, for example of another buffer. It keeps its handle. Moving a rigid caster by
+    /// [`Self::set_transform`] is cheaper.
+    ///
+    /// # Errors
+    /// An error of the position buffer, or of the handle.
+    pub fn set_positions(
+        &mut self,
+        caster: CasterHandle,
+        positions: impl Into<CasterPositions>,
+    ) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let mesh = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?.mesh;
+        let (placement, source) = self.place(mesh, positions.into())?;
+        if let Some(entry) = self.casters.get_mut(key) {
+            entry.placement = placement;
+            self.sources.give_back(std::mem::replace(&mut entry.source, source));
+        }
+        self.structure = None;
+        Ok(())
+    }
+
+    /// Where a caster of a mesh is, and the source of its positions, which counts it.
+    fn place(&mut self, mesh: DefaultKey, positions: CasterPositions) -> Result<(Placement, DefaultKey), SceneError> {
+        let entry = self.meshes.get(mesh).ok_or(SceneError::Stale { what: "mesh" })?;
+        let (page, vertices) = (entry.run.page, entry.vertices);
+        let (placement, bound) = match positions {
+            CasterPositions::Rigid(matrix) => (Placement::Rigid(Rigid::new(matrix)), None),
+            CasterPositions::Buffer { buffer, offset, stride } => {
+                let positions = PositionBuffer { buffer: &buffer, offset, stride };
+                let (placement, bound) = bind(&self.pipelines, &positions, vertices)?;
+                (placement, Some(bound))
+            }
+        };
+        Ok((placement, self.sources.take(page, bound)))
     }
 
     /// Changes the lights for which a caster throws shadows.
