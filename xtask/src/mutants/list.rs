@@ -313,7 +313,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "scenes: the second batch of casters is counted with the first",
-        changes: &[("wgsl/shadow/chosen.wgsl", "== draw.count_batch;", "<= draw.count_batch;")],
+        changes: &[("wgsl/shadow/chosen.wgsl", "== count_batch;", "<= count_batch;")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {
