@@ -194,24 +194,44 @@ shared_structs! {
         recount: u32,
     }
 
-    /// The vertices of one instance that one dispatch deforms.
-    struct DeformChunk {
-        /// Vertices in this dispatch.
-        count: u32,
-        /// Word of the first vertex in the bound positions.
-        first_word: u32,
-        /// Word in the pose where the matrices begin.
-        palette: u32,
-        /// Word in the pose where the active morph targets begin.
-        targets: u32,
-        /// Number of active morph targets.
-        target_count: u32,
-        /// 0: all vertices follow the first matrix of the palette. 1: they have influences.
-        skinned: u32,
-        /// 1: `displace` is called. 0: it is not.
+    /// A dispatch of the deform stage.
+    struct DeformDispatch {
+        /// The word in the pose where the chunks of its workgroups begin, a word each.
+        workgroups: u32,
+        /// 0: the displacement is not called.
         displaced: u32,
-        /// Time in seconds, for `displace`.
+        /// The time for the displacement, in seconds.
         time: f32,
+        /// 0.
+        reserved: u32,
+    }
+
+    /// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
+    struct DeformChunk {
+        /// The number of its first workgroup in the dispatch.
+        first_workgroup: u32,
+        /// Vertices.
+        count: u32,
+        /// The word of the first vertex in the rest positions.
+        rest: u32,
+        /// The word of the first vertex's first morph target. Those of a target follow each other.
+        morph: u32,
+        /// The word where its influences begin: offsets, then joints and weights.
+        skin: u32,
+        /// The word of the first vertex in the source vertices.
+        sources: u32,
+        /// The word of the first vertex in the positions.
+        positions: u32,
+        /// The word in the pose where the matrices begin.
+        palette: u32,
+        /// The word in the pose where the active morph targets begin.
+        targets: u32,
+        /// Active morph targets.
+        target_count: u32,
+        /// 0: all vertices follow the first matrix of the palette.
+        skinned: u32,
+        /// 0.
+        reserved: u32,
     }
 
     /// What the WGSL include reads of a batch of lights.

@@ -3,6 +3,7 @@
 use rimline::gpu::{DeformError, Deformer, DeformerOptions, MemoryError};
 use rimline::model::PoseMismatch;
 use rimline::reference::cpu::{self, Threads};
+use rimline::wgpu;
 use rimline::{Displacement, Geometry, Instance, InstancePose, MeshError, Model, Pose, PosedMeshError};
 
 use rimline_measure::device::Gpu;
@@ -25,10 +26,14 @@ fn text<E: std::fmt::Display>(error: E) -> String {
 }
 
 fn random_models() -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
+    let shared = Gpu::shared()?;
     let first = 61;
     println!("seeds from {first}");
-    for seed in first..if is_long() { first + 40 } else { first + 4 } {
+    // Bindings of 256 vertices, so that there are several dispatches.
+    let limits = wgpu::Limits { max_storage_buffer_binding_size: 1 << 15, ..wgpu::Limits::default() };
+    let small = &Gpu::with(wgpu::Features::empty(), limits)?;
+    let seeds = first..if is_long() { first + 40 } else { first + 4 };
+    for (gpu, seed) in seeds.flat_map(|seed| [(&*shared, seed), (small, seed)]) {
         let mut random = Random::new(seed);
         // More than one workgroup of 256, and no multiple of it.
         let model = random_model(&mut random, [600, 1, 256, 1111][seed as usize % 4]);

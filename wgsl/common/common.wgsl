@@ -137,12 +137,28 @@ struct UndecidedPairs {
   pairs: array<UndecidedFaces>,
 }
 
-// The vertices of one instance that one dispatch deforms.
+// A dispatch of the deform stage.
+struct DeformDispatch {
+  // The word in `pose` where the chunks of its workgroups begin, a word each.
+  workgroups: u32,
+  // 0: `displace` is not called.
+  displaced: u32,
+  time: f32,
+  reserved: u32,
+}
+
+// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
 struct DeformChunk {
-  // Vertices in this dispatch. The arrays are bound from its first vertex on.
+  // The number of its first workgroup in the dispatch.
+  first_workgroup: u32,
+  // Vertices.
   count: u32,
-  // The word of the dispatch's first vertex in `positions`.
-  first_word: u32,
+  // The words of the first vertex in `rest`, `morph`, `skin`, `source_vertices` and `positions`.
+  rest: u32,
+  morph: u32,
+  skin: u32,
+  sources: u32,
+  positions: u32,
   // The word in `pose` where the matrices begin (12 words each, three rows of four), the word where the active morph
   // targets begin (two words each, index and weight), and the number of these targets.
   palette: u32,
@@ -150,9 +166,7 @@ struct DeformChunk {
   target_count: u32,
   // 0: all vertices follow the first matrix of the palette.
   skinned: u32,
-  // 0: `displace` is not called.
-  displaced: u32,
-  time: f32,
+  reserved: u32,
 }
 
 // Slots of a chunk, which are those of one caster.

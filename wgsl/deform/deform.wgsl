@@ -1,15 +1,25 @@
-// Deform: computes morph targets, skin and displacement for the vertices of one instance, from mesh space to world
-// space.
+// Deform: computes morph targets, skin and displacement for the vertices of many instances, from mesh space to world
+// space. A workgroup takes vertices of one instance.
 
-@group(0) @binding(0) var<uniform> chunk: DeformChunk;
+@group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// Three words for each vertex of this chunk, target by target.
+// For each chunk three words for each vertex, target by target.
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
-// First the offset of each vertex's influences, and one more; then joint and weight of each influence.
+// For each chunk first the offset of each vertex's influences, and one more; then joint and weight of each influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
+// Chunks, then matrices and morph weights, then the word of the chunk of each workgroup.
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> positions: array<f32>;
+
+// The chunk at hand.
+var<private> chunk: DeformChunk;
+
+fn take_chunk(at: u32) {
+  chunk = DeformChunk(
+    pose[at], pose[at + 1u], pose[at + 2u], pose[at + 3u], pose[at + 4u], pose[at + 5u], pose[at + 6u], pose[at + 7u],
+    pose[at + 8u], pose[at + 9u], pose[at + 10u], pose[at + 11u]);
+}
 
 fn pose_row(word: u32) -> vec4<f32> {
   return bitcast<vec4<f32>>(vec4<u32>(pose[word], pose[word + 1u], pose[word + 2u], pose[word + 3u]));
@@ -29,14 +39,16 @@ fn transform(joint: u32, p: vec3<f32>) -> vec3<f32> {
 }
 
 @compute @workgroup_size(256)
-fn deform(@builtin(global_invocation_id) id: vec3<u32>) {
-  let vertex = id.x;
+fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+  take_chunk(pose[dispatch.workgroups + workgroup.x]);
+  let vertex = 256u * (workgroup.x - chunk.first_workgroup) + thread;
   if (vertex >= chunk.count) {
     return;
   }
-  var p = vec3<f32>(rest[3u * vertex], rest[3u * vertex + 1u], rest[3u * vertex + 2u]);
+  let at = chunk.rest + 3u * vertex;
+  var p = vec3<f32>(rest[at], rest[at + 1u], rest[at + 2u]);
   for (var active_target = 0u; active_target < chunk.target_count; active_target++) {
-    let word = 3u * (pose[chunk.targets + 2u * active_target] * chunk.count + vertex);
+    let word = chunk.morph + 3u * (pose[chunk.targets + 2u * active_target] * chunk.count + vertex);
     let weight = bitcast<f32>(pose[chunk.targets + 2u * active_target + 1u]);
     p += weight * vec3<f32>(morph[word], morph[word + 1u], morph[word + 2u]);
   }
@@ -45,15 +57,18 @@ fn deform(@builtin(global_invocation_id) id: vec3<u32>) {
   } else {
     let morphed = p;
     p = vec3<f32>(0.0);
-    for (var at = skin[vertex]; at < skin[vertex + 1u]; at++) {
-      let influence = chunk.count + 1u + 2u * at;
+    let first = skin[chunk.skin + vertex];
+    let end = skin[chunk.skin + vertex + 1u];
+    for (var at = first; at < end; at++) {
+      let influence = chunk.skin + chunk.count + 1u + 2u * at;
       p += bitcast<f32>(skin[influence + 1u]) * transform(skin[influence], morphed);
     }
   }
-  if (chunk.displaced != 0u) {
-    p = displace(p, source_vertices[vertex], chunk.time);
+  if (dispatch.displaced != 0u) {
+    p = displace(p, source_vertices[chunk.sources + vertex], dispatch.time);
   }
-  positions[chunk.first_word + 3u * vertex] = p.x;
-  positions[chunk.first_word + 3u * vertex + 1u] = p.y;
-  positions[chunk.first_word + 3u * vertex + 2u] = p.z;
+  let word = chunk.positions + 3u * vertex;
+  positions[word] = p.x;
+  positions[word + 1u] = p.y;
+  positions[word + 2u] = p.z;
 }

@@ -2,17 +2,17 @@
 
 use wgpu::BufferUsages;
 
-use super::model_data::{ModelData, PoseLayout};
+use super::model_data::{ModelData, Plan, PlannedDispatch, PoseLayout};
 use crate::displace::{DISPLACE_GROUP, Displacement};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
-use crate::gpu::common::memory::{MemoryError, buffer, guarded, scoped};
+use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
-use crate::layout::DeformChunk;
+use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, Pose, PoseMismatch};
 
 /// What a [`Deformer`] computes besides morph targets and skins, and its memory limit.
@@ -83,14 +83,15 @@ pub struct Deformer {
     device: wgpu::Device,
     positions: wgpu::Buffer,
     pose: wgpu::Buffer,
-    chunks: wgpu::Buffer,
+    dispatches: wgpu::Buffer,
     layouts: Vec<PoseLayout>,
     /// Where the positions of each instance begin, in bytes.
     offsets: Vec<u64>,
-    /// The constant part of each dispatch's uniform, and its instance.
-    plan: Vec<(usize, DeformChunk)>,
+    /// The constant part of each chunk, and its instance.
+    chunks: Vec<(usize, DeformChunk)>,
+    /// The constant part of each dispatch's uniform.
+    plan: Vec<DeformDispatch>,
     pass: Pass,
-    displaced: bool,
     has_resources: bool,
 }
 
@@ -144,45 +145,47 @@ impl Deformer {
     ) -> Self {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let positions = buffer(device, "positions", data.vertices * 12, storage | BufferUsages::VERTEX);
-        let pose = buffer(device, "pose", data.pose_words * 4, storage);
         let [rest, morph, skin, source_vertices] = data.upload(device, model);
-        let dispatches_planned = data.plan(model, split);
+        let Plan { dispatches: planned, chunks, workgroups } = data.plan(model, split);
+        // Each encode writes what comes before the chunks of the workgroups.
+        let mut words = vec![0; data.pose_words as usize];
+        words.extend(workgroups);
+        let pose = filled(device, "pose", bytemuck::cast_slice(&words), storage);
         let mut table = UniformTable::default();
-        for planned in &dispatches_planned {
-            table.push(&planned.chunk);
-        }
-        let chunks = table.into_buffer(device, "deform chunks");
-        let stride = UniformTable::stride::<DeformChunk>() as u32;
-        let dispatches = (0..)
-            .zip(&dispatches_planned)
-            .map(|(index, planned)| {
-                let resources = [
-                    ("chunk", entry::<DeformChunk>(&chunks)),
-                    ("rest", binding(&rest, planned.rest.clone())),
-                    ("morph", binding(&morph, planned.morph.clone())),
-                    ("skin", binding(&skin, planned.skin.clone())),
-                    ("pose", pose.as_entire_binding()),
-                    ("source_vertices", binding(&source_vertices, planned.sources.clone())),
-                    ("positions", binding(&positions, planned.positions.clone())),
-                ];
-                let group = Some(pipeline.bind(device, &resources));
-                Dispatch {
-                    group,
-                    offsets: vec![index * stride],
-                    ..Dispatch::over(0, 0..planned.chunk.count as usize, 0)
-                }
-            })
-            .collect();
+        let dispatch = |planned: &PlannedDispatch| DeformDispatch {
+            workgroups: planned.first_word,
+            displaced: u32::from(displaced),
+            time: 0.0,
+            reserved: 0,
+        };
+        let plan: Vec<DeformDispatch> = planned.iter().map(dispatch).collect();
+        let offsets: Vec<u32> = plan.iter().map(|dispatch| table.push(dispatch)).collect();
+        let dispatches = table.into_buffer(device, "deform dispatches");
+        let bind = |(planned, offset): (&PlannedDispatch, u32)| {
+            let [own_rest, own_morph, own_skin, own_sources, own_positions] = planned.arrays.clone();
+            let resources = [
+                ("dispatch", entry::<DeformDispatch>(&dispatches)),
+                ("rest", binding(&rest, own_rest)),
+                ("morph", binding(&morph, own_morph)),
+                ("skin", binding(&skin, own_skin)),
+                ("pose", pose.as_entire_binding()),
+                ("source_vertices", binding(&source_vertices, own_sources)),
+                ("positions", binding(&positions, own_positions)),
+            ];
+            let group = Some(pipeline.bind(device, &resources));
+            Dispatch { group, offsets: vec![offset], workgroups: planned.workgroups, ..Dispatch::over(0, 0..0, 0) }
+        };
+        let passes = planned.iter().zip(offsets).map(bind).collect();
         Self {
             device: device.clone(),
             positions,
             pose,
-            chunks,
+            dispatches,
             layouts: data.pose_layouts.clone(),
             offsets: instance_offsets(model),
-            plan: dispatches_planned.into_iter().map(|planned| (planned.instance, planned.chunk)).collect(),
-            pass: Pass { pipeline, dispatches },
-            displaced,
+            chunks,
+            plan,
+            pass: Pass { pipeline, dispatches: passes },
             has_resources,
         }
     }
@@ -217,24 +220,22 @@ impl Deformer {
             return Err(DeformError::Resources);
         }
         check_timer(timer.as_deref(), &self.device)?;
-        let (words, target_counts) = self.pose_words(pose)?;
+        let words = self.pose_words(pose)?;
         let mut table = UniformTable::default();
-        for &(instance, chunk) in &self.plan {
-            table.push(&DeformChunk {
-                target_count: target_counts[instance],
-                displaced: u32::from(self.displaced),
-                time: time_s,
-                ..chunk
-            });
+        for &dispatch in &self.plan {
+            table.push(&DeformDispatch { time: time_s, ..dispatch });
         }
-        upload(&self.device, encoder, &[(&self.chunks, table.bytes()), (&self.pose, bytemuck::cast_slice(&words))])?;
+        if !self.plan.is_empty() {
+            let uploads = [(&self.dispatches, table.bytes()), (&self.pose, bytemuck::cast_slice(&words))];
+            upload(&self.device, encoder, &uploads)?;
+        }
         self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())
     }
 
-    /// The pose in the words that the shader reads, and the number of active morph targets of each instance.
-    fn pose_words(&self, pose: &Pose) -> Result<(Vec<u32>, Vec<u32>), DeformError> {
-        let mut words = Vec::new();
+    /// The chunks and the pose in the words that the shader reads.
+    fn pose_words(&self, pose: &Pose) -> Result<Vec<u32>, DeformError> {
+        let mut words = vec![0; self.chunks.len() * size_of::<DeformChunk>() / 4];
         let mut target_counts = Vec::with_capacity(self.layouts.len());
         if pose.instances().len() != self.layouts.len() {
             let (given, needed) = (pose.instances().len(), self.layouts.len());
@@ -254,7 +255,14 @@ impl Deformer {
             check_terms(instance, targets, layout)?;
             target_counts.push(targets);
         }
-        Ok((words, target_counts))
+        let chunk = |&(instance, chunk): &(usize, DeformChunk)| {
+            let target_count = target_counts.get(instance).copied().unwrap_or_default();
+            DeformChunk { target_count, ..chunk }
+        };
+        let chunks: Vec<DeformChunk> = self.chunks.iter().map(chunk).collect();
+        let chunks: &[u32] = bytemuck::cast_slice(&chunks);
+        words.splice(..chunks.len(), chunks.iter().copied());
+        Ok(words)
     }
 }
 

@@ -1,14 +1,14 @@
-//! The geometry of a model as the deform stage reads it, in chunks. Each array is bound from the first item of the
-//! chunk on.
+//! The geometry of a model as the deform stage reads it, in chunks, and the dispatches that take them. A dispatch takes as
+//! many chunks as its bindings hold, of all instances.
 
 use std::ops::Range;
 
 use wgpu::BufferUsages;
 
-use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, padded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::DeformChunk;
+use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Influences, InstancePose, Model, PoseMismatch};
 
 /// The words of a 3×4 matrix.
@@ -35,16 +35,35 @@ pub(super) struct PoseLayout {
     pub(super) influences: u32,
 }
 
-/// A dispatch of the deform stage.
+/// A chunk of an instance's vertices, with its bytes in each array.
 #[derive(Clone, Debug)]
+struct InstanceChunk {
+    instance: usize,
+    record: DeformChunk,
+    arrays: [Range<u64>; ARRAYS],
+}
+
+/// Arrays that a dispatch binds in part: rest positions, morph targets, influences, source vertices, positions.
+const ARRAYS: usize = 5;
+
+/// A dispatch of the deform stage.
+#[derive(Clone, Debug, Default)]
 pub(super) struct PlannedDispatch {
-    pub(super) instance: usize,
-    pub(super) chunk: DeformChunk,
-    pub(super) rest: Range<u64>,
-    pub(super) morph: Range<u64>,
-    pub(super) skin: Range<u64>,
-    pub(super) sources: Range<u64>,
-    pub(super) positions: Range<u64>,
+    /// The word in the pose where the chunks of its workgroups begin.
+    pub(super) first_word: u32,
+    pub(super) workgroups: u32,
+    /// The bytes that it binds: rest positions, morph targets, influences, source vertices, positions.
+    pub(super) arrays: [Range<u64>; ARRAYS],
+}
+
+/// The dispatches, and what the pose holds beside matrices and weights.
+#[derive(Debug, Default)]
+pub(super) struct Plan {
+    pub(super) dispatches: Vec<PlannedDispatch>,
+    /// The chunks that the pose begins with, and their instances.
+    pub(super) chunks: Vec<(usize, DeformChunk)>,
+    /// The word of the chunk of each workgroup, with which the pose ends.
+    pub(super) workgroups: Vec<u32>,
 }
 
 /// Sizes and offsets of everything that the deform stage reads.
@@ -55,8 +74,13 @@ pub(super) struct ModelData {
     pub(super) pose_words: u64,
     pub(super) vertices: u64,
     bytes: [u64; 4],
-    dispatches: u64,
+    /// Chunks of all instances.
+    chunks: u64,
+    workgroups: u64,
 }
+
+/// Words of a chunk in the pose.
+const CHUNK_WORDS: u64 = (size_of::<DeformChunk>() / 4) as u64;
 
 const LABELS: [&str; 4] = ["rest positions", "morph targets", "influences", "source vertices"];
 
@@ -67,15 +91,21 @@ impl ModelData {
         for geometry in model.geometries() {
             geometries.push(chunk_geometry(geometry, split, &mut bytes)?);
         }
-        let mut pose_words = 0_u64;
+        let of_geometry = |instance: &crate::model::Instance| &geometries[instance.geometry()];
+        let chunks = model.instances().iter().map(|instance| of_geometry(instance).len() as u64).sum::<u64>();
+        let workgroups = |chunk: &GeometryChunk| chunk.vertices.len().div_ceil(WORKGROUP as usize) as u64;
+        let workgroups = model.instances().iter().flat_map(|instance| of_geometry(instance).iter().map(workgroups));
+        let workgroups = workgroups.sum::<u64>();
+        let mut pose_words = CHUNK_WORDS * chunks;
         let mut pose_layouts = Vec::with_capacity(model.instances().len());
         for geometry in model.placed_geometries() {
             let joints = geometry.joints_needed() as u64;
             let target_count = geometry.morph_targets().len() as u64;
             let (palette, targets) = (pose_words, pose_words + MATRIX_WORDS * joints);
             pose_words = targets + 2 * target_count;
-            if pose_words * 4 > split.binding {
-                return Err(MemoryError::Binding { what: "pose", bytes: pose_words * 4, limit: split.binding });
+            let bytes = 4 * (pose_words + workgroups);
+            if bytes > split.binding {
+                return Err(MemoryError::Binding { what: "pose", bytes, limit: split.binding });
             }
             pose_layouts.push(PoseLayout {
                 palette: palette as u32,
@@ -85,9 +115,9 @@ impl ModelData {
                 influences: geometry.influences().map_or(0, Influences::most_per_vertex) as u32,
             });
         }
-        let dispatches = model.instances().iter().map(|instance| geometries[instance.geometry()].len() as u64);
         Ok(Self {
-            dispatches: dispatches.sum(),
+            chunks,
+            workgroups,
             geometries,
             pose_layouts,
             pose_words,
@@ -99,8 +129,10 @@ impl ModelData {
     /// Checks all sizes before any buffer is made.
     pub(super) fn check(&self, split: &DispatchLimits, memory_limit: Option<u64>) -> Result<u64, MemoryError> {
         let arrays = LABELS.into_iter().zip(self.bytes);
-        let uniforms = self.dispatches * UniformTable::stride::<DeformChunk>() as u64;
-        let own = [("positions", self.vertices * 12), ("pose", self.pose_words * 4), ("deform chunks", uniforms)];
+        // There is never more than one dispatch for each chunk.
+        let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
+        let pose = 4 * (self.pose_words + self.workgroups);
+        let own = [("positions", self.vertices * 12), ("pose", pose), ("deform dispatches", uniforms)];
         let allocations: Vec<_> =
             arrays.chain(own).map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
         check(&allocations, split.buffer, memory_limit)
@@ -136,37 +168,87 @@ impl ModelData {
         ]
     }
 
-    /// The dispatches of all instances in order, with the constant part of their uniforms.
-    pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Vec<PlannedDispatch> {
-        let mut dispatches = Vec::new();
+    /// The dispatches over all instances, in order.
+    pub(super) fn plan(&self, model: &Model, split: &DispatchLimits) -> Plan {
+        let mut plan = Plan::default();
+        let mut taken: Vec<InstanceChunk> = Vec::new();
+        let mut arrays: [Range<u64>; ARRAYS] = Default::default();
+        let mut workgroups = 0;
+        for chunk in self.instance_chunks(model, split) {
+            let own = u64::from(chunk.record.count.div_ceil(WORKGROUP));
+            let whole: [Range<u64>; ARRAYS] = std::array::from_fn(|array| union(&arrays[array], &chunk.arrays[array]));
+            let fits = whole.iter().all(|range| range.end - range.start <= split.binding);
+            if !taken.is_empty() && (!fits || workgroups + own > split.workgroups) {
+                plan.dispatch(std::mem::take(&mut taken), &arrays, self.pose_words);
+                (arrays, workgroups) = (chunk.arrays.clone(), own);
+            } else {
+                (arrays, workgroups) = (whole, workgroups + own);
+            }
+            taken.push(chunk);
+        }
+        if !taken.is_empty() {
+            plan.dispatch(taken, &arrays, self.pose_words);
+        }
+        plan
+    }
+
+    /// The chunks of all instances in order. Their words are not known yet.
+    fn instance_chunks(&self, model: &Model, split: &DispatchLimits) -> Vec<InstanceChunk> {
+        let mut chunks = Vec::with_capacity(self.chunks as usize);
         let mut first_vertex = 0_u64;
         for (index, (instance, pose)) in model.instances().iter().zip(&self.pose_layouts).enumerate() {
             let geometry = &model.geometries()[instance.geometry()];
             for chunk in &self.geometries[instance.geometry()] {
                 let begin = 12 * (first_vertex + chunk.vertices.start as u64);
                 let bound = split.align_down(begin);
-                dispatches.push(PlannedDispatch {
-                    instance: index,
-                    chunk: DeformChunk {
-                        count: chunk.vertices.len() as u32,
-                        first_word: ((begin - bound) / 4) as u32,
-                        palette: pose.palette,
-                        targets: pose.targets,
-                        target_count: 0,
-                        skinned: u32::from(geometry.influences().is_some()),
-                        displaced: 0,
-                        time: 0.0,
-                    },
-                    rest: chunk.rest.clone(),
-                    morph: chunk.morph.clone(),
-                    skin: chunk.skin.clone(),
-                    sources: chunk.sources.clone(),
-                    positions: bound..begin + 12 * chunk.vertices.len() as u64,
-                });
+                let record = DeformChunk {
+                    count: chunk.vertices.len() as u32,
+                    positions: ((begin - bound) / 4) as u32,
+                    palette: pose.palette,
+                    targets: pose.targets,
+                    skinned: u32::from(geometry.influences().is_some()),
+                    ..bytemuck::Zeroable::zeroed()
+                };
+                let positions = bound..begin + 12 * chunk.vertices.len() as u64;
+                let GeometryChunk { rest, morph, skin, sources, .. } = chunk.clone();
+                chunks.push(InstanceChunk { instance: index, record, arrays: [rest, morph, skin, sources, positions] });
             }
             first_vertex += geometry.positions().len() as u64;
         }
-        dispatches
+        chunks
+    }
+}
+
+/// The smallest range with both. An empty range has no place.
+fn union(a: &Range<u64>, b: &Range<u64>) -> Range<u64> {
+    if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
+}
+
+impl Plan {
+    /// Adds a dispatch for chunks that lie in these parts of the arrays. The workgroups' chunks follow `pose_words` words.
+    fn dispatch(&mut self, chunks: Vec<InstanceChunk>, arrays: &[Range<u64>; ARRAYS], pose_words: u64) {
+        let first = self.workgroups.len();
+        for InstanceChunk { instance, record, arrays: own } in chunks {
+            let word = (CHUNK_WORDS * self.chunks.len() as u64) as u32;
+            let [rest, morph, skin, sources, positions] =
+                [0, 1, 2, 3, 4].map(|array: usize| ((own[array].start - arrays[array].start) / 4) as u32);
+            let record = DeformChunk {
+                first_workgroup: (self.workgroups.len() - first) as u32,
+                rest,
+                morph,
+                skin,
+                sources,
+                positions: record.positions + positions,
+                ..record
+            };
+            self.chunks.push((instance, record));
+            self.workgroups.extend(std::iter::repeat_n(word, record.count.div_ceil(WORKGROUP) as usize));
+        }
+        self.dispatches.push(PlannedDispatch {
+            first_word: (pose_words + first as u64) as u32,
+            workgroups: (self.workgroups.len() - first) as u32,
+            arrays: arrays.clone(),
+        });
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             (
                 "wgsl/deform/deform.wgsl",
                 "bitcast<f32>(skin[influence + 1u]) * transform",
-                "(1.0 / f32(skin[vertex + 1u] - skin[vertex])) * transform",
+                "(1.0 / f32(end - first)) * transform",
             ),
             (
                 "src/cpu/deform/deform.rs",
@@ -54,11 +54,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "deform: only the first four influences",
         changes: &[
-            (
-                "wgsl/deform/deform.wgsl",
-                "at < skin[vertex + 1u]; at++",
-                "at < min(skin[vertex + 1u], skin[vertex] + 4u); at++",
-            ),
+            ("wgsl/deform/deform.wgsl", "at < end; at++", "at < min(end, first + 4u); at++"),
             ("src/cpu/deform/deform.rs", "joints.fold(", "joints.take(4).fold("),
         ],
         tests: DEFORM,
