@@ -87,7 +87,8 @@ fn once() -> Result<(), String> {
     for (counting, format, options, draws, computes) in [
         (Counting::Auto, &plain, ShadowOptions::default(), 6, 5),
         (Counting::ZpPlus, &plain, ShadowOptions::default(), 0, 0),
-        (Counting::ZPass, &plain, bounded, 0, 1),
+        // The three stages that bound counts.
+        (Counting::ZPass, &plain, bounded, 0, 3),
         (Counting::ZFail, &plain, bounded, 5, 0),
         (Counting::ZpPlus2005, &plain, bounded, 3, 1),
         (Counting::Auto, &format, bounded, 6, 0),

@@ -1,13 +1,15 @@
 // Stencil pencil: finds for each light and view the pencil of half planes that bounds its stencil counts, from the boxes of
-// the casters, and counts their faces. A workgroup takes a light.
+// the casters, and counts their faces. A workgroup takes a light of a batch in a view.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
-@group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
-@group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
-@group(0) @binding(3) var<storage, read> boxes: array<u32>;
-@group(0) @binding(4) var<storage, read_write> pencils: array<StencilPencil>;
+// The first light of this batch, and the view.
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+@group(0) @binding(2) var<storage, read> seen: array<SeenLight>;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> boxes: array<u32>;
+@group(0) @binding(5) var<storage, read_write> pencils: array<StencilPencil>;
 // The rows of the pencils. They are zeros before.
-@group(0) @binding(5) var<storage, read_write> crossings: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> crossings: array<atomic<u32>>;
 
 const THREADS: u32 = 64u;
 
@@ -82,8 +84,8 @@ fn around(place: vec3<f32>) -> StencilPencil {
 
 @compute @workgroup_size(64)
 fn stencil_pencil(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-  let light = group.x;
-  let view = group.y;
+  let light = draw.first_light + group.x;
+  let view = draw.view;
   for (var caster = thread; caster < shape.casters; caster += THREADS) {
     if (does_cast(caster, light, view)) {
       let own = world_box(caster);

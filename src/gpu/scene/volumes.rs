@@ -326,10 +326,11 @@ impl<'a> Binder<'a> {
             self.each(&SHADOW_ARGUMENTS, false, views, |_| [1, 1]),
         ];
         if self.buffers.bound.is_some() && !self.structure.parts.is_empty() {
-            let every_light = [32 * self.structure.batches as u32, views as u32];
+            // For all groups of casters together: the parts of the first group are those of its batches.
             let once = |stage: &Stage, is_many: bool| {
                 let pipeline = self.pipeline(stage, is_many);
-                let dispatches = vec![self.dispatch(&pipeline, 0, 0, every_light)];
+                let places = (0..self.structure.batches).flat_map(|batch| (0..views).map(move |view| (batch, view)));
+                let dispatches = places.map(|(batch, view)| self.dispatch(&pipeline, batch, view, [32, 1])).collect();
                 Pass { pipeline, dispatches }
             };
             listing.push(once(&STENCIL_PENCIL, true));

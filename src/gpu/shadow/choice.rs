@@ -36,14 +36,14 @@ pub(super) struct Choice {
     position_groups: Option<PositionGroups>,
 }
 
-/// The stages that bound stencil counts.
+/// The stages that bound stencil counts. A `Vec` has one for each batch of lights.
 #[derive(Debug)]
 struct BoundStages {
     pencil: Pipeline,
-    pencil_group: wgpu::BindGroup,
+    pencil_groups: Vec<wgpu::BindGroup>,
     crossings: Pipeline,
     bound: Pipeline,
-    bound_group: wgpu::BindGroup,
+    bound_groups: Vec<wgpu::BindGroup>,
 }
 
 /// The bind groups of the stages that read positions. A `Vec` has one for each batch of lights.
@@ -130,8 +130,9 @@ impl Choice {
             caps: pipeline(&CAPS),
             bound: buffers.bound.is_some().then(|| {
                 let [pencil, crossings, bound] = [&STENCIL_PENCIL, &STENCIL_CROSSINGS, &STENCIL_BOUND].map(pipeline);
-                let (pencil_group, bound_group) = (bind(&pencil, 0), bind(&bound, 0));
-                BoundStages { pencil, pencil_group, crossings, bound, bound_group }
+                let of_batches = |stage: &Pipeline| batches.clone().map(|batch| bind(stage, batch)).collect();
+                let (pencil_groups, bound_groups) = (of_batches(&pencil), of_batches(&bound));
+                BoundStages { pencil, pencil_groups, crossings, bound, bound_groups }
             }),
             choose_group: bind(&choose, 0),
             side_groups: batches.clone().map(|batch| bind(&list_sides, batch)).collect(),
@@ -192,11 +193,10 @@ impl Choice {
         encoder.copy_buffer_to_buffer(choices, 0, &buffers.table, behind_caster, choices.size());
         record(encoder, &self.list_sides, &self.side_groups, &|lights| [groups.sides, lights]);
         record(encoder, &self.arguments, &self.arguments_groups, &|_| [1, 1]);
-        if let Some(BoundStages { pencil, pencil_group, crossings, bound, bound_group }) = &self.bound {
-            let each_light = |_| [lights as u32, 1];
-            record(encoder, pencil, one(pencil_group), &each_light);
+        if let Some(BoundStages { pencil, pencil_groups, crossings, bound, bound_groups }) = &self.bound {
+            record(encoder, pencil, pencil_groups, &|lights| [lights, 1]);
             record(encoder, crossings, stencil_crossings, &|lights| [groups.sides, lights]);
-            record(encoder, bound, one(bound_group), &each_light);
+            record(encoder, bound, bound_groups, &|lights| [lights, 1]);
         }
     }
 }
