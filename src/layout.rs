@@ -447,6 +447,23 @@ shared_structs! {
         far_back: DrawArguments,
     }
 
+    /// A pencil of half planes that bounds the stencil counts of a light.
+    struct StencilPencil {
+        /// The position of the light. 0 if it is at infinity.
+        place: [f32; 3],
+        /// 0: parallel half planes of a light at infinity. 1: the light is outside the box of all casters. 2: the half
+        /// planes go all around a coordinate axis.
+        kind: u32,
+        /// A direction at right angles to the axis.
+        forward: [f32; 3],
+        /// The number of the half plane where the first bin begins.
+        first: f32,
+        /// Another such direction.
+        aside: [f32; 3],
+        /// Bins for each unit.
+        scale: f32,
+    }
+
     /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
     struct ShadowStatistics {
         /// Lights for which the caster is skipped: it is out of range, or its shadow out of sight.
@@ -461,9 +478,10 @@ shared_structs! {
         overflowed_sides: u32,
         /// Lights whose volume ends at the light's range.
         ended: u32,
-        /// An upper bound of all stencil counts of the caster, for any light. 0 unless it was asked for.
+        /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
         count_bound: u32,
-        /// Lights whose bound is above 255. 0 unless it was asked for.
+        /// Lights, in each view, whose bound is above 255, or above 127 where casters are counted in several batches. 0 unless
+        /// it was asked for.
         may_wrap: u32,
     }
 }

@@ -108,7 +108,9 @@ pub mod cpu {
     };
     pub use crate::cpu::shadow::shadow_arguments::shadow_arguments;
     pub use crate::cpu::shadow::sides::{End, side, side_clipped, zp_plus_2005_side};
-    pub use crate::cpu::shadow::stencil_bound::stencil_bound;
+    pub use crate::cpu::shadow::stencil_bound::{bound_casters, stencil_bound};
+    pub use crate::cpu::shadow::stencil_crossings::{CastingSide, stencil_crossings};
+    pub use crate::cpu::shadow::stencil_pencil::{CastingBox, stencil_pencil};
     pub use crate::cpu::shadow::zp_plus_2005_cases::zp_plus_2005_cases;
     pub use crate::cpu::*;
 }

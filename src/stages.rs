@@ -138,7 +138,7 @@ pub const BOUNDS: Stage = Stage {
 /// Chooses the faces that cast and the counting method.
 pub const CHOOSE: Stage = Stage {
     name: "choose",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/caster", "shadow/choose"],
+    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/caster", "shadow/boxes", "shadow/choose"],
     entry_points: &["choose"],
 };
 /// Finds the lights for which ZP+ as published changes to z-fail.
@@ -154,9 +154,24 @@ pub const ZP_PLUS_2005_CASES: Stage = Stage {
     ],
     entry_points: &["zp_plus_2005_cases"],
 };
-/// Computes an upper bound of the stencil counts.
-pub const STENCIL_BOUND: Stage = Stage {
-    name: "stencil_bound",
+/// Finds the pencils of half planes that bound stencil counts.
+pub const STENCIL_PENCIL: Stage = Stage {
+    name: "stencil_pencil",
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/caster",
+        "shadow/chosen",
+        "shadow/boxes",
+        "shadow/world",
+        "shadow/pencil",
+        "shadow/stencil_pencil"
+    ],
+    entry_points: &["stencil_pencil"],
+};
+/// Adds sides to the half planes that they cross.
+pub const STENCIL_CROSSINGS: Stage = Stage {
+    name: "stencil_crossings",
     files: files![
         "common/common",
         "shadow/shadow",
@@ -164,8 +179,17 @@ pub const STENCIL_BOUND: Stage = Stage {
         "shadow/positions",
         "shadow/chosen",
         "shadow/side_lists",
-        "shadow/stencil_bound"
+        "shadow/boxes",
+        "shadow/world",
+        "shadow/pencil",
+        "shadow/stencil_crossings"
     ],
+    entry_points: &["stencil_crossings"],
+};
+/// Computes upper bounds of the stencil counts.
+pub const STENCIL_BOUND: Stage = Stage {
+    name: "stencil_bound",
+    files: files!["common/common", "shadow/shadow", "shadow/pencil", "shadow/stencil_bound"],
     entry_points: &["stencil_bound"],
 };
 /// Lists the faces that caps are drawn from.
@@ -247,7 +271,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 23] = [
+pub const STAGES: [Stage; 25] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -263,10 +287,12 @@ pub const STAGES: [Stage; 23] = [
     BOUNDS,
     CHOOSE,
     ZP_PLUS_2005_CASES,
-    STENCIL_BOUND,
     CAPS,
     LIST_SIDES,
     SHADOW_ARGUMENTS,
+    STENCIL_PENCIL,
+    STENCIL_CROSSINGS,
+    STENCIL_BOUND,
     SHADOW_BOXES,
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,

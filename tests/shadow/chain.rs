@@ -110,7 +110,12 @@ impl Silhouettes<'_> {
         } else {
             entries.iter().map(|entry| (self.ends(entry & !cpu::WINDING), 1)).collect()
         };
-        cpu::stencil_bound(light, corners, self.mesh.faces().len() as u32, sides)
+        if light.casting == CAST_NOTHING {
+            return 0;
+        }
+        let [low, high] = corners;
+        let own = cpu::CastingBox { low, high, faces: self.mesh.faces().len() as u32 };
+        cpu::bound_casters(light.light, vec![(own, sides)])
     }
 }
 

@@ -150,6 +150,7 @@ impl InScene {
             end_at_range,
             cap_capacity,
             count_batches: renderer.count_batches,
+            bound_counts: renderer.options.bound_counts,
             ..SceneOptions::default()
         };
         let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
@@ -363,7 +364,8 @@ fn batches() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let dark =
         |counted: &Counted, light: usize| counted.stencils[light].iter().map(|&count| count != 0).collect::<Vec<_>>();
-    let renderer = |count_batches| Renderer { placing: Placing::Scene, count_batches, ..Renderer::new(gpu) };
+    let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+    let renderer = |count_batches| Renderer { placing: Placing::Scene, count_batches, options, ..Renderer::new(gpu) };
     for count in [256, 300] {
         let mut frame = (CLASSES[0].frame)(&mut Random::new(7));
         frame.bodies =
@@ -381,12 +383,18 @@ fn batches() -> Result<(), String> {
                 return Err(format!("{count} shells, {counting:?}, at once: {:?}", &at_once.stencils[0][..8]));
             }
             let in_batches = renderer(3).count(&frame, counting)?;
+            let [whole, batch] = [&at_once, &in_batches].map(|counted| counted.statistics[0]);
+            println!("{count} shells, {counting:?}: bounds {} and {}", whole.count_bound, batch.count_bound);
+            if whole.count_bound < count || whole.may_wrap != 1 || batch.count_bound < count / 3 || batch.may_wrap != 0
+            {
+                return Err(format!("{count} shells, {counting:?}: {whole:?}, in batches {batch:?}"));
+            }
             if !all_dark(&in_batches) {
                 return Err(format!("{count} shells, {counting:?}, in batches: {:?}", &in_batches.stencils[0][..8]));
             }
         }
     }
-    let mut resolved = 0;
+    let (mut resolved, mut bounded) = (0, 0);
     for class in CLASSES {
         let seed = seed(class, 240);
         let mut frame = (class.frame)(&mut Random::new(seed));
@@ -398,13 +406,22 @@ fn batches() -> Result<(), String> {
             let mut in_batches = renderer(2).count(&frame, counting)?;
             let what = format!("{}, seed {seed}, {counting:?}", class.name);
             same(&what, &dark(&in_batches, 0), &dark(&at_once, 0))?;
+            let deepest = at_once.stencils.iter().flatten().max().copied().unwrap_or(0);
+            let within = |bound: u32| {
+                if u32::from(deepest) <= bound { Ok(()) } else { Err(format!("{what}: {deepest}, bound {bound}")) }
+            };
+            within(at_once.statistics[0].count_bound)?;
+            if deepest > 0 {
+                must_fail("a bound of less", &within(u32::from(deepest) - 1))?;
+                bounded += 1;
+            }
             resolved += in_batches.stencils[0].iter().filter(|&&count| count >= 0x80).count();
             in_batches.stencils[0][5] = u8::from(in_batches.stencils[0][5] == 0);
             must_fail("a light in the dark", &same(&what, &dark(&in_batches, 0), &dark(&at_once, 0)))?;
         }
     }
-    println!("{resolved} pixels that the first of two batches darkens");
-    if resolved < 1000 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{resolved} pixels that the first of two batches darkens, {bounded} pictures with a bound");
+    if resolved < 1000 || bounded < 20 { Err("too few".to_owned()) } else { Ok(()) }
 }
 
 /// Faces at random are excluded for one light of two: where every face casts, as a mesh without these faces; where averted

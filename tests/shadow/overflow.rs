@@ -3,6 +3,7 @@
 use rimline::gpu::ShadowOptions;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
+use rimline::reference::shadow::CAST_NOTHING;
 use rimline::{Counting, Light, Mesh, Predicate};
 use rimline_measure::shapes::{self, Shape};
 
@@ -122,7 +123,10 @@ fn twin(frame: &Frame, counted: &Counted) -> Result<Vec<u32>, String> {
                     std::array::from_fn(|axis| p[axis].max(high[axis])),
                 ]
             });
-            Ok(cpu::stencil_bound(&lights[0], corners, shape.faces.len() as u32, sides))
+            let [low, high] = corners;
+            let own = cpu::CastingBox { low, high, faces: shape.faces.len() as u32 };
+            let casts = lights[0].casting != CAST_NOTHING;
+            Ok(if casts { cpu::bound_casters(lights[0].light, vec![(own, sides.collect())]) } else { 0 })
         })
         .collect()
 }

@@ -3,8 +3,8 @@
 
 use glam::{DQuat, DVec3};
 use rimline::gpu::{Caster, Scene, SceneOptions};
-use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView};
+use rimline::reference::cpu::{self, CastingBox, CastingSide, Threads};
+use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowShape, ShadowStatistics, ShadowView, StencilPencil};
 use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_AUTO};
 use rimline::{Light, Matrix3x4, Mesh, Predicate, ShadowCamera};
 
@@ -70,8 +70,13 @@ impl Model {
         Ok(Self { shape, mesh, bounds, is_closed })
     }
 
-    /// What is chosen for a light, and what it draws.
-    fn draw(&self, view: &ShadowView, light: ShadowLight, in_mesh_space: Light) -> (ShadowLight, Drawn) {
+    /// What is chosen for a light, what it draws, and the edges of its sides, in mesh space.
+    fn draw(
+        &self,
+        view: &ShadowView,
+        light: ShadowLight,
+        in_mesh_space: Light,
+    ) -> (ShadowLight, Drawn, Vec<[[f32; 3]; 2]>) {
         let shape = ShadowShape {
             averted: u32::from(self.is_closed),
             counting: COUNT_AUTO,
@@ -81,7 +86,7 @@ impl Model {
         let mut lights = [light];
         cpu::choose(&shape, view, self.bounds, true, &mut lights);
         if lights[0].casting == CAST_NOTHING {
-            return (lights[0], Drawn::default());
+            return (lights[0], Drawn::default(), Vec::new());
         }
         let (positions, faces) = (&self.shape.positions, self.mesh.faces());
         let facing = cpu::facing(positions, faces, &[in_mesh_space], Predicate::Exact, Threads::ONE);
@@ -91,7 +96,28 @@ impl Model {
         let packed = self.mesh.edges().packed_faces();
         let sides = cpu::list_sides(packed, &facing, &excluded, faces.len(), &lights, &[capped]);
         let [plain, clipped] = &sides[0];
-        (lights[0], Drawn([plain, clipped, &caps[0][0], &caps[0][1]].map(|list| list.len() as u32)))
+        let drawn = Drawn([plain, clipped, &caps[0][0], &caps[0][1]].map(|list| list.len() as u32));
+        let ends = |entry: &u32| {
+            self.mesh.edges().vertices()[(entry & !cpu::WINDING) as usize].map(|vertex| positions[vertex as usize])
+        };
+        (lights[0], drawn, plain.iter().chain(clipped).map(ends).collect())
+    }
+
+    /// What bounds the counts of a caster.
+    fn casting(&self, rows: &Matrix3x4, sides: &[[[f32; 3]; 2]]) -> (CastingBox, Vec<CastingSide>) {
+        let sum = |[a, b, c]: [f32; 3]| a + b + c;
+        let place = |[x, y, z]: [f32; 3]| rows.map(|[a, b, c, d]| sum([a * x, b * y, c * z]) + d);
+        let corners = |pick: fn(f32, f32) -> f32| {
+            self.shape.positions.iter().copied().reduce(|p, q| [0, 1, 2].map(|axis| pick(p[axis], q[axis])))
+        };
+        let [low, high] = [corners(f32::min), corners(f32::max)].map(Option::unwrap_or_default);
+        let end = |pick: fn(f32, f32) -> f32| {
+            rows.map(|[a, b, c, d]| {
+                sum([pick(a * low[0], a * high[0]), pick(b * low[1], b * high[1]), pick(c * low[2], c * high[2])]) + d
+            })
+        };
+        let own = CastingBox { low: end(f32::min), high: end(f32::max), faces: self.mesh.faces().len() as u32 };
+        (own, sides.iter().map(|ends| (ends.map(place), 1)).collect())
     }
 }
 
@@ -103,7 +129,7 @@ fn thousands() -> Result<(), String> {
     let models = [Model::new(shapes::cube())?, Model::new(shapes::plane_grid(2, 2))?];
     // Room for every side and cap.
     let options = SceneOptions { max_lights: LIGHTS, list_capacity: Some(1 << 20), ..SceneOptions::default() };
-    let options = SceneOptions { cap_capacity: Some(1 << 18), ..options };
+    let options = SceneOptions { cap_capacity: Some(1 << 18), bound_counts: true, ..options };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let mut meshes = Vec::new();
     for model in &models {
@@ -121,7 +147,9 @@ fn thousands() -> Result<(), String> {
     let lights: Vec<Light> = (0..LIGHTS)
         .map(|number| match number % 4 {
             0 => Light::directional(random.direction()),
-            _ => Light::point(random.direction().map(|c| 60.0 * c)),
+            // Among the casters.
+            3 => Light::point(random.direction().map(|c| 25.0 * c)),
+            _ => Light::point(random.direction().map(|c| 75.0 * c)),
         })
         .collect();
     for &light in &lights {
@@ -152,18 +180,31 @@ fn thousands() -> Result<(), String> {
     if results.groups.len() != 1 || statistics.overflowed_sides + statistics.overflowed_caps > 0 {
         return Err("not as meant".to_owned());
     }
+    let [pencils, crossings] = results.bound.ok_or("no bound")?;
+    let pencils: Vec<StencilPencil> = gpu.read(pencils, usize::MAX)?;
+    let crossings: Vec<u32> = gpu.read(crossings, usize::MAX)?;
+    let row = crossings.len() / pencils.len();
+    let bounds: Vec<u32> = crossings.chunks(row).map(cpu::stencil_bound).collect();
+    let of_all = [*bounds.iter().max().unwrap_or(&0), bounds.iter().filter(|&&bound| bound > 255).count() as u32];
+    same("bounds of all lights", &[statistics.count_bound, statistics.may_wrap], &of_all)?;
+    println!("bounds {bounds:?}");
+    let mut kinds = [0; 3];
     let mut near = 0;
     // Each view with lights of its own.
     for (number, camera) in cameras.iter().enumerate() {
         let view = shadow::view(camera).map_err(text)?;
-        for bit in [4 * number, 4 * number + 1, 31 - number] {
+        for bit in [4 * number, 4 * number + 1, 30 - 3 * number, 31 - number] {
             let seen = shadow::light(camera, &view, lights[bit]);
             let mut expected = Drawn::default();
+            let mut casting = Vec::new();
             for (model, rows, _) in &casters {
                 let light = light_of(&seen, lights[bit], rows).ok_or("no light in mesh space")?;
                 let [x, y, z, w] = lights[bit].to_mesh_space(&columns(rows)).ok_or("no light")?.to_array();
                 let own = Light::homogeneous([x, y, z, w]);
-                let (_, drawn) = models[*model].draw(&view_of(&view, rows), light, own);
+                let (light, drawn, sides) = models[*model].draw(&view_of(&view, rows), light, own);
+                if light.casting != CAST_NOTHING {
+                    casting.push(models[*model].casting(rows, &sides));
+                }
                 expected.0.iter_mut().zip(drawn.0).for_each(|(sum, count)| *sum += count);
                 near += usize::from(drawn.0[2] + drawn.0[3] > 0);
             }
@@ -173,6 +214,13 @@ fn thousands() -> Result<(), String> {
             same(&what, &[found], &[expected])?;
             found.0[0] ^= 1;
             must_fail("another count", &same(&what, &[found], &[expected]))?;
+            let at = number * LIGHTS + bit;
+            let boxes: Vec<_> = casting.iter().map(|(own, _)| *own).collect();
+            let pencil = cpu::stencil_pencil(seen.light, &boxes);
+            kinds[pencil.kind as usize] += 1;
+            same(&format!("{what}, pencil"), &pencils[at..=at], &[pencil])?;
+            let crossed = cpu::stencil_crossings(&pencil, casting);
+            same(&format!("{what}, crossings"), &crossings[row * at..row * (at + 1)], &crossed)?;
         }
     }
     // The words of choices, of sampled casters.
@@ -185,7 +233,7 @@ fn thousands() -> Result<(), String> {
             for (bit, &light) in lights.iter().enumerate() {
                 let seen = shadow::light(camera, &view, light);
                 let own = light_of(&seen, light, rows).ok_or("no light in mesh space")?;
-                let (chosen, _) = models[*model].draw(&view_of(&view, rows), own, light);
+                let (chosen, ..) = models[*model].draw(&view_of(&view, rows), own, light);
                 casts[0] |= u32::from(chosen.casting != CAST_NOTHING) << bit;
                 casts[1] |= u32::from(chosen.casting == 2) << bit;
                 casts[2] |= u32::from(chosen.casting != CAST_NOTHING && chosen.counting == 1) << bit;
@@ -194,6 +242,9 @@ fn thousands() -> Result<(), String> {
             same(&format!("caster {number}, view {at}"), &words[first..first + 3], &casts)?;
         }
     }
-    println!("{near} pairs with near caps");
+    println!("{near} pairs with near caps, {kinds:?} pencils of each kind");
+    if kinds.contains(&0) {
+        return Err("no pencil of a kind".to_owned());
+    }
     if near == 0 { Err("no near cap".to_owned()) } else { Ok(()) }
 }

@@ -42,7 +42,7 @@ fn cap_of(instance: u32) -> Cap {
   own.caster = caster_of(shape.face_chunks_at, slot);
   own.view = view_of(own.caster, seen.view);
   own.light = light_of(own.caster, seen.light, draw.light);
-  own.valid = is_counted(own.caster);
+  own.valid = is_counted(own.caster, draw.count_batch);
   let run = face_run(own.caster);
   let face = run.z + slot - run.x;
   own.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);

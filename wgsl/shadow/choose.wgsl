@@ -13,14 +13,6 @@
 // For each batch and caster of a scene the lights that matter. A single caster has none.
 @group(0) @binding(7) var<storage, read> lit: array<u32>;
 
-fn unordered(bits: vec3<u32>) -> vec3<f32> {
-  return bitcast<vec3<f32>>(select(~bits, bits & vec3<u32>(0x7fffffffu), bits >= vec3<u32>(0x80000000u)));
-}
-
-fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
-  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
-}
-
 // Whether the whole box is beyond the light's range.
 fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
   if (light.range <= 0.0 || light.light.w <= 0.0) {
@@ -183,18 +175,8 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     return;
   }
   let flags = caster_flags(caster);
-  var low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
-  var high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
-  var is_empty = low.x > high.x;
-  var has_holes = (flags & HOLED) != 0u;
+  let own = box_of(caster);
   let is_excluding = (flags & EXCLUDING) != 0u;
-  if (!MANY || (flags & RIGID) == 0u) {
-    let at = 7u * caster;
-    low = unordered(~vec3<u32>(boxes[at], boxes[at + 1u], boxes[at + 2u]));
-    high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
-    is_empty = boxes[at + 3u] == 0u;
-    has_holes = boxes[at + 6u] != 0u;
-  }
   let entry = view_number * shape.lights + number;
   // A view that is not used is all zeros.
   if (MANY && seen[entry].view.near_w == 0.0) {
@@ -204,8 +186,9 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   let scale = select(1.0, bitcast<f32>(caster_part(caster, 3u).w), MANY);
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
-  if (!is_empty) {
-    light = chosen(view, light, scale, shape.averted != 0u && (flags & CLOSED) != 0u, low, high, has_holes);
+  if (!own.is_empty) {
+    let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u;
+    light = chosen(view, light, scale, is_closed, own.low, own.high, own.has_holes);
     light.excludes = select(light.excludes, 1u, is_excluding);
   }
   if (light.casting == CAST_NOTHING) {
@@ -225,7 +208,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
     let first = CHOICE_WORDS * choices_of(0u, number / 32u, view_number);
-    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, has_holes || is_excluding)], bit);
+    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding)], bit);
   }
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);

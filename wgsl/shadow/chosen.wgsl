@@ -22,7 +22,7 @@ fn chosen_light(caster: u32, light: ShadowLight, number: u32, view: u32) -> Shad
   return own;
 }
 
-// Whether a caster is in the batch that is counted.
-fn is_counted(caster: u32) -> bool {
-  return !MANY || caster % shape.count_batches == draw.count_batch;
+// Whether a caster is in a batch of casters that are counted together.
+fn is_counted(caster: u32, count_batch: u32) -> bool {
+  return !MANY || caster % shape.count_batches == count_batch;
 }

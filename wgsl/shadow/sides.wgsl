@@ -44,7 +44,7 @@ fn side_of(instance: u32, kind: u32) -> Side {
   var own: Side;
   own.view = view_of(caster, seen.view);
   own.light = light_of(caster, seen.light, draw.light);
-  own.valid = is_counted(caster);
+  own.valid = is_counted(caster, draw.count_batch);
   var winding = entry >= WINDING;
   if (overflowed || has_measures()) {
     own.light = chosen_light(caster, own.light, draw.light, draw.view);

@@ -13,5 +13,7 @@ pub(crate) mod shadow;
 pub(crate) mod shadow_arguments;
 pub(crate) mod sides;
 pub(crate) mod stencil_bound;
+pub(crate) mod stencil_crossings;
+pub(crate) mod stencil_pencil;
 pub(crate) mod zp_plus_2005;
 pub(crate) mod zp_plus_2005_cases;

@@ -75,6 +75,9 @@ pub struct SceneResults<'a> {
     pub work: &'a wgpu::Buffer,
     /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
+    /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
+    /// `reference::cpu::stencil_crossings` makes it. `None`: no bound was asked for.
+    pub bound: Option<[&'a wgpu::Buffer; 2]>,
     /// For each group the [`ShadowDraws`](crate::layout::ShadowDraws) of each view and light bit.
     pub shadow_draws: &'a [wgpu::Buffer],
     /// All groups and batches, batch after batch in each group.
@@ -186,8 +189,10 @@ impl SceneFrame {
         let bytes = buffers.bytes() + table.size() + volumes;
         let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
         let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
+        let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());
         Ok(SceneResults {
             choices,
+            bound: bound.map(|bound| [&bound.pencils, &bound.crossings]),
             shadow_draws,
             table,
             lit: &buffers.lit,

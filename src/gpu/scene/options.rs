@@ -29,6 +29,11 @@ pub struct SceneOptions {
     ///
     /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
     pub count_batches: u32,
+    /// Compute an upper bound of the stencil counts of all casters together, for
+    /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
+    /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
+    /// light and batch of casters.
+    pub bound_counts: bool,
     /// Entries that the lists of near caps, and of other caps, of each light have room for, in each group of casters.
     /// `None`: room for every face where every face may have a cap, else for a share. An overflow loses nothing: the draw
     /// then goes over all faces.
@@ -39,7 +44,8 @@ pub struct SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unseen shadows
-    /// skipped, infinite volumes, one batch of casters, no memory limit.
+    /// skipped, infinite volumes, one batch of casters, no bound on
+    /// counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -50,6 +56,7 @@ impl Default for SceneOptions {
             skip_unseen: true,
             end_at_range: false,
             count_batches: 1,
+            bound_counts: false,
             cap_capacity: None,
             memory_limit: None,
         }

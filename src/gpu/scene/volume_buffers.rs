@@ -6,7 +6,7 @@ use super::structure::Structure;
 use super::table::choice_bytes;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
-use crate::gpu::shadow::buffers::{CAP_COUNTS, SIDE_COUNTS};
+use crate::gpu::shadow::buffers::{BoundBuffers, CAP_COUNTS, SIDE_COUNTS};
 use crate::layout::{SeenLight, ShadowDraws, ShadowStatistics};
 use crate::shadow::Counting;
 
@@ -75,6 +75,8 @@ pub(crate) struct VolumeBuffers {
     pub(crate) lists: Vec<Vec<Lists>>,
     /// For each group, with draws for each view and light.
     pub(crate) draws: Vec<wgpu::Buffer>,
+    /// For each view and light, if the caller asks for a bound of counts.
+    pub(crate) bound: Option<BoundBuffers>,
 }
 
 impl VolumeBuffers {
@@ -96,6 +98,8 @@ impl VolumeBuffers {
         let draws = (views * lights * size_of::<ShadowDraws>()) as u64;
         let mut wanted = vec![("seen lights", seen), ("caster boxes", boxes), ("choices", choices)];
         wanted.extend(structure.layout.groups.iter().map(|_| ("shadow draws", draws)));
+        let (rows, count_batches) = ((views * lights) as u64, u64::from(options.count_batches.max(1)));
+        wanted.extend(BoundBuffers::wanted(rows, count_batches).into_iter().filter(|_| options.bound_counts));
         for room in rooms {
             for _ in 0..views {
                 wanted.extend([("lists of sides", room.side_bytes()), ("lists of cap faces", room.cap_bytes())]);
@@ -132,13 +136,15 @@ impl VolumeBuffers {
                 .iter()
                 .map(|_| buffer(device, "shadow draws", draws, storage | BufferUsages::INDIRECT))
                 .collect(),
+            bound: options.bound_counts.then(|| BoundBuffers::new(device, rows, count_batches)),
         })
     }
 
     /// The size of all buffers in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        let Self { seen, boxes, choices, any_zeros, statistics, lists, draws } = self;
-        let own = [seen, boxes, choices, any_zeros, statistics].into_iter().chain(draws);
+        let Self { seen, boxes, choices, any_zeros, statistics, lists, draws, bound } = self;
+        let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
+        let own = [seen, boxes, choices, any_zeros, statistics].into_iter().chain(draws).chain(bound);
         let lists = lists.iter().flatten().flat_map(|Lists { sides, caps }| [sides, caps]);
         own.chain(lists).map(wgpu::Buffer::size).sum()
     }

@@ -2,6 +2,7 @@
 
 use wgpu::BindingResource;
 
+use super::layout::Group;
 use super::structure::{GroupBatch, Making, Structure};
 use super::table::choice_bytes;
 use super::volume_buffers::{Lists, Room, VolumeBuffers};
@@ -15,7 +16,9 @@ use crate::gpu::shadow::buffers::{CAP_COUNTS, SIDE_COUNTS};
 use crate::gpu::shadow::draws::LightDraws;
 use crate::gpu::shadow::pipelines::{Layouts, layouts};
 use crate::layout::{LANES, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
-use crate::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, Stage};
+use crate::stages::{
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, Stage,
+};
 
 use super::errors::SceneError;
 use super::options::SceneOptions;
@@ -43,7 +46,7 @@ pub(crate) struct Volumes {
     has_measures: bool,
     /// `bounds`, `choose` and `caps`.
     choosing: Vec<Pass>,
-    /// `list_sides` and `shadow_arguments`, which read the choices in the table.
+    /// `list_sides`, `shadow_arguments` and what bounds stencil counts, which read the choices in the table.
     listing: Vec<Pass>,
     groups: Vec<GroupDraws>,
 }
@@ -88,18 +91,18 @@ impl Volumes {
         let draws = &draws.into_buffer(device, "shadow draw lights");
         bound(device, || {
             let binder = Binder { making, structure, buffers: &buffers, shapes, draws };
-            (binder.passes(views, limits), binder.group_draws(views))
+            (binder.choosing(views, limits), binder.listing(views, limits), binder.group_draws(views))
         })
         .map_err(SceneError::from)
-        .map(|([bounds, choose, caps, list_sides, arguments], groups)| Self {
+        .map(|(choosing, listing, groups)| Self {
             views,
             lights,
             casters: structure.layout.order.len(),
             batches: structure.batches,
             choices_at: (16 * structure.choices_at) as u64,
             has_measures: options.end_at_range,
-            choosing: [bounds, choose, caps].into_iter().filter(|pass| !pass.dispatches.is_empty()).collect(),
-            listing: vec![list_sides, arguments],
+            choosing: choosing.into_iter().filter(|pass| !pass.dispatches.is_empty()).collect(),
+            listing,
             groups,
             buffers,
         })
@@ -122,7 +125,7 @@ impl Volumes {
         encoder: &mut wgpu::CommandEncoder,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let VolumeBuffers { boxes, choices, statistics, lists, draws, .. } = &self.buffers;
+        let VolumeBuffers { boxes, choices, statistics, lists, draws, bound, .. } = &self.buffers;
         let [words, all] = choice_bytes(self.casters, self.batches, self.views, self.has_measures);
         encoder.clear_buffer(statistics, 0, None);
         for draws in draws {
@@ -133,6 +136,9 @@ impl Volumes {
         }
         encoder.clear_buffer(boxes, 0, None);
         encoder.clear_buffer(choices, 0, Some(words));
+        if let Some(bound) = bound {
+            encoder.clear_buffer(&bound.crossings, 0, None);
+        }
         for Lists { sides, caps } in lists.iter().flatten() {
             encoder.clear_buffer(sides, 0, Some(SIDE_COUNTS));
             encoder.clear_buffer(caps, 0, Some(CAP_COUNTS));
@@ -230,6 +236,8 @@ impl<'a> Binder<'a> {
             "silhouettes" => binding(&extracted.lists, super::buffers::LISTS_HEAD..part.sizes.lists),
             // Whether lights are in planes of faces is known for each group and batch, once the faces are decided.
             "extraction_statistics" => binding(&extracted.record, 0..16),
+            "pencils" => whole(&self.buffers.bound.as_ref()?.pencils),
+            "crossings" => whole(&self.buffers.bound.as_ref()?.crossings),
             _ => return None,
         })
     }
@@ -263,18 +271,30 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// `bounds`, `choose`, `caps`, `list_sides` and `shadow_arguments`.
-    fn passes(&self, views: usize, limits: &DispatchLimits) -> [Pass; 5] {
+    /// A stage with a dispatch for each part and view.
+    fn each(&self, stage: &Stage, is_many: bool, views: usize, workgroups: impl Fn(&GroupBatch) -> [u32; 2]) -> Pass {
+        let pipeline = self.pipeline(stage, is_many);
+        let places = self.structure.parts.iter().enumerate().flat_map(|part| (0..views).map(move |view| (part, view)));
+        let dispatches =
+            places.map(|((number, part), view)| self.dispatch(&pipeline, number, view, workgroups(part))).collect();
+        Pass { pipeline, dispatches }
+    }
+
+    fn group_of(&self, part: &GroupBatch) -> Option<&'a Group> {
+        self.structure.layout.groups.get(part.group)
+    }
+
+    /// `bounds`, `choose` and `caps`.
+    fn choosing(&self, views: usize, limits: &DispatchLimits) -> [Pass; 3] {
         let Structure { layout, parts, batches, .. } = self.structure;
         let most = u32::try_from(limits.workgroups).unwrap_or(u32::MAX);
         let is_cpu = self.making.pipelines.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
         let few = if is_cpu { 64 } else { 4096 };
-        let group_of = |part: &GroupBatch| layout.groups.get(part.group);
         let mut bounds = Pass { pipeline: self.pipeline(&BOUNDS, true), dispatches: Vec::new() };
         for (number, part) in parts.iter().enumerate().filter(|(_, part)| part.batch == 0) {
             let is_rigid =
                 self.structure.source(self.making, part.group).is_none_or(|(_, source)| source.buffer.is_none());
-            if let Some(group) = group_of(part).filter(|_| !is_rigid) {
+            if let Some(group) = self.group_of(part).filter(|_| !is_rigid) {
                 let workgroups = [group.face_chunks.div_ceil(64).clamp(1, 1024).min(most), 1];
                 bounds.dispatches.push(self.dispatch(&bounds.pipeline, number, 0, workgroups));
             }
@@ -285,26 +305,38 @@ impl<'a> Binder<'a> {
             let workgroups = [pairs.div_ceil(64).min(limits.workgroups) as u32, views as u32];
             choose.dispatches.push(self.choose(&choose.pipeline, workgroups));
         }
-        let each = |stage: &Stage, is_many: bool, workgroups: &dyn Fn(usize, &GroupBatch) -> [u32; 2]| {
-            let pipeline = self.pipeline(stage, is_many);
-            let places = parts.iter().enumerate().flat_map(|part| (0..views).map(move |view| (part, view)));
-            let dispatches =
-                places.map(|((number, part), view)| self.dispatch(&pipeline, number, view, workgroups(number, part)));
-            let dispatches = dispatches.collect();
-            Pass { pipeline, dispatches }
-        };
-        let caps = each(&CAPS, true, &|_, part| {
-            let items = group_of(part).map_or(1, |group| group.face_chunks * LANES);
+        let caps = self.each(&CAPS, true, views, |part| {
+            let items = self.group_of(part).map_or(1, |group| group.face_chunks * LANES);
             // An invocation takes at most some hundred chunks, so its loops do not end early.
             let least = items.div_ceil(WORKGROUP * 128);
             [items.div_ceil(WORKGROUP).clamp(1, few).max(least).min(most), 1]
         });
-        let list_sides = each(&LIST_SIDES, true, &|_, part| {
-            let fewest = group_of(part).map_or(1, |group| group.edge_chunks).div_ceil(1024);
+        [bounds, choose, caps]
+    }
+
+    /// `list_sides`, `shadow_arguments`, and if the caller asks for it, what bounds stencil counts.
+    fn listing(&self, views: usize, limits: &DispatchLimits) -> Vec<Pass> {
+        let most = u32::try_from(limits.workgroups).unwrap_or(u32::MAX);
+        let over_sides = |part: &GroupBatch| {
+            let fewest = self.group_of(part).map_or(1, |group| group.edge_chunks).div_ceil(1024);
             [part.sizes.capacity.div_ceil(16 * 64).clamp(1, 256).max(fewest).min(most), part.lights.max(1)]
-        });
-        let arguments = each(&SHADOW_ARGUMENTS, false, &|_, _| [1, 1]);
-        [bounds, choose, caps, list_sides, arguments]
+        };
+        let mut listing = vec![
+            self.each(&LIST_SIDES, true, views, over_sides),
+            self.each(&SHADOW_ARGUMENTS, false, views, |_| [1, 1]),
+        ];
+        if self.buffers.bound.is_some() && !self.structure.parts.is_empty() {
+            let every_light = [32 * self.structure.batches as u32, views as u32];
+            let once = |stage: &Stage, is_many: bool| {
+                let pipeline = self.pipeline(stage, is_many);
+                let dispatches = vec![self.dispatch(&pipeline, 0, 0, every_light)];
+                Pass { pipeline, dispatches }
+            };
+            listing.push(once(&STENCIL_PENCIL, true));
+            listing.push(self.each(&STENCIL_CROSSINGS, true, views, over_sides));
+            listing.push(once(&STENCIL_BOUND, false));
+        }
+        listing
     }
 
     /// All casters and views in one dispatch.

@@ -2,12 +2,13 @@
 
 use wgpu::BufferUsages;
 
+use super::options::ShadowOptions;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::buffers::Shape;
 use crate::gpu::extract::extraction;
-use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
+use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, StencilPencil};
 
 /// The buffers that the stages and draws share. A `Vec` has one buffer for each batch of lights.
 #[derive(Debug)]
@@ -27,6 +28,37 @@ pub(super) struct Buffers {
     pub(super) sides: Vec<wgpu::Buffer>,
     pub(super) draws: wgpu::Buffer,
     pub(super) statistics: wgpu::Buffer,
+    /// Only if the caller asks for a bound of counts.
+    pub(super) bound: Option<BoundBuffers>,
+}
+
+/// What bounds stencil counts.
+#[derive(Debug)]
+pub(crate) struct BoundBuffers {
+    /// A [`StencilPencil`] for each light.
+    pub(crate) pencils: wgpu::Buffer,
+    /// The sides that cross its half planes.
+    pub(crate) crossings: wgpu::Buffer,
+}
+
+impl BoundBuffers {
+    /// Words of the row of a pencil.
+    const ROW: u64 = 1028;
+
+    /// What is wanted for so many lights, over all views, whose casters are counted in so many batches.
+    pub(crate) fn wanted(lights: u64, count_batches: u64) -> [(&'static str, u64); 2] {
+        [
+            ("stencil pencils", size_of::<StencilPencil>() as u64 * lights),
+            ("stencil crossings", 4 * Self::ROW * lights * count_batches),
+        ]
+    }
+
+    pub(crate) fn new(device: &wgpu::Device, lights: u64, count_batches: u64) -> Self {
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
+        let [pencils, crossings] =
+            Self::wanted(lights, count_batches).map(|(label, bytes)| buffer(device, label, bytes, storage));
+        Self { pencils, crossings }
+    }
 }
 
 /// Entries of the lists of each light.
@@ -100,7 +132,7 @@ impl Buffers {
     pub(super) fn new(
         source: &extraction::Shared,
         capacities: Capacities,
-        memory_limit: Option<u64>,
+        options: ShadowOptions,
     ) -> Result<Self, MemoryError> {
         let (device, split, shape) = (source.device(), &source.limits, &source.shape);
         let lights = shape.max_lights as u64;
@@ -114,11 +146,13 @@ impl Buffers {
             }
         }
         let caps = per_batch(cap_bytes).map(|bytes| ("lists of cap faces", bytes));
+        let bound = BoundBuffers::wanted(lights, 1).into_iter().filter(|_| options.bound_counts);
         let wanted: Vec<Allocation> = caps
             .chain(besides_caps(shape, capacities))
+            .chain(bound)
             .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
             .collect();
-        let bytes = check(&wanted, split.buffer, memory_limit)?;
+        let bytes = check(&wanted, split.buffer, options.memory_limit)?;
         let mut draw_lights = UniformTable::default();
         for light in 0..shape.max_lights as u32 {
             draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 });
@@ -147,6 +181,7 @@ impl Buffers {
                 storage | BufferUsages::INDIRECT,
             ),
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
+            bound: options.bound_counts.then(|| BoundBuffers::new(device, lights, 1)),
         })
     }
 }

@@ -1,8 +1,7 @@
-//! The compute passes before the draws: `bounds`, `choose`, `caps`, `list_sides`, `shadow_arguments`, and two optional
+//! The compute passes before the draws: `bounds`, `choose`, `caps`, `list_sides`, `shadow_arguments`, and four optional
 //! ones.
 
 use super::buffers::Buffers;
-use super::options::ShadowOptions;
 use crate::Counting;
 use crate::gpu::common::dispatch_limits::binding;
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
@@ -11,7 +10,10 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::extraction;
 use crate::layout::{SceneCaster, ShadowDraw};
-use crate::stages::{BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, Stage, ZP_PLUS_2005_CASES};
+use crate::stages::{
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, Stage,
+    ZP_PLUS_2005_CASES,
+};
 
 /// Pipelines and bind groups of these stages.
 #[derive(Debug)]
@@ -22,9 +24,9 @@ pub(super) struct Choice {
     zp_plus_2005_cases: Option<Pipeline>,
     caps: Pipeline,
     list_sides: Pipeline,
-    /// Only if the caller asks for it.
-    stencil_bound: Option<Pipeline>,
     arguments: Pipeline,
+    /// Only if the caller asks for it.
+    bound: Option<BoundStages>,
     choose_group: wgpu::BindGroup,
     /// One for each batch of lights.
     side_groups: Vec<wgpu::BindGroup>,
@@ -32,6 +34,16 @@ pub(super) struct Choice {
     arguments_groups: Vec<wgpu::BindGroup>,
     /// Made for the current positions.
     position_groups: Option<PositionGroups>,
+}
+
+/// The stages that bound stencil counts.
+#[derive(Debug)]
+struct BoundStages {
+    pencil: Pipeline,
+    pencil_group: wgpu::BindGroup,
+    crossings: Pipeline,
+    bound: Pipeline,
+    bound_group: wgpu::BindGroup,
 }
 
 /// The bind groups of the stages that read positions. A `Vec` has one for each batch of lights.
@@ -42,7 +54,7 @@ struct PositionGroups {
     zp_plus_2005_cases: Vec<wgpu::BindGroup>,
     caps: Vec<wgpu::BindGroup>,
     /// Empty unless the caller asks for the bound.
-    stencil_bound: Vec<wgpu::BindGroup>,
+    stencil_crossings: Vec<wgpu::BindGroup>,
 }
 
 /// The number of workgroups of the stages.
@@ -90,6 +102,8 @@ impl<'a> Resources<'a> {
             "silhouettes" => extracted.lists.get(batch)?,
             "silhouette_counts" => &extracted.counts,
             "extraction_statistics" => &extracted.statistics,
+            "pencils" => &buffers.bound.as_ref()?.pencils,
+            "crossings" => &buffers.bound.as_ref()?.crossings,
             _ => return None,
         };
         Some(buffer.as_entire_binding())
@@ -102,7 +116,6 @@ impl Choice {
         buffers: &Buffers,
         source: &extraction::Shared,
         counting: Counting,
-        options: ShadowOptions,
     ) -> Self {
         let device = pipelines.device();
         let pipeline = |stage: &Stage| pipelines.compute(stage, stage.name, &[]);
@@ -115,7 +128,11 @@ impl Choice {
             bounds: pipeline(&BOUNDS),
             zp_plus_2005_cases: counting.is_zp_plus_2005().then(|| pipeline(&ZP_PLUS_2005_CASES)),
             caps: pipeline(&CAPS),
-            stencil_bound: options.bound_counts.then(|| pipeline(&STENCIL_BOUND)),
+            bound: buffers.bound.is_some().then(|| {
+                let [pencil, crossings, bound] = [&STENCIL_PENCIL, &STENCIL_CROSSINGS, &STENCIL_BOUND].map(pipeline);
+                let (pencil_group, bound_group) = (bind(&pencil, 0), bind(&bound, 0));
+                BoundStages { pencil, pencil_group, crossings, bound, bound_group }
+            }),
             choose_group: bind(&choose, 0),
             side_groups: batches.clone().map(|batch| bind(&list_sides, batch)).collect(),
             arguments_groups: batches.map(|batch| bind(&arguments, batch)).collect(),
@@ -144,7 +161,7 @@ impl Choice {
             bounds: bind(&self.bounds, 0),
             zp_plus_2005_cases: self.zp_plus_2005_cases.as_ref().map_or_else(Vec::new, for_each),
             caps: for_each(&self.caps),
-            stencil_bound: self.stencil_bound.as_ref().map_or_else(Vec::new, for_each),
+            stencil_crossings: self.bound.as_ref().map(|stages| &stages.crossings).map_or_else(Vec::new, for_each),
         });
     }
 
@@ -157,7 +174,7 @@ impl Choice {
         lights: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let Some(PositionGroups { bounds, zp_plus_2005_cases, caps, stencil_bound }) = &self.position_groups else {
+        let Some(PositionGroups { bounds, zp_plus_2005_cases, caps, stencil_crossings }) = &self.position_groups else {
             return;
         };
         let one = std::slice::from_ref::<wgpu::BindGroup>;
@@ -174,10 +191,13 @@ impl Choice {
         let choices = &buffers.choices;
         encoder.copy_buffer_to_buffer(choices, 0, &buffers.table, behind_caster, choices.size());
         record(encoder, &self.list_sides, &self.side_groups, &|lights| [groups.sides, lights]);
-        if let Some(stage) = &self.stencil_bound {
-            record(encoder, stage, stencil_bound, &|lights| [lights, 1]);
-        }
         record(encoder, &self.arguments, &self.arguments_groups, &|_| [1, 1]);
+        if let Some(BoundStages { pencil, pencil_group, crossings, bound, bound_group }) = &self.bound {
+            let each_light = |_| [lights as u32, 1];
+            record(encoder, pencil, one(pencil_group), &each_light);
+            record(encoder, crossings, stencil_crossings, &|lights| [groups.sides, lights]);
+            record(encoder, bound, one(bound_group), &each_light);
+        }
     }
 }
 

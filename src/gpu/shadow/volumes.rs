@@ -150,8 +150,8 @@ impl ShadowVolumes {
             let (bytes, limit) = (source.buffers.faces.size(), split.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let buffers = Buffers::new(source, capacities, options.memory_limit)?;
-        let choice = Choice::new(pipelines.shared(), &buffers, source, pipelines.counting(), options);
+        let buffers = Buffers::new(source, capacities, options)?;
+        let choice = Choice::new(pipelines.shared(), &buffers, source, pipelines.counting());
         let shared = Shared::new(Arc::clone(source), buffers, pipelines, options.end_at_range);
         Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
     }
@@ -213,6 +213,9 @@ impl ShadowVolumes {
         }
         encoder.clear_buffer(&buffers.draws, 0, None);
         encoder.clear_buffer(&buffers.statistics, 0, None);
+        if let Some(bound) = &buffers.bound {
+            encoder.clear_buffer(&bound.crossings, 0, None);
+        }
         if !lights.is_empty() {
             let work = self.workgroups(lights.len());
             self.choice.record(encoder, buffers, work, lights.len(), timer);

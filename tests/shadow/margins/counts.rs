@@ -4,7 +4,6 @@
 use glam::DVec3;
 use rimline::mesh::EdgeKind;
 use rimline::reference::cpu::{self, Threads};
-use rimline::reference::layout::ShadowLight;
 use rimline::reference::shadow::{CAST_AVERTED, CAST_EVERY};
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::shapes::{self, Shape};
@@ -69,11 +68,33 @@ impl Case {
         Self { edges: edges.collect(), facing, corners: [corner(f32::min), corner(f32::max)], shape, light, casting }
     }
 
-    fn bound(&self) -> u32 {
-        let light = ShadowLight { light: self.light.to_array(), casting: self.casting, ..bytemuck::Zeroable::zeroed() };
+    /// The caster as the bound takes it.
+    fn casting(&self) -> (cpu::CastingBox, Vec<cpu::CastingSide>) {
         let weight = |is_boundary: bool| if self.casting == CAST_EVERY && !is_boundary { 2 } else { 1 };
         let sides = self.edges.iter().map(|&(ends, is_boundary)| (ends, weight(is_boundary)));
-        cpu::stencil_bound(&light, self.corners, self.shape.faces.len() as u32, sides)
+        let [low, high] = self.corners;
+        let own = cpu::CastingBox { low, high, faces: self.shape.faces.len() as u32 };
+        (own, sides.collect())
+    }
+
+    fn bound(&self) -> u32 {
+        cpu::bound_casters(self.light.to_array(), vec![self.casting()])
+    }
+
+    /// Casting faces between a point and the light, which is not at infinity.
+    fn before(&self, point: DVec3) -> u32 {
+        let [x, y, z, w] = self.light.to_array().map(f64::from);
+        let place = DVec3::new(x, y, z) / w;
+        let crosses = |(&face, &facing): (&[u32; 3], &bool)| {
+            let [a, b, c] = face.map(|v| DVec3::from(self.shape.positions[v as usize].map(f64::from)) - place);
+            let along = point - place;
+            let inside = [a.cross(b), b.cross(c), c.cross(a)].map(|normal| normal.dot(along));
+            let is_met = inside.iter().all(|&side| side > 0.0) || inside.iter().all(|&side| side < 0.0);
+            let normal = (b - a).cross(c - a);
+            let part = normal.dot(a) / normal.dot(along);
+            is_met && part > 0.0 && part < 1.0 && (self.casting == CAST_EVERY || !facing)
+        };
+        self.shape.faces.iter().zip(&self.facing).filter(|&face| crosses(face)).count() as u32
     }
 
     /// Casting faces that a ray meets which begins at the light, or comes from it.
@@ -157,7 +178,7 @@ impl Case {
             let crossed = spans.iter().filter(|([first, last], _)| first - half_width <= at && at <= last + half_width);
             crossed.map(|(_, weight)| weight).sum::<f64>()
         };
-        (0..=4000).map(|number| sum(f64::from(number) / 4000.0)).fold(0.0, f64::max) / 2.0
+        (0..=16_000).map(|number| sum(f64::from(number) / 16_000.0)).fold(0.0, f64::max) / 2.0
     }
 
     fn check(&self, bound: u32, random: &mut Random) -> Result<u32, String> {
@@ -170,7 +191,7 @@ impl Case {
             return Err(format!("a half plane crosses {least}, the bound is {bound}"));
         }
         // A bin's own width, and rounding.
-        let most = self.crossed(1.2 / 256.0).ceil().min(self.shape.faces.len() as f64);
+        let most = self.crossed(1.2 / 1024.0).ceil().min(self.shape.faces.len() as f64);
         if f64::from(bound) > most {
             return Err(format!("the bound is {bound}, stripes of bins cross {most}"));
         }
@@ -231,4 +252,76 @@ fn a_light_near_the_end_of_a_long_box() {
     println!("{count} faces below each other, the bound is {}", case.bound());
     assert!(count >= 30, "rays meet {count}");
     assert!(case.bound() >= count, "a count of {count}, the bound is {}", case.bound());
+}
+
+/// Rays from a light among many casters: piles of blocks in directions at random or along coordinate axes, blocks around it,
+/// one that it is in, and blocks that its axes pass.
+#[test]
+fn bounds_hold_for_lights_among_casters() -> Result<(), String> {
+    let seed = 232;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut deepest, mut sharp) = (0, 0);
+    let rounds = if is_long() { 3000 } else { 150 };
+    for number in 0..rounds {
+        let w = [1.0, 0.5, 2.0][number % 3];
+        let place = DVec3::from(random.direction().map(f64::from)) * [0.0, 1.0, 100.0][random.below(3)];
+        let light = Light::homogeneous((place * w).extend(w).as_vec4().to_array());
+        // What the stages see.
+        let place = DVec3::from(light.xyz.map(f64::from)) / w;
+        let casting = [CAST_EVERY, CAST_AVERTED][random.below(2)];
+        let mut cases = Vec::new();
+        let mut add = |middle: DVec3, scale: DVec3, random: &mut Random| {
+            let one = if random.below(3) == 0 { shapes::blob(2, 0.1, number as u32) } else { shapes::cube() };
+            let placed = |p: &[f32; 3]| (middle + DVec3::from(p.map(f64::from)) * scale).as_vec3().to_array();
+            let shape = Shape { positions: one.positions.iter().map(placed).collect(), faces: one.faces };
+            cases.push(Case::new(shape, light, casting));
+        };
+        let pile = match random.below(3) {
+            0 => DVec3::from([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]][random.below(3)]),
+            _ => DVec3::from(random.direction().map(f64::from)),
+        };
+        for step in 0..5 + random.below(30) {
+            let size = f64::from(random.between(0.02, 0.1));
+            add(place + pile * (0.5 + 0.25 * step as f64), DVec3::splat(size), &mut random);
+        }
+        for _ in 0..random.below(60) {
+            let middle = place + DVec3::from([(); 3].map(|()| f64::from(random.between(-4.0, 4.0))));
+            let scale = DVec3::from([(); 3].map(|()| f64::from(random.between(0.02, 0.4))));
+            add(middle, scale, &mut random);
+        }
+        if random.below(4) == 0 {
+            add(place, DVec3::splat(6.0), &mut random);
+        }
+        let bound = cpu::bound_casters(light.to_array(), cases.iter().map(Case::casting).collect());
+        let mut count = 0;
+        for case in &cases {
+            for face in &case.shape.faces {
+                let [a, b, c] = face.map(|v| DVec3::from(case.shape.positions[v as usize].map(f64::from)));
+                let (s, t) = (f64::from(random.between(0.05, 0.45)), f64::from(random.between(0.05, 0.45)));
+                let through = a + (b - a) * s + (c - a) * t;
+                // Beyond everything.
+                let far = place + (through - place).normalize() * 30.0;
+                count = count.max(cases.iter().map(|case| case.before(far)).sum::<u32>());
+            }
+        }
+        let within = |bound: u32| {
+            if bound < count {
+                Err(format!("number {number}: a count of {count}, the bound is {bound}"))
+            } else {
+                Ok(())
+            }
+        };
+        within(bound)?;
+        must_fail("a bound of less", &within(count.saturating_sub(1)))?;
+        deepest = deepest.max(count);
+        let faces: usize = cases.iter().map(|case| case.shape.faces.len()).sum();
+        sharp += u32::from((bound as usize) < faces / 4);
+    }
+    println!("{rounds} lights, counts up to {deepest}, {sharp} bounds below a quarter of the faces");
+    if deepest > 20 && sharp as usize > rounds / 2 {
+        Ok(())
+    } else {
+        Err("no pile is deep, or bounds are loose".to_owned())
+    }
 }

@@ -88,18 +88,38 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
-        name: "stencil bound: an edge ends in its own bin",
+        name: "stencil crossings: an edge ends in its own bin",
         changes: &[
-            ("wgsl/shadow/stencil_bound.wgsl", "max(p, q), 0.0, most)) + 1u]", "max(p, q), 0.0, most))]"),
-            ("src/cpu/shadow/stencil_bound.rs", "changes[bin(p.max(q)) + 1]", "changes[bin(p.max(q))]"),
+            ("wgsl/shadow/stencil_crossings.wgsl", "row + last + 1u", "row + last"),
+            ("src/cpu/shadow/stencil_crossings.rs", "bins[last + 1] = bins[last + 1]", "bins[last] = bins[last]"),
         ],
         tests: MARGINS,
     },
     Mutation {
-        name: "stencil bound: the pencil aims at the middle of the box",
+        name: "stencil crossings: edges go the long way around the axis",
         changes: &[
-            ("wgsl/shadow/stencil_bound.wgsl", "clamp(place, low, high) - place", "0.5 * (low + high) - place"),
-            ("src/cpu/shadow/stencil_bound.rs", "place.clamp(low, high) - place", "0.5 * (low + high) - place"),
+            ("wgsl/shadow/stencil_crossings.wgsl", "abs(p - q) > 2.0", "abs(p - q) > 4.0"),
+            ("src/cpu/shadow/stencil_crossings.rs", "(p - q).abs() > 2.0", "(p - q).abs() > 4.0"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "stencil pencil: casters that the axis meets count nowhere",
+        changes: &[
+            ("wgsl/shadow/stencil_bound.wgsl", "(most + 1u) / 2u + crossings[row + MET_FACES]", "(most + 1u) / 2u"),
+            ("src/cpu/shadow/stencil_bound.rs", "all.min((most + 1) / 2 + met)", "all.min((most + 1) / 2 + 0 * met)"),
+        ],
+        tests: MARGINS,
+    },
+    Mutation {
+        name: "stencil pencil: it aims at the middle of the box",
+        changes: &[
+            (
+                "wgsl/shadow/stencil_pencil.wgsl",
+                "clamp(by.place, low, high) - by.place",
+                "0.5 * (low + high) - by.place",
+            ),
+            ("src/cpu/shadow/stencil_pencil.rs", "place.clamp(low, high) - place", "0.5 * (low + high) - place"),
         ],
         tests: MARGINS,
     },
@@ -293,7 +313,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "scenes: the second batch of casters is counted with the first",
-        changes: &[("wgsl/shadow/chosen.wgsl", "== draw.count_batch;", "<= draw.count_batch;")],
+        changes: &[("wgsl/shadow/chosen.wgsl", "== count_batch;", "<= count_batch;")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {

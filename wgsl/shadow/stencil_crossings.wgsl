@@ -1,0 +1,94 @@
+// Stencil crossings: adds the sides of shadow volumes to the bins of half planes that they cross. It goes over the lists
+// of sides of a batch of lights in a view. Where the lists of a light overflowed, it goes over all edges, with the largest
+// weight that each may have.
+
+@group(0) @binding(0) var<uniform> shape: ShadowShape;
+// The first light of this batch, and the view.
+@group(0) @binding(1) var<uniform> draw: ShadowDraw;
+@group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> boxes: array<u32>;
+@group(0) @binding(4) var<storage, read> positions: array<u32>;
+@group(0) @binding(5) var<storage, read> edge_vertices: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> sides: array<u32>;
+@group(0) @binding(7) var<storage, read> pencils: array<StencilPencil>;
+@group(0) @binding(8) var<storage, read_write> crossings: array<atomic<u32>>;
+
+// Adds the weight to the bins from `first` to `last`.
+fn cross_bins(row: u32, first: u32, last: u32, weight: u32) {
+  atomicAdd(&crossings[row + first], weight);
+  atomicSub(&crossings[row + last + 1u], weight);
+}
+
+fn bin(by: StencilPencil, at: f32) -> u32 {
+  return u32(clamp((at - by.first) * by.scale, 0.0, f32(BINS - 1u)));
+}
+
+fn cross_edge(by: StencilPencil, row: u32, a: vec3<f32>, b: vec3<f32>, weight: u32) {
+  let p = half_plane(by, a);
+  let q = half_plane(by, b);
+  let first = bin(by, min(p, q));
+  let last = bin(by, max(p, q));
+  // An edge that does not meet the axis goes the shorter way around it.
+  if (by.kind == AROUND && abs(p - q) > 2.0) {
+    cross_bins(row, 0u, first, weight);
+    cross_bins(row, last, BINS - 1u, weight);
+  } else {
+    cross_bins(row, first, last, weight);
+  }
+}
+
+// How often the sides of a caster's edge may count at most, for a light.
+fn largest_weight(caster: u32, number: u32) -> u32 {
+  let words = choice_part(caster, number / 32u, draw.view, 0u);
+  let casts = (words[CASTS] >> (number % 32u)) & 1u;
+  return casts * (1u + ((words[EVERY] >> (number % 32u)) & 1u));
+}
+
+fn cross_slot(by: StencilPencil, number: u32, slot: u32, is_listed: bool) {
+  let caster = caster_of(shape.edge_chunks_at, slot);
+  let run = edge_run(caster);
+  let edge = slot - run.x;
+  if (edge >= run.y) {
+    return;
+  }
+  let weight = select(largest_weight(caster, number), 1u, is_listed);
+  if (weight == 0u) {
+    return;
+  }
+  if (by.kind == AROUND) {
+    let own = world_box(caster);
+    if (axis_meets(by.place, axis_of(by), own.low, own.high)) {
+      return;
+    }
+  }
+  let ends = edge_vertices[run.z + edge];
+  let a = in_world(caster, vertex_position(caster, ends.x));
+  let b = in_world(caster, vertex_position(caster, ends.y));
+  if (is_finite(a) && is_finite(b)) {
+    cross_edge(by, row_of(draw.view, number, caster % shape.count_batches), a, b, weight);
+  }
+}
+
+// A workgroup takes a share of one light's sides.
+@compute @workgroup_size(64)
+fn stencil_crossings(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) thread: u32,
+) {
+  let bit = group.y;
+  let number = draw.first_light + bit;
+  let by = pencils[draw.view * shape.lights + number];
+  let plain = sides[2u * bit];
+  let clipped = sides[2u * bit + 1u];
+  let is_listed = plain + clipped <= shape.side_capacity;
+  let items = select(shape.edges, plain + clipped, is_listed);
+  for (var item = group.x * 64u + thread; item < items; item += 64u * groups.x) {
+    var slot = item;
+    if (is_listed) {
+      let is_plain = item < plain;
+      slot = sides[side_place(bit, select(CLIPPED, PLAIN, is_plain), select(item - plain, item, is_plain))] & ~WINDING;
+    }
+    cross_slot(by, number, slot, is_listed);
+  }
+}
