@@ -35,7 +35,7 @@ pub(super) struct File {
 
 impl SceneShadows {
     pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
-        let options = SceneOptions { max_lights, counting, ..SceneOptions::default() };
+        let options = SceneOptions { max_lights, counting, bound_counts: true, ..SceneOptions::default() };
         let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
         Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None })
     }
