@@ -5,6 +5,7 @@ pub(crate) mod casters;
 pub(crate) mod counts;
 mod depth;
 mod extracted;
+mod found;
 pub(crate) mod frame;
 mod masks;
 mod part;

@@ -6,11 +6,11 @@ use rimline::{Light, ShadowCamera, wgpu};
 use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
-use super::render_resources::RenderResources;
 use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+use crate::render::pipeline_factory::PipelineFactory;
 
 /// What all bodies need to be drawn and to throw shadows.
 pub(crate) struct Casters {
@@ -67,12 +67,12 @@ impl Casters {
     pub(super) fn bind(
         &mut self,
         gpu: &Gpu,
-        resources: &RenderResources<'_>,
+        factory: &PipelineFactory<'_>,
+        layout: &wgpu::BindGroupLayout,
         bodies: &[PosedModel<'_>],
     ) -> Result<(), GpuError> {
         let masks = self.shadows.facing(gpu, bodies)?;
-        let layout = resources.geometry_layout();
-        let receiver = |(number, (body, masks))| Receiver::new(gpu, &resources.factory, layout, body, number, masks);
+        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks);
         self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
         Ok(())
     }

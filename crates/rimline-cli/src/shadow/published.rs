@@ -11,8 +11,8 @@ use rimline::{Light, ShadowCamera, wgpu};
 
 use super::counts;
 use super::extracted::Extracted;
+use super::found::{FacingMasks, FacingRun, Found};
 use super::posed_model::PosedModel;
-use super::shadows::{FacingMasks, FacingRun, Found};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use rimline::wgpu;
 
+use super::found::{FacingMasks, FacingRun};
 use super::posed_model::PosedModel;
-use super::shadows::FacingMasks;
 use crate::device::Gpu;
 use crate::render::normals;
 use crate::render::pipeline_factory::PipelineFactory;
@@ -50,7 +50,7 @@ impl Receiver {
             let buffers = [&clay, positions.buffer, &faces, &normals, &slots, facing];
             factory.group(layout, &buffers.map(wgpu::Buffer::as_entire_binding))
         };
-        let run = |run: &super::shadows::FacingRun| Run {
+        let run = |run: &FacingRun| Run {
             corners: 3 * run.faces.start..3 * run.faces.end,
             groups: run.facing.iter().map(group).collect(),
         };

@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 
 use super::casters::Casters;
 use super::counts::{self, CountBound};
+use super::found::Found;
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
-use super::shadows::Found;
 use crate::device::{Gpu, describe};
 use crate::gpu_error::GpuError;
 use crate::shadow::args::{ShadowSceneArgs, value_name};

@@ -1,17 +1,18 @@
 //! What the stages of a scene found and chose, file by file. A file's positions are a buffer of its own, so no group of
 //! casters has those of two files.
 
+use std::collections::BTreeSet;
+
 use rimline::gpu::{CasterHandle, ReadError, SceneError, SceneFrame, SceneGroupResults, read_back_vec};
 use rimline::reference::cpu::{self, CHOICE_WORDS, SceneTable};
-use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowLight, ShadowShape, ShadowStatistics};
+use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowShape, ShadowStatistics};
 use rimline::reference::shadow::{CAST_EVERY, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS};
-
 use rimline::{Counting, wgpu};
 
 use super::counts;
+use super::found::{FacingMasks, FacingRun, Found};
 use super::posed_model::PosedModel;
 use super::scene_shadows::{File, SceneShadows};
-use super::shadows::{FacingMasks, FacingRun, Found};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 
@@ -20,7 +21,7 @@ const CAPPED: usize = 3;
 
 /// The place of a caster in the table, and its group.
 fn place(frame: &SceneFrame, caster: CasterHandle) -> Result<(u32, usize), SceneError> {
-    frame.place(caster).ok_or(SceneError::NotEncoded)
+    frame.place(caster).ok_or(SceneError::Stale { what: "caster" })
 }
 
 impl SceneShadows {
@@ -63,18 +64,19 @@ impl SceneShadows {
             words: choices.unwrap_or_default(),
             casters: self.files.iter().map(|file| file.casters.len()).sum(),
             batches: frame.batches(),
-            shape: ShadowShape { counting: code(self.counting), ..bytemuck::Zeroable::zeroed() },
-            seen: vec![bytemuck::Zeroable::zeroed(); self.lights.len()],
         };
+        let shape = ShadowShape { counting: code(self.counting), ..bytemuck::Zeroable::zeroed() };
+        // Of each light only what is chosen matters.
+        let seen: Vec<SeenLight> = vec![bytemuck::Zeroable::zeroed(); self.lights.len()];
         let all = self.statistics(gpu)?;
         let mut files = Vec::with_capacity(self.files.len());
         for File { casters, .. } in &self.files {
-            let mut groups = Vec::new();
-            let mut most = Most::new(self.lights.len());
+            let mut groups = BTreeSet::new();
+            let mut words = vec![0; CHOICE_WORDS * choices.batches];
             for &(_, caster) in casters {
                 let (index, group) = place(frame, caster)?;
-                groups.push(group);
-                choices.add(index, &mut most);
+                groups.insert(group);
+                choices.add(index, &mut words);
             }
             let mut silhouettes = vec![0; self.lights.len()];
             let mut extraction: ExtractionStatistics = bytemuck::Zeroable::zeroed();
@@ -84,9 +86,13 @@ impl SceneShadows {
                 counted.for_each(|(sum, count)| *sum += count);
                 extraction = counts::sum(extraction, statistics);
             }
-            let shadow = most.statistics(all);
+            let lights = cpu::chosen(&shape, &seen, &words);
+            let count = |casting: u32| lights.iter().filter(|light| light.casting == casting).count() as u32;
+            let capped = words.chunks_exact(CHOICE_WORDS).map(|words| words[CAPPED].count_ones()).sum();
+            let (skipped, every_face) = (count(CAST_NOTHING), count(CAST_EVERY));
+            let shadow = ShadowStatistics { skipped, every_face, capped, ..all };
             let is_whole = self.files.len() == 1;
-            files.push(Found { lights: most.lights, silhouettes, extraction, shadow, is_whole });
+            files.push(Found { lights, silhouettes, extraction, shadow, is_whole });
         }
         Ok(files)
     }
@@ -98,57 +104,21 @@ impl SceneShadows {
     }
 }
 
-/// What was chosen for all casters.
+/// What was chosen for all casters, in words for each batch of lights.
 struct Choices {
     words: Vec<u32>,
     casters: usize,
     batches: usize,
-    shape: ShadowShape,
-    /// Of each light only what is chosen matters.
-    seen: Vec<SeenLight>,
-}
-
-/// The most that any of some casters needs for each light.
-struct Most {
-    lights: Vec<ShadowLight>,
-    /// The lights for which there are near caps, a word for each batch.
-    capped: Vec<u32>,
 }
 
 impl Choices {
-    /// Adds what was chosen for a caster.
-    fn add(&self, index: u32, most: &mut Most) {
-        let of_batch = |batch: usize| {
+    /// Adds what was chosen for a caster. A bit stands for something that costs more, or for faces that cast: so casters
+    /// together have the bits of any.
+    fn add(&self, index: u32, sum: &mut [u32]) {
+        for (batch, sum) in sum.chunks_exact_mut(CHOICE_WORDS).enumerate() {
             let first = CHOICE_WORDS * (batch * self.casters + index as usize);
-            self.words.get(first..first + CHOICE_WORDS).unwrap_or(&[0; CHOICE_WORDS])
-        };
-        let words: Vec<u32> = (0..self.batches).flat_map(of_batch).copied().collect();
-        for (most, light) in most.lights.iter_mut().zip(cpu::chosen(&self.shape, &self.seen, &words)) {
-            // Every face is more than those averted. What casts nothing is not counted.
-            most.casting = most.casting.max(light.casting);
-            if light.casting != CAST_NOTHING {
-                most.counting = most.counting.max(light.counting);
-            }
-        }
-        for (most, words) in most.capped.iter_mut().zip(words.chunks_exact(CHOICE_WORDS)) {
-            *most |= words[CAPPED];
-        }
-    }
-}
-
-impl Most {
-    fn new(lights: usize) -> Self {
-        Self { lights: vec![bytemuck::Zeroable::zeroed(); lights], capped: vec![0; lights.div_ceil(32)] }
-    }
-
-    /// The lights for which nothing or every face casts, or that have near caps; the rest as for all files.
-    fn statistics(&self, all: ShadowStatistics) -> ShadowStatistics {
-        let count = |casting: u32| self.lights.iter().filter(|light| light.casting == casting).count() as u32;
-        ShadowStatistics {
-            skipped: count(CAST_NOTHING),
-            every_face: count(CAST_EVERY),
-            capped: self.capped.iter().map(|word| word.count_ones()).sum(),
-            ..all
+            let words = self.words.get(first..first + CHOICE_WORDS).unwrap_or_default();
+            sum.iter_mut().zip(words).for_each(|(sum, word)| *sum |= word);
         }
     }
 }

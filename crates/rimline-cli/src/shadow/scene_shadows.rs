@@ -58,7 +58,7 @@ impl SceneShadows {
                         *place.insert(scene.add_mesh(&body.mesh_of(topology)?, rest).map_err(failed)?)
                     }
                 };
-                let Some(positions) = body.positions.of_instance(instance) else { continue };
+                let Some(positions) = body.positions.of_instance(instance) else { break };
                 let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(failed)?;
                 match old {
                     None => casters.push((topology, caster)),

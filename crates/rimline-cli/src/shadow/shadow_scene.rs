@@ -218,7 +218,7 @@ impl<'a> ShadowScene<'a> {
             timer.resolve(&mut encoder);
         }
         gpu.queue.submit([encoder.finish()]);
-        casters.bind(gpu, resources, &self.bodies)
+        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies)
     }
 
     /// Records the same for bodies that are where they were.

@@ -1,12 +1,12 @@
 //! What throws shadows, and what draws them: a scene of all files, or a single caster for each file with the published method.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use rimline::gpu::{ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer};
-use rimline::reference::layout::{ExtractionStatistics, ShadowLight, ShadowStatistics};
+use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
+use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
 use super::published::Published;
 use super::scene_shadows::SceneShadows;
@@ -26,33 +26,6 @@ pub(crate) enum VolumePipelines {
 pub(crate) enum Shadows {
     Scene(Box<SceneShadows>),
     Published(Published),
-}
-
-/// What was found and chosen for a file.
-pub(crate) struct Found {
-    /// What was chosen for each light: of a file of many casters the most that any of them needs.
-    pub(crate) lights: Vec<ShadowLight>,
-    /// The silhouette edges for each light.
-    pub(crate) silhouettes: Vec<u32>,
-    pub(crate) extraction: ExtractionStatistics,
-    pub(crate) shadow: ShadowStatistics,
-    /// The bounds and overflows of `shadow` are the file's own. Of several files they are known for all together.
-    pub(crate) is_whole: bool,
-}
-
-/// A run of faces of a file whose masks lie in one buffer.
-pub(crate) struct FacingRun {
-    pub(crate) faces: Range<u32>,
-    /// Facing masks for each batch of 32 lights.
-    pub(crate) facing: Vec<wgpu::Buffer>,
-}
-
-/// Where a file's facing masks lie.
-#[derive(Default)]
-pub(crate) struct FacingMasks {
-    pub(crate) runs: Vec<FacingRun>,
-    /// The place of each face in its buffer.
-    pub(crate) slots: Vec<u32>,
 }
 
 impl VolumePipelines {
