@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use rimline::wgpu;
-
 use crate::ending;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
@@ -13,7 +11,7 @@ use crate::overwrite::Inputs;
 use crate::progress::Progress;
 use crate::shadow;
 use crate::shadow::args::{FilmArgs, MAX_FRAMES};
-use crate::shadow::caster::Caster;
+use crate::shadow::casters::Casters;
 use crate::shadow::counts::CountBound;
 use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
@@ -61,28 +59,16 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));
-    let mut casters: Vec<Caster> = Vec::new();
+    let mut casters = Casters::new(&gpu, &pictures.pipelines, set.samples(), scene.volumes).map_err(fail)?;
     let mut bound = CountBound::default();
-    let mut faces: Vec<Vec<[u32; 3]>> = Vec::new();
     for frame in 0..frames {
         let output = output.take().map_or_else(|| Output::create(&file(frame)), Ok)?;
         set.pose(&gpu, time(frame))?;
-        for (number, body) in set.bodies.iter().enumerate() {
-            // A mirrored instance turns its faces: another mesh.
-            let mesh = &body.scene.mesh;
-            if faces.get(number).is_none_or(|old| old != mesh.faces()) {
-                let caster = Caster::new(&gpu, &resources.factory, &pictures.pipelines, mesh, number, set.samples());
-                casters.truncate(number);
-                casters.push(caster.map_err(fail)?);
-                faces.truncate(number);
-                faces.push(mesh.faces().to_vec());
-            }
-        }
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("film") });
-        set.encode(&gpu, &mut encoder, &resources, &mut casters, None).map_err(fail)?;
-        gpu.queue.submit([encoder.finish()]);
+        casters.place(&gpu, &set.bodies)?;
+        set.cast(&gpu, &resources, &mut casters, None).map_err(fail)?;
         let picture = shadow::picture(&gpu, &resources, &pictures, &mut set, &mut casters).map_err(fail)?;
-        bound = bound.max(CountBound::read(&gpu, &casters, set.samples()).map_err(|error| fail(error.into()))?);
+        let statistics = casters.shadows.statistics(&gpu).map_err(|error| fail(error.into()))?;
+        bound = bound.max(statistics.into());
         gpu.check()?;
         output.finish(|file| picture.write_png(file))?;
         if frame == 0 {

@@ -3,8 +3,8 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, MemoryError,
-    PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryEncodeError,
-    ShadowQueryError, ShadowVolumesError, TimerError,
+    PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError, ShadowFormatError,
+    ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -41,6 +41,8 @@ pub(crate) enum GpuError {
     ShadowDraw(#[from] ShadowDrawError),
     #[error(transparent)]
     ShadowFormat(#[from] ShadowFormatError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
 }
 
 impl GpuError {
@@ -51,7 +53,9 @@ impl GpuError {
             return failure;
         }
         match &self {
-            Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowEncodeError::Camera(camera)) | Self::Scene(SceneError::Camera { error: camera, .. }) => {
+                return UsageError::Camera(*camera).into();
+            }
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             Self::Deform(DeformError::TooManyTerms { .. }) => return self.too_small(gpu),
             _ => {}
@@ -85,6 +89,7 @@ impl GpuError {
                 | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
             )
             | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
+            | Self::Scene(SceneError::Memory(memory) | SceneError::Positions(PositionError::Memory(memory)))
             | Self::Shadow(
                 ShadowEncodeError::Positions(PositionError::Memory(memory))
                 | ShadowEncodeError::Include(
@@ -98,7 +103,8 @@ impl GpuError {
 
     fn lights(&self) -> Option<&LightError> {
         match self {
-            Self::Extractor(ExtractorError::Light(lights))
+            Self::Scene(SceneError::Light(lights))
+            | Self::Extractor(ExtractorError::Light(lights))
             | Self::Encode(ExtractionEncodeError::Light(lights))
             | Self::ShadowQuery(ShadowQueryError::Light(lights))
             | Self::Query(ShadowQueryEncodeError::Light(lights)) => Some(lights),

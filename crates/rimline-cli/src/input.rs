@@ -121,22 +121,28 @@ impl Input {
 
     /// The mesh and its shape at one posed. `displaced` shapes always come as a model, so that `displace` can run.
     pub(crate) fn scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, Failure> {
-        self.build_scene(animation, time_s, displaced).map_err(Failure::input(&self.file))
+        let shape = self.shape(animation, time_s, displaced)?;
+        Ok(Scene { mesh: self.mesh(&shape)?, shape })
     }
 
-    fn build_scene(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Scene<'_>, InputError> {
-        let model = self.model();
-        if let (Source::Npz { .. }, false) = (&self.source, displaced) {
-            let positions = model.geometries()[0].positions();
-            return Ok(Scene { mesh: model.mesh(&resting()?)?, shape: Shape::World(positions) });
-        }
+    /// The shape at one posed, without a mesh of all instances.
+    pub(crate) fn shape(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         let pose = match &self.source {
-            Source::Gltf(asset) => asset.pose(animation, time_s)?,
-            Source::Npz { .. } => resting()?,
+            Source::Gltf(asset) => asset.pose(animation, time_s).map_err(InputError::from),
+            Source::Npz { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
+            Source::Npz { .. } => resting().map_err(InputError::from),
         };
-        let mesh = model.mesh(&pose)?;
-        let shape = Shape::Posed { model, pose };
-        Ok(Scene { mesh, shape })
+        let pose = pose.map_err(Failure::input(&self.file))?;
+        Ok(Shape::Posed { model: self.model(), pose })
+    }
+
+    /// The mesh that all instances make.
+    pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
+        let mesh = match shape {
+            Shape::Posed { model, pose } => model.mesh(pose).map_err(InputError::from),
+            Shape::World(_) => resting().map_err(InputError::from).and_then(|pose| Ok(self.model().mesh(&pose)?)),
+        };
+        mesh.map_err(Failure::input(&self.file))
     }
 
     /// The lights asked for, in the order asked for, fit for an extraction.

@@ -59,6 +59,14 @@ impl Positions {
         }
     }
 
+    /// The positions of one instance.
+    pub(crate) fn of_instance(&self, instance: usize) -> Option<PositionBuffer<'_>> {
+        match self {
+            Self::Uploaded(_) => (instance == 0).then(|| self.buffer()),
+            Self::Deformed(deformer) => deformer.instance_positions(instance),
+        }
+    }
+
     pub(crate) fn read(&self, gpu: &Gpu, vertices: usize) -> Result<Vec<[f32; 3]>, ReadError> {
         let mut positions = read_back_vec(&gpu.device, &gpu.queue, self.buffer().buffer)?;
         positions.truncate(vertices);

@@ -1,19 +1,26 @@
 //! `rimline shadow`: models with their shadows.
 
 pub(crate) mod args;
-pub(crate) mod caster;
+pub(crate) mod casters;
 pub(crate) mod counts;
 mod depth;
+mod extracted;
+mod found;
 pub(crate) mod frame;
 mod masks;
 mod part;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
+mod published;
+mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
+mod scene_found;
+mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
+pub(crate) mod shadows;
 mod volume_overlay;
 
 use std::time::Instant;
@@ -34,7 +41,7 @@ use crate::target::is_same_file;
 use crate::times::Times;
 use crate::warm_up;
 use args::ShadowArgs;
-use caster::Caster;
+use casters::Casters;
 use masks::Masks;
 use part::PARTS;
 use pictures::Pictures;
@@ -89,22 +96,15 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, counting)).transpose().map_err(fail)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
-    let mut casters = (0..)
-        .zip(&set.bodies)
-        .map(|(number, body)| Caster::new(&gpu, &resources.factory, pipelines, &body.scene.mesh, number, set.samples()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(fail)?;
+    let mut casters =
+        Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).map_err(fail)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
+    times.measure("topology", || casters.place(&gpu, &set.bodies))?;
     times.measure("compile", || {
         warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), &set.ranged())
     })?;
     let mut timer = StageTimer::new(&gpu.device, &gpu.queue);
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("shadow") });
-    set.encode(&gpu, &mut encoder, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
-    if let Some(timer) = &timer {
-        timer.resolve(&mut encoder);
-    }
-    gpu.queue.submit([encoder.finish()]);
+    set.cast(&gpu, &resources, &mut casters, timer.as_mut()).map_err(fail)?;
     gpu.wait()?;
     let stages = timer.as_ref().map(|timer| timer.read(&gpu.device, &gpu.queue)).transpose();
     for (stage, milliseconds) in stages.map_err(|error| fail(error.into()))?.into_iter().flatten() {
@@ -128,10 +128,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
             output.finish(|file| mask.write_png(file))?;
         }
     }
-    let report = Report::read(&gpu, &set, &casters).map_err(|error| fail(error.into()))?;
+    let report = Report::read(&gpu, &set, &casters).map_err(fail)?;
     gpu.check()?;
     drop(progress);
-    report.bound.warn();
+    report.bound().warn();
     set.warn_of_depth(&gpu);
     let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
     print(&if args.json { report.json(scene, &times) } else { report.text(&written, scene.view.size, &times) })
@@ -163,7 +163,7 @@ pub(crate) fn picture(
     resources: &RenderResources<'_>,
     pictures: &Pictures,
     set: &mut ShadowScene<'_>,
-    casters: &mut [Caster],
+    casters: &mut Casters,
 ) -> Result<Picture, GpuError> {
     let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
     if set.is_in_parts() {
@@ -194,7 +194,7 @@ fn mask(
     resources: &RenderResources<'_>,
     masks: &Masks,
     set: &ShadowScene<'_>,
-    casters: &[Caster],
+    casters: &Casters,
     samples: std::ops::Range<usize>,
 ) -> Result<Picture, GpuError> {
     let subject = set.subject(casters);

@@ -185,10 +185,13 @@ World space is right-handed with +Y up. The ground is visible from above only: a
 Keys of --json: adapter, method, mode, files, faces, samples (of a light), count_bound (an upper bound of the stencil \
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
-file, casting, counting, silhouette_edges, each with one value a sample with --area), statistics (a list, one for each \
-file, of file, skipped, every_face, capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists), \
-milliseconds (by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all \
-other stages).";
+file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
+most that any instance in the file needs), statistics (a list, one for each file, of file, skipped, every_face, \
+capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
+overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
+pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists), milliseconds \
+(by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
+stages).";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(FILM_EXAMPLES), after_help = FILM_REMARKS, mut_arg("device", drawing_device), mut_arg("animation", film_animation))]

@@ -1,53 +1,31 @@
-//! Whether eight bits of stencil hold what is counted.
+//! Whether eight bits of stencil hold what is counted, and other numbers that stages leave.
 
 use rimline::gpu::{ReadError, read_back_vec};
-use rimline::reference::cpu;
-use rimline::reference::layout::{SeenLight, ShadowLight, ShadowStatistics};
-use rimline::reference::shadow::CAST_NOTHING;
+use rimline::reference::layout::ShadowStatistics;
+use rimline::wgpu;
 
-use super::caster::Caster;
 use crate::device::Gpu;
 use crate::output::note;
 
 /// The most that the stencil counts to; 256 looks like 0.
-const MOST: u64 = 255;
+pub(super) const MOST: u32 = 255;
 
-/// A bound on stencil counts. All casters count into one stencil, so theirs add up.
+/// A bound on stencil counts. All casters count into one stencil.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CountBound {
     /// No count exceeds it, for any light.
-    pub(crate) count_bound: u64,
+    pub(crate) count_bound: u32,
     /// Lights, or samples, whose counts may exceed what the stencil holds.
-    pub(crate) may_wrap: usize,
+    pub(crate) may_wrap: u32,
+}
+
+impl From<ShadowStatistics> for CountBound {
+    fn from(ShadowStatistics { count_bound, may_wrap, .. }: ShadowStatistics) -> Self {
+        Self { count_bound, may_wrap }
+    }
 }
 
 impl CountBound {
-    /// `casters` have their lights, and what they found for all of those.
-    pub(super) fn new(casters: &[(&[ShadowLight], ShadowStatistics)]) -> Self {
-        if let [(_, alone)] = casters {
-            return Self { count_bound: alone.count_bound.into(), may_wrap: alone.may_wrap as usize };
-        }
-        let lights = casters.first().map_or(0, |(lights, _)| lights.len());
-        let bound = |light: usize| -> u64 {
-            let casts = casters.iter().filter(|(lights, _)| lights[light].casting != CAST_NOTHING);
-            casts.map(|(_, found)| u64::from(found.count_bound)).sum()
-        };
-        Self {
-            count_bound: (0..lights).map(bound).max().unwrap_or(0),
-            may_wrap: (0..lights).filter(|&light| bound(light) > MOST).count(),
-        }
-    }
-
-    /// Of what was encoded and submitted. Waits for the device.
-    pub(crate) fn read(gpu: &Gpu, casters: &[Caster], samples: usize) -> Result<Self, ReadError> {
-        let mut found = Vec::with_capacity(casters.len());
-        for caster in casters {
-            found.push(read(gpu, caster, samples)?);
-        }
-        let found: Vec<_> = found.iter().map(|(lights, statistics)| (lights.as_slice(), *statistics)).collect();
-        Ok(Self::new(&found))
-    }
-
     /// The larger of both.
     pub(crate) fn max(self, other: Self) -> Self {
         Self { count_bound: self.count_bound.max(other.count_bound), may_wrap: self.may_wrap.max(other.may_wrap) }
@@ -66,18 +44,19 @@ impl CountBound {
     }
 }
 
-/// A caster's lights, and what it found for them.
-pub(super) fn read(
-    gpu: &Gpu,
-    caster: &Caster,
-    samples: usize,
-) -> Result<(Vec<ShadowLight>, ShadowStatistics), ReadError> {
-    let mut seen: Vec<SeenLight> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.seen())?;
-    seen.truncate(samples);
-    let words: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.choices())?;
-    let lights = cpu::chosen(&caster.volumes.shape(), &seen, &words);
-    let statistics: Vec<ShadowStatistics> = read_back_vec(&gpu.device, &gpu.queue, caster.volumes.statistics())?;
-    Ok((lights, statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed())))
+/// The statistics in a buffer.
+pub(super) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<ShadowStatistics, ReadError> {
+    let statistics: Vec<ShadowStatistics> = read_back_vec(&gpu.device, &gpu.queue, buffer)?;
+    Ok(statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()))
+}
+
+/// Each number of one statistic and the same of the other.
+pub(super) fn sum<T: bytemuck::Pod>(one: T, other: T) -> T {
+    let mut sum = one;
+    let words = bytemuck::cast_slice::<T, u32>(std::slice::from_ref(&other)).iter();
+    let sums = bytemuck::cast_slice_mut::<T, u32>(std::slice::from_mut(&mut sum)).iter_mut();
+    sums.zip(words).for_each(|(sum, word)| *sum = sum.saturating_add(*word));
+    sum
 }
 
 #[cfg(test)]
@@ -86,14 +65,10 @@ mod tests {
     use bytemuck::Zeroable;
 
     #[test]
-    fn the_casters_of_a_light_add_up() {
-        let light = |casting| ShadowLight { casting, ..Zeroable::zeroed() };
-        let found = |count_bound, may_wrap| ShadowStatistics { count_bound, may_wrap, ..Zeroable::zeroed() };
-        let (both, second) = ([light(1), light(2)], [light(0), light(1)]);
-        let bound = CountBound::new(&[(&both, found(200, 0)), (&second, found(100, 0))]);
-        assert_eq!(bound, CountBound { count_bound: 300, may_wrap: 1 });
-        let alone = CountBound::new(&[(&both, found(700, 1))]);
-        assert_eq!(alone, CountBound { count_bound: 700, may_wrap: 1 });
-        assert_eq!(CountBound::new(&[(&both, found(255, 0))]).may_wrap, 0);
+    fn sums_do_not_wrap() {
+        let found = |count_bound, skipped| ShadowStatistics { count_bound, skipped, ..Zeroable::zeroed() };
+        let both = sum(found(200, 1), found(100, 2));
+        assert_eq!((both.count_bound, both.skipped, both.capped), (300, 3, 0));
+        assert_eq!(sum(found(u32::MAX, 0), found(2, 0)).count_bound, u32::MAX);
     }
 }

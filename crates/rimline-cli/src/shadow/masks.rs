@@ -1,12 +1,12 @@
 //! What each light reaches, pixel centre by pixel centre.
 
-use rimline::gpu::ShadowPipelines;
 use rimline::{Counting, wgpu};
 use wgpu::{TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
 use super::receiver_pipelines::{Onto, ReceiverPipelines, Target};
-use super::render_resources::{Attachments, DrawInputs, RenderResources, draw_volumes};
+use super::render_resources::{Attachments, DrawInputs, RenderResources};
+use super::shadows::VolumePipelines;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 
@@ -15,7 +15,7 @@ const MASK: Target = Target { format: TextureFormat::R8Unorm, samples: 1 };
 
 /// Draws masks: of one light or sample at a time.
 pub(crate) struct Masks {
-    pub(crate) pipelines: ShadowPipelines,
+    pub(crate) pipelines: VolumePipelines,
     attachments: Attachments,
     finished: wgpu::Texture,
     dark: ReceiverPipelines,
@@ -51,7 +51,7 @@ impl Masks {
         let mut pass = subject.begin(self.attachments.pass(encoder, "mask", Some(nothing), None));
         resources.select(&mut pass, light);
         self.dark.paint(&mut pass, casters, light, has_ground);
-        draw_volumes(&mut pass, &self.pipelines, casters, light)?;
+        casters.shadows.draw(&mut pass, &self.pipelines, light)?;
         resources.select(&mut pass, light);
         self.lit.paint(&mut pass, casters, light, has_ground);
         Ok(&self.finished)

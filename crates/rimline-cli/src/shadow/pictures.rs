@@ -1,13 +1,13 @@
 //! The passes of a picture with shadows.
 
-use rimline::gpu::ShadowPipelines;
 use rimline::{Counting, wgpu};
 use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
 use super::part::{PARTS, Part};
 use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
-use super::render_resources::{Attachments, DrawInputs, RenderResources, draw_volumes};
+use super::render_resources::{Attachments, DrawInputs, RenderResources};
+use super::shadows::VolumePipelines;
 use super::volume_overlay::VolumeOverlay;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -21,7 +21,7 @@ const PART: Target = Target { format: LINEAR.format, samples: 1 };
 
 /// Draws pictures.
 pub(crate) struct Pictures {
-    pub(crate) pipelines: ShadowPipelines,
+    pub(crate) pipelines: VolumePipelines,
     /// Of the whole picture or of its parts.
     attachments: Vec<Attachments>,
     /// What the whole picture's samples are averaged into.
@@ -127,7 +127,7 @@ impl Pictures {
         for light in 0..samples {
             let mut pass = subject.begin(attachments.pass(encoder, "light", None, None));
             if self.shade.is_none() {
-                draw_volumes(&mut pass, pipelines, casters, light)?;
+                casters.shadows.draw(&mut pass, pipelines, light)?;
             }
             resources.select(&mut pass, light);
             self.lit.paint(&mut pass, casters, light, has_ground);
@@ -135,7 +135,7 @@ impl Pictures {
         if let Some(shade) = &self.shade {
             for light in 0..samples {
                 let mut pass = subject.begin(attachments.pass(encoder, "shade", None, None));
-                draw_volumes(&mut pass, pipelines, casters, light)?;
+                casters.shadows.draw(&mut pass, pipelines, light)?;
                 resources.select(&mut pass, light);
                 for receivers in shade {
                     receivers.paint(&mut pass, casters, light, has_ground);

@@ -1,22 +1,35 @@
 //! A file's model at one posed.
 
+use rimline::mesh::MAX_FACES;
 use rimline::reference::cpu::is_finite;
-use rimline::{Displacement, wgpu};
+use rimline::{Displacement, Geometry, Mesh, MeshError, wgpu};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
-use crate::input::{Input, Scene, Shape};
+use crate::input::{Input, Shape};
 use crate::input_args::PoseArgs;
 use crate::positions::Positions;
+
+/// The faces of an instance: those of a geometry, turned if its pose mirrors it. Instances of the same topology share a
+/// mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Topology {
+    pub(crate) geometry: usize,
+    pub(crate) is_turned: bool,
+}
 
 /// A model and where its vertices are.
 pub(crate) struct PosedModel<'a> {
     pub(crate) input: &'a Input,
     animation: Option<usize>,
     displaced: bool,
-    pub(crate) scene: Scene<'a>,
+    shape: Shape<'a>,
     pub(crate) positions: Positions,
+    /// Of each instance.
+    pub(crate) topologies: Vec<Topology>,
+    /// Of all instances, one after the other, as [`Model::mesh`](rimline::Model::mesh) has them.
+    pub(crate) faces: Vec<[u32; 3]>,
     /// World space, as they lie on the GPU.
     pub(crate) world: Vec<[f32; 3]>,
 }
@@ -30,33 +43,65 @@ impl<'a> PosedModel<'a> {
         displacement: Option<&Displacement>,
     ) -> Result<Self, Failure> {
         let displaced = displacement.is_some();
-        let scene = input.scene(animation, time_s, displaced)?;
-        let positions = Positions::new(gpu, &scene.shape, displacement).map_err(|error| error.on(gpu))?;
-        let mut body = Self { input, animation, displaced, scene, positions, world: Vec::new() };
+        let shape = input.shape(animation, time_s, displaced)?;
+        let failed = |error: MeshError| Failure::input(&input.file)(error.into());
+        check_faces(input.model().placed_geometries()).map_err(failed)?;
+        let positions = Positions::new(gpu, &shape, displacement).map_err(|error| error.on(gpu))?;
+        let (topologies, faces, world) = (Vec::new(), Vec::new(), Vec::new());
+        let mut body = Self { input, animation, displaced, shape, positions, topologies, faces, world };
         body.place(gpu, time_s).map_err(|error| error.on(gpu))?;
         Ok(body)
     }
 
     /// Moves to another posed.
     pub(crate) fn pose(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), Failure> {
-        if let Shape::Posed { .. } = self.scene.shape {
-            self.scene = self.input.scene(self.animation, time_s, self.displaced)?;
+        if let Shape::Posed { .. } = self.shape {
+            self.shape = self.input.shape(self.animation, time_s, self.displaced)?;
             self.place(gpu, time_s).map_err(|error| error.on(gpu))?;
         }
         Ok(())
     }
 
     fn place(&mut self, gpu: &Gpu, time_s: f32) -> Result<(), GpuError> {
-        match &self.scene.shape {
+        let topologies = self.topologies_now();
+        if topologies != self.topologies {
+            self.faces = faces(self.input, &topologies);
+            self.topologies = topologies;
+        }
+        match &self.shape {
             Shape::World(positions) => self.world = positions.to_vec(),
-            Shape::Posed { .. } => {
+            Shape::Posed { model, .. } => {
                 let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                self.positions.encode(&mut encoder, &self.scene.shape, time_s, None)?;
+                self.positions.encode(&mut encoder, &self.shape, time_s, None)?;
                 gpu.queue.submit([encoder.finish()]);
-                self.world = self.positions.read(gpu, self.scene.mesh.vertex_count() as usize)?;
+                self.world = self.positions.read(gpu, model.vertex_count())?;
             }
         }
         Ok(())
+    }
+
+    fn topologies_now(&self) -> Vec<Topology> {
+        let pose = match &self.shape {
+            Shape::World(_) => None,
+            Shape::Posed { pose, .. } => Some(pose.instances()),
+        };
+        let is_turned = |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(|at| at.faces_turned());
+        let instances = self.input.model().instances().iter().enumerate();
+        instances
+            .map(|(number, instance)| Topology { geometry: instance.geometry(), is_turned: is_turned(number) })
+            .collect()
+    }
+
+    /// The mesh of a topology.
+    pub(crate) fn mesh_of(&self, topology: Topology) -> Result<Mesh, Failure> {
+        let geometry = &self.input.model().geometries()[topology.geometry];
+        let mesh = Mesh::from_faces(geometry.positions().len(), topology.faces(geometry, 0).collect());
+        mesh.map_err(|error| Failure::input(&self.input.file)(error.into()))
+    }
+
+    /// The mesh that all instances make together.
+    pub(crate) fn mesh(&self) -> Result<Mesh, Failure> {
+        self.input.mesh(&self.shape)
     }
 
     pub(crate) fn animation(&self) -> Option<usize> {
@@ -67,10 +112,40 @@ impl<'a> PosedModel<'a> {
     pub(crate) fn points(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
         let is_drawn = |face: &&[u32; 3]| face.iter().all(|&v| is_finite(self.world[v as usize]));
         let mut is_used = vec![false; self.world.len()];
-        for &v in self.scene.mesh.faces().iter().filter(is_drawn).flatten() {
+        for &v in self.faces.iter().filter(is_drawn).flatten() {
             is_used[v as usize] = true;
         }
         self.world.iter().zip(is_used).filter_map(|(&position, is_used)| is_used.then_some(position))
+    }
+}
+
+impl Topology {
+    /// The faces, with vertices counted from `first_vertex` on.
+    fn faces(self, geometry: &Geometry, first_vertex: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
+        geometry.faces().iter().map(move |&face| {
+            let [a, b, c] = face.map(|v| v + first_vertex);
+            if self.is_turned { [a, c, b] } else { [a, b, c] }
+        })
+    }
+}
+
+/// The faces of all instances, with the vertices of one after those of the other.
+fn faces(input: &Input, topologies: &[Topology]) -> Vec<[u32; 3]> {
+    let mut faces = Vec::new();
+    let mut first_vertex = 0;
+    for (geometry, topology) in input.model().placed_geometries().zip(topologies) {
+        faces.extend(topology.faces(geometry, first_vertex));
+        first_vertex += geometry.positions().len() as u32;
+    }
+    faces
+}
+
+/// Refuses models without faces, and those whose instances would fill the memory.
+fn check_faces<'a>(geometries: impl Iterator<Item = &'a Geometry>) -> Result<(), MeshError> {
+    match geometries.fold(0, |sum: usize, geometry| sum.saturating_add(geometry.faces().len())) {
+        0 => Err(MeshError::NoFaces),
+        faces if faces > MAX_FACES => Err(MeshError::TooManyFaces { faces }),
+        _ => Ok(()),
     }
 }
 

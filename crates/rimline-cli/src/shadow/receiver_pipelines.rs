@@ -6,7 +6,7 @@ use wgpu::{
     StencilOperation, TextureFormat,
 };
 
-use super::caster::Caster;
+use super::casters::Casters;
 use super::depth::depth_format;
 use crate::render::pipeline_factory::{Pass, PipelineFactory};
 
@@ -53,7 +53,7 @@ impl Layouts {
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
         Self {
             shaded: factory.layout(&[buffer(uniform, true)]),
-            geometry: factory.layout(&[buffer(uniform, false), storage, storage, storage, storage]),
+            geometry: factory.layout(&[buffer(uniform, false), storage, storage, storage, storage, storage]),
         }
     }
 }
@@ -96,13 +96,10 @@ impl ReceiverPipelines {
     }
 
     /// Draws everything for one light; groups 0 and 1 must be the frame's and the light's.
-    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, casters: &[Caster], light: usize, has_ground: bool) {
+    pub(super) fn paint(&self, pass: &mut wgpu::RenderPass<'_>, casters: &Casters, light: usize, has_ground: bool) {
         pass.set_pipeline(&self.surface);
-        for caster in casters {
-            if let Some(group) = caster.groups.get(light / 32) {
-                pass.set_bind_group(2, group, &[]);
-                pass.draw(0..caster.corners, 0..1);
-            }
+        for receiver in &casters.receivers {
+            receiver.draw(pass, light);
         }
         if has_ground {
             pass.set_pipeline(&self.ground);

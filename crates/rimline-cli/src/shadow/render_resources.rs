@@ -1,14 +1,15 @@
 //! What pictures and masks with shadows share: targets, frame, lights.
 
-use rimline::gpu::{ShadowDrawError, ShadowFormat, ShadowPipelines};
+use rimline::gpu::ShadowFormat;
 use rimline::{Counting, wgpu};
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
-use super::caster::Caster;
+use super::casters::Casters;
 use super::depth::depth_format;
 use super::frame::Frame;
 use super::receiver_pipelines::{Layouts, Onto, ReceiverPipelines, Target};
 use super::shaded_lights::ShadedLightData;
+use super::shadows::VolumePipelines;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::PipelineFactory;
@@ -24,7 +25,7 @@ pub(crate) struct RenderResources<'a> {
 
 /// What a picture is of.
 pub(crate) struct DrawInputs<'a> {
-    pub(crate) casters: &'a [Caster],
+    pub(crate) casters: &'a Casters,
     /// Of all lights together.
     pub(crate) samples: usize,
     pub(crate) has_ground: bool,
@@ -98,25 +99,15 @@ impl<'a> RenderResources<'a> {
         pass.set_bind_group(1, &self.lamp_group, &[light as u32 * STRIDE as u32]);
     }
 
-    pub(super) fn pipelines(gpu: &Gpu, target: Target, counting: Counting) -> Result<ShadowPipelines, GpuError> {
+    pub(super) fn pipelines(gpu: &Gpu, target: Target, counting: Counting) -> Result<VolumePipelines, GpuError> {
         let format = ShadowFormat {
             depth_stencil: depth_format(&gpu.device),
             samples: target.samples,
             colors: vec![Some(target.format)],
             ..ShadowFormat::default()
         };
-        Ok(ShadowPipelines::new(&gpu.pipelines, &format, counting)?)
+        VolumePipelines::new(gpu, &format, counting)
     }
-}
-
-/// Draws one light's volumes of everything into the stencil.
-pub(super) fn draw_volumes(
-    pass: &mut wgpu::RenderPass<'_>,
-    pipelines: &ShadowPipelines,
-    casters: &[Caster],
-    light: usize,
-) -> Result<(), ShadowDrawError> {
-    casters.iter().try_for_each(|caster| caster.draw_volume(pass, pipelines, light))
 }
 
 /// A colour target and its depth and stencil.

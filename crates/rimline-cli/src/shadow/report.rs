@@ -3,37 +3,37 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use rimline::gpu::{ReadError, read_back_vec};
-use rimline::reference::layout::{ExtractionStatistics, ShadowLight, ShadowStatistics};
+use rimline::reference::layout::{ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use serde_json::{Value, json};
 
-use super::caster::Caster;
+use super::casters::Casters;
 use super::counts::{self, CountBound};
+use super::found::Found;
+use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use crate::device::{Gpu, describe};
+use crate::gpu_error::GpuError;
 use crate::shadow::args::{ShadowSceneArgs, value_name};
 use crate::shown::Line;
 use crate::times::Times;
 
-/// What one caster's stages found and chose.
-struct Found {
-    file: String,
+/// What the stages found and chose for a file.
+struct File {
+    name: String,
     faces: usize,
-    lights: Vec<ShadowLight>,
-    silhouettes: Vec<u32>,
-    shadow: ShadowStatistics,
-    extraction: ExtractionStatistics,
+    found: Found,
 }
 
 /// What came out, in numbers.
 pub(super) struct Report {
     adapter: String,
-    found: Vec<Found>,
+    files: Vec<File>,
+    /// Of all files together.
+    all: ShadowStatistics,
     /// Of each light, as given.
     lights: Vec<([f32; 4], f32, [f32; 3])>,
     samples: usize,
-    pub(super) bound: CountBound,
 }
 
 fn casting(light: &ShadowLight) -> &'static str {
@@ -52,30 +52,18 @@ fn counting(light: &ShadowLight) -> &'static str {
 
 impl Report {
     /// Waits for the device.
-    pub(super) fn read(gpu: &Gpu, set: &ShadowScene<'_>, casters: &[Caster]) -> Result<Self, ReadError> {
-        let (device, queue) = (&gpu.device, &gpu.queue);
+    pub(super) fn read(gpu: &Gpu, set: &ShadowScene<'_>, casters: &Casters) -> Result<Self, GpuError> {
         let samples = set.samples();
-        let mut found = Vec::new();
-        for (caster, body) in casters.iter().zip(&set.bodies) {
-            let results = caster.extractor.results();
-            let (lights, shadow) = counts::read(gpu, caster, samples)?;
-            let mut silhouettes: Vec<u32> = read_back_vec(device, queue, results.counts)?;
-            silhouettes.truncate(samples);
-            let extraction: Vec<ExtractionStatistics> = read_back_vec(device, queue, results.statistics)?;
-            found.push(Found {
-                file: body.input.file.display().to_string(),
-                faces: body.scene.mesh.faces().len(),
-                lights,
-                silhouettes,
-                shadow,
-                extraction: extraction.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()),
-            });
-        }
-        let bounds: Vec<_> = found.iter().map(|found| (found.lights.as_slice(), found.shadow)).collect();
+        let found = casters.shadows.found(gpu)?;
+        let file = |(body, found): (&PosedModel<'_>, Found)| File {
+            name: body.input.file.display().to_string(),
+            faces: body.faces.len(),
+            found,
+        };
         Ok(Self {
             adapter: describe(&gpu.info),
-            bound: CountBound::new(&bounds),
-            found,
+            files: set.bodies.iter().zip(found).map(file).collect(),
+            all: casters.shadows.statistics(gpu)?,
             lights: set
                 .shaded_lights
                 .iter()
@@ -94,10 +82,10 @@ impl Report {
         };
         let light = |(number, &(light, range, color)): (usize, &([f32; 4], f32, [f32; 3]))| {
             let of = number * self.samples..(number + 1) * self.samples;
-            let caster = |found: &Found| {
+            let caster = |File { name, found, .. }: &File| {
                 let chosen = &found.lights[of.clone()];
                 json!({
-                    "file": found.file,
+                    "file": name,
                     "casting": per_sample(chosen.iter().map(|light| casting(light).into()).collect()),
                     "counting": per_sample(chosen.iter().map(|light| counting(light).into()).collect()),
                     "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
@@ -107,39 +95,57 @@ impl Report {
                 "light": light,
                 "range": range.is_finite().then_some(range),
                 "color": color,
-                "casters": self.found.iter().map(caster).collect::<Vec<_>>(),
+                "casters": self.files.iter().map(caster).collect::<Vec<_>>(),
             })
         };
-        let statistics = |Found { file, shadow, extraction, .. }: &Found| {
+        let statistics = |File { name, found: Found { shadow, extraction, is_whole, .. }, .. }: &File| {
+            // Of several files these are known for all together.
+            let own = |count: u32| is_whole.then_some(count);
             json!({
-                "file": file,
+                "file": name,
                 "skipped": shadow.skipped,
                 "every_face": shadow.every_face,
                 "capped": shadow.capped,
-                "count_bound": shadow.count_bound,
-                "may_wrap": shadow.may_wrap,
-                "overflowed_caps": shadow.overflowed_caps,
+                "count_bound": own(shadow.count_bound),
+                "may_wrap": own(shadow.may_wrap),
+                "overflowed_caps": own(shadow.overflowed_caps),
                 "undecided_pairs": extraction.undecided_pairs,
                 "overflowed_lists": extraction.overflowed_lists,
             })
         };
+        let extraction = self.files.iter().map(|file| file.found.extraction).reduce(counts::sum);
+        let totals = json!({
+            "skipped": self.all.skipped,
+            "every_face": self.all.every_face,
+            "capped": self.all.capped,
+            "overflowed_caps": self.all.overflowed_caps,
+            "overflowed_sides": self.all.overflowed_sides,
+            "undecided_pairs": extraction.map(|all| all.undecided_pairs),
+            "overflowed_lists": extraction.map(|all| all.overflowed_lists),
+        });
         let [set_up, work] = times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
             "method": value_name(&args.method),
             "mode": value_name(&args.mode),
-            "files": self.found.iter().map(|found| &found.file).collect::<Vec<_>>(),
-            "faces": self.found.iter().map(|found| found.faces).collect::<Vec<_>>(),
+            "files": self.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
+            "faces": self.files.iter().map(|file| file.faces).collect::<Vec<_>>(),
             "samples": self.samples,
-            "count_bound": self.bound.count_bound,
-            "may_wrap": self.bound.may_wrap,
+            "count_bound": self.all.count_bound,
+            "may_wrap": self.all.may_wrap,
             "lights": self.lights.iter().enumerate().map(light).collect::<Vec<_>>(),
-            "statistics": self.found.iter().map(statistics).collect::<Vec<_>>(),
+            "statistics": self.files.iter().map(statistics).collect::<Vec<_>>(),
+            "totals": totals,
             "milliseconds": times.json(),
             "set_up_milliseconds": set_up,
             "work_milliseconds": work,
         });
         format!("{report:#}\n")
+    }
+
+    /// A bound on all counts.
+    pub(super) fn bound(&self) -> CountBound {
+        self.all.into()
     }
 
     pub(super) fn text(&self, written: &[PathBuf], size: [u32; 2], times: &Times) -> String {
@@ -148,8 +154,8 @@ impl Report {
             let _ = writeln!(text, "{name:<18} {value}");
         };
         line("device", &self.adapter);
-        for Found { file, faces, lights, silhouettes, shadow, .. } in &self.found {
-            line("caster", &format!("{}, {faces} faces", Line(file)));
+        for File { name, faces, found: Found { lights, silhouettes, shadow, .. } } in &self.files {
+            line("caster", &format!("{}, {faces} faces", Line(name)));
             let edges: u64 = silhouettes.iter().copied().map(u64::from).sum();
             let sum = if lights.len() == 1 { String::new() } else { format!(" for {} lights", lights.len()) };
             line("silhouette edges", &format!("{edges}{sum}"));

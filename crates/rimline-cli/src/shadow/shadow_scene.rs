@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use glam::Vec3;
+use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
-use rimline::{Displacement, Light, MAX_LIGHTS};
+use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 
-use super::caster::Caster;
+use super::casters::Casters;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, part_camera, unit};
 use super::part::{PARTS, Part};
@@ -181,13 +182,13 @@ impl<'a> ShadowScene<'a> {
         data
     }
 
-    pub(crate) fn subject(&'a self, casters: &'a [Caster]) -> DrawInputs<'a> {
+    pub(crate) fn subject(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
         let has_ground = self.frame().sees_ground();
         DrawInputs { casters, samples: self.samples(), has_ground, is_trial: false }
     }
 
     /// The same with one pixel of one light.
-    pub(crate) fn trial(&'a self, casters: &'a [Caster]) -> DrawInputs<'a> {
+    pub(crate) fn trial(&'a self, casters: &'a Casters) -> DrawInputs<'a> {
         DrawInputs { samples: self.samples().min(1), is_trial: true, ..self.subject(casters) }
     }
 
@@ -203,36 +204,34 @@ impl<'a> ShadowScene<'a> {
         self.shaded_lights.iter_mut().for_each(|shaded| shaded.take_pattern(pattern, patterns));
     }
 
-    /// Records what the casters need for the posed at hand.
-    pub(crate) fn encode(
+    /// Finds what the casters need for the posed at hand, and makes them ready to be drawn.
+    pub(crate) fn cast(
         &self,
         gpu: &Gpu,
-        encoder: &mut rimline::wgpu::CommandEncoder,
         resources: &RenderResources<'_>,
-        casters: &mut [Caster],
-        timer: Option<&mut rimline::gpu::StageTimer>,
+        casters: &mut Casters,
+        mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for (caster, body) in casters.iter_mut().zip(&self.bodies) {
-            caster.place(gpu, &resources.factory, resources.geometry_layout(), body);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
+        self.encode_lights(gpu, &mut encoder, resources, casters, timer.as_deref_mut())?;
+        if let Some(timer) = timer {
+            timer.resolve(&mut encoder);
         }
-        self.encode_lights(gpu, encoder, resources, casters, timer)
+        gpu.queue.submit([encoder.finish()]);
+        casters.bind(gpu, &resources.factory, resources.geometry_layout(), &self.bodies)
     }
 
-    /// The same for bodies that are where they were.
+    /// Records the same for bodies that are where they were.
     pub(crate) fn encode_lights(
         &self,
         gpu: &Gpu,
-        encoder: &mut rimline::wgpu::CommandEncoder,
+        encoder: &mut wgpu::CommandEncoder,
         resources: &RenderResources<'_>,
-        casters: &mut [Caster],
-        mut timer: Option<&mut rimline::gpu::StageTimer>,
+        casters: &mut Casters,
+        timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         resources.set(gpu, &self.frame(), &self.shaded_light_data());
-        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
-        for (caster, body) in casters.iter_mut().zip(&self.bodies) {
-            caster.encode(encoder, body, &camera, &lights, timer.as_deref_mut())?;
-        }
-        Ok(())
+        casters.encode(encoder, &self.bodies, &part_camera(&self.camera, &self.part), &self.ranged(), timer)
     }
 }
 

@@ -11,7 +11,9 @@ struct Clay {
 @group(2) @binding(2) var<storage, read> faces: array<u32>;
 // A normal a corner, folded onto an octahedron.
 @group(2) @binding(3) var<storage, read> normals: array<u32>;
-@group(2) @binding(4) var<storage, read> facing: array<u32>;
+// Where each face's masks are.
+@group(2) @binding(4) var<storage, read> slots: array<u32>;
+@group(2) @binding(5) var<storage, read> facing: array<u32>;
 
 struct Surface {
   @invariant @builtin(position) clip: vec4<f32>,
@@ -50,7 +52,7 @@ fn is_finite(p: vec3<f32>) -> bool {
     return Surface(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec3<f32>(0.0), vec3<f32>(0.0), 0u);
   }
   let p = position(faces[corner]);
-  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[face] >> shaded.bit) & 1u);
+  return Surface(to_clip(p), unfold(normals[corner]), from_eye(p), (facing[slots[face]] >> shaded.bit) & 1u);
 }
 
 // Towards the eye; interpolated normals may lean away from it at the rim.

@@ -4,7 +4,6 @@ use rimline::gpu::{include_wgsl, results_bind_group_layout};
 use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, CompareFunction, PrimitiveTopology, StencilFaceState};
 
-use super::caster::Caster;
 use super::depth::depth_format;
 use super::receiver_pipelines::{Target, depth_state};
 use super::render_resources::{DrawInputs, RenderResources};
@@ -52,7 +51,7 @@ impl VolumeOverlay {
         resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
     ) -> Result<(), GpuError> {
-        for extraction in subject.casters.iter().filter_map(Caster::extraction) {
+        for extraction in subject.casters.shown() {
             for light in 0..subject.samples {
                 let group = extraction.bind_group(&self.layout, light / 32)?;
                 resources.select(pass, light);

@@ -11,6 +11,7 @@ mod draw;
 mod fallback;
 mod info;
 mod inputs;
+mod instances;
 mod keys;
 mod load;
 mod models;
@@ -63,6 +64,7 @@ fn main() {
         shadow::TESTS,
         plot_labels::TESTS,
         soft::TESTS,
+        instances::TESTS,
         query::TESTS,
         verify_wrong::TESTS,
         schema::TESTS,

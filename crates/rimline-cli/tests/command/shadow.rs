@@ -42,14 +42,14 @@ pub(crate) fn trials() -> Vec<Trial> {
 }
 
 /// A grey or colour PNG.
-struct Image {
+pub(crate) struct Image {
     width: usize,
     color: png::ColorType,
-    bytes: Vec<u8>,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Image {
-    fn read(path: &Path) -> Result<Self, String> {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let file = std::fs::File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mut reader =
             png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(|error| error.to_string())?;
@@ -59,7 +59,7 @@ impl Image {
     }
 
     /// A grey one that holds nothing but 0, 128 and 255.
-    fn mask(path: &Path) -> Result<Self, String> {
+    pub(crate) fn mask(path: &Path) -> Result<Self, String> {
         let image = Self::read(path)?;
         ensure!(image.color == png::ColorType::Grayscale, "{:?}", image.color);
         let other = image.bytes.iter().find(|value| ![0, 128, 255].contains(*value));
@@ -67,7 +67,7 @@ impl Image {
         Ok(image)
     }
 
-    fn at(&self, x: usize, y: usize) -> u8 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> u8 {
         self.bytes[y * self.width + x]
     }
 

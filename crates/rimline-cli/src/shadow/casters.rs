@@ -1,0 +1,84 @@
+//! The bodies on the GPU: they throw shadows, receive them and are drawn.
+
+use rimline::gpu::{Extraction, StageTimer};
+use rimline::{Light, ShadowCamera, wgpu};
+
+use super::extracted::Extracted;
+use super::posed_model::PosedModel;
+use super::receiver::Receiver;
+use super::shadows::{Shadows, VolumePipelines};
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+use crate::render::pipeline_factory::PipelineFactory;
+
+/// What all bodies need to be drawn and to throw shadows.
+pub(crate) struct Casters {
+    pub(crate) shadows: Shadows,
+    /// Of each body, once it was bound.
+    pub(super) receivers: Vec<Receiver>,
+    /// The silhouettes of each body by itself, where volumes are shown.
+    shown: Option<Vec<Extracted>>,
+    max_lights: usize,
+}
+
+impl Casters {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        pipelines: &VolumePipelines,
+        max_lights: usize,
+        shows_volumes: bool,
+    ) -> Result<Self, GpuError> {
+        let shadows = Shadows::new(gpu, pipelines, max_lights)?;
+        Ok(Self { shadows, receivers: Vec::new(), shown: shows_volumes.then(Vec::new), max_lights })
+    }
+
+    /// Takes the bodies with the faces that they have now.
+    pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        self.shadows.place(gpu, bodies)?;
+        let Some(shown) = &mut self.shown else { return Ok(()) };
+        for (number, body) in bodies.iter().enumerate() {
+            match shown.get_mut(number) {
+                Some(old) if old.is_of(body) => {}
+                Some(old) => *old = Extracted::new(gpu, body, self.max_lights)?,
+                None => shown.push(Extracted::new(gpu, body, self.max_lights)?),
+            }
+        }
+        Ok(())
+    }
+
+    /// Records what draws need.
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        bodies: &[PosedModel<'_>],
+        camera: &ShadowCamera,
+        lights: &[Light],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        self.shadows.encode(encoder, bodies, camera, lights, timer)?;
+        for (shown, body) in self.shown.iter_mut().flatten().zip(bodies) {
+            shown.encode(encoder, body, lights, None)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the bodies ready to be drawn where they are now. What was encoded must have been submitted.
+    pub(super) fn bind(
+        &mut self,
+        gpu: &Gpu,
+        factory: &PipelineFactory<'_>,
+        layout: &wgpu::BindGroupLayout,
+        bodies: &[PosedModel<'_>],
+    ) -> Result<(), GpuError> {
+        let masks = self.shadows.facing(gpu, bodies)?;
+        let receiver = |(number, (body, masks))| Receiver::new(gpu, factory, layout, body, number, masks);
+        self.receivers = bodies.iter().zip(&masks).enumerate().map(receiver).collect();
+        Ok(())
+    }
+
+    /// The silhouettes whose volumes are shown.
+    pub(super) fn shown(&self) -> impl Iterator<Item = &Extraction> {
+        self.shown.iter().flatten().filter_map(|shown| shown.extraction.as_ref())
+    }
+}

@@ -1,0 +1,44 @@
+//! The extraction of a single file's mesh.
+
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, StageTimer};
+use rimline::{Light, wgpu};
+
+use super::posed_model::{PosedModel, Topology};
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+
+/// A file's extractor, and what it extracted last.
+pub(super) struct Extracted {
+    pub(super) extractor: Extractor,
+    pub(super) extraction: Option<Extraction>,
+    /// What its mesh was made of.
+    topologies: Vec<Topology>,
+}
+
+impl Extracted {
+    pub(super) fn new(gpu: &Gpu, body: &PosedModel<'_>, max_lights: usize) -> Result<Self, Failure> {
+        let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
+        let mesh = body.mesh()?;
+        let extractor =
+            Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| GpuError::from(error).on(gpu))?;
+        Ok(Self { extractor, extraction: None, topologies: body.topologies.clone() })
+    }
+
+    /// Whether it is of the faces that the body has now: an instance that is mirrored turns its faces.
+    pub(super) fn is_of(&self, body: &PosedModel<'_>) -> bool {
+        self.topologies == body.topologies
+    }
+
+    /// Records the extraction.
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        body: &PosedModel<'_>,
+        lights: &[Light],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<&Extraction, GpuError> {
+        let extraction = self.extractor.encode(encoder, body.positions.buffer(), lights, timer)?;
+        Ok(self.extraction.insert(extraction))
+    }
+}

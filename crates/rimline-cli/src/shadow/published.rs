@@ -1,0 +1,125 @@
+//! ZP+ as published in 2005, for comparison. It is for single casters, so each file is one.
+
+use std::sync::Arc;
+
+use rimline::gpu::{
+    ReadError, ShadowDrawError, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer, read_back_vec,
+};
+use rimline::reference::cpu;
+use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowStatistics};
+use rimline::{Light, ShadowCamera, wgpu};
+
+use super::counts;
+use super::extracted::Extracted;
+use super::found::{FacingMasks, FacingRun, Found};
+use super::posed_model::PosedModel;
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+
+pub(crate) struct Published {
+    pipelines: Arc<ShadowPipelines>,
+    max_lights: usize,
+    casters: Vec<Caster>,
+}
+
+/// A file.
+struct Caster {
+    extracted: Extracted,
+    volumes: ShadowVolumes,
+    /// What the last encode left to draw.
+    frame: Option<ShadowFrame>,
+}
+
+impl Published {
+    pub(super) fn new(pipelines: &Arc<ShadowPipelines>, max_lights: usize) -> Self {
+        Self { pipelines: Arc::clone(pipelines), max_lights, casters: Vec::new() }
+    }
+
+    pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        for (number, body) in bodies.iter().enumerate() {
+            if self.casters.get(number).is_some_and(|caster| caster.extracted.is_of(body)) {
+                continue;
+            }
+            let extracted = Extracted::new(gpu, body, self.max_lights)?;
+            let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
+            let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
+                .map_err(|error| GpuError::from(error).on(gpu))?;
+            let caster = Caster { extracted, volumes, frame: None };
+            match self.casters.get_mut(number) {
+                Some(old) => *old = caster,
+                None => self.casters.push(caster),
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        bodies: &[PosedModel<'_>],
+        camera: &ShadowCamera,
+        lights: &[Light],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        for (Caster { extracted, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {
+            let extraction = extracted.encode(encoder, body, lights, timer.as_deref_mut())?;
+            *frame = Some(volumes.encode(encoder, extraction, camera, timer.as_deref_mut())?);
+        }
+        Ok(())
+    }
+
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ShadowPipelines,
+        light: usize,
+    ) -> Result<(), ShadowDrawError> {
+        self.casters
+            .iter()
+            .filter_map(|caster| caster.frame.as_ref())
+            .try_for_each(|frame| frame.draw(pass, pipelines, light))
+    }
+
+    pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
+        let of_file = |(caster, body): (&Caster, &PosedModel<'_>)| {
+            let faces = 0..body.faces.len() as u32;
+            let facing = caster.extracted.extractor.results().facing.to_vec();
+            FacingMasks { slots: faces.clone().collect(), runs: vec![FacingRun { faces, facing }] }
+        };
+        self.casters.iter().zip(bodies).map(of_file).collect()
+    }
+
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let of_file = |Caster { extracted, volumes, .. }: &Caster| {
+            let results = extracted.extractor.results();
+            let mut silhouettes: Vec<u32> = read_back_vec(device, queue, results.counts)?;
+            silhouettes.truncate(self.max_lights);
+            let mut seen: Vec<SeenLight> = read_back_vec(device, queue, volumes.seen())?;
+            seen.truncate(self.max_lights);
+            let words: Vec<u32> = read_back_vec(device, queue, volumes.choices())?;
+            let extraction: Vec<ExtractionStatistics> = read_back_vec(device, queue, results.statistics)?;
+            Ok(Found {
+                lights: cpu::chosen(&volumes.shape(), &seen, &words),
+                silhouettes,
+                extraction: extraction.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()),
+                shadow: counts::read(gpu, volumes.statistics())?,
+                is_whole: true,
+            })
+        };
+        self.casters.iter().map(of_file).collect()
+    }
+
+    /// All casters count into one stencil, so their bounds add up.
+    pub(super) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
+        let mut all: ShadowStatistics = bytemuck::Zeroable::zeroed();
+        for caster in &self.casters {
+            all = counts::sum(all, counts::read(gpu, caster.volumes.statistics())?);
+        }
+        if self.casters.len() > 1 {
+            all.may_wrap = if all.count_bound > counts::MOST { self.max_lights as u32 } else { 0 };
+        }
+        Ok(all)
+    }
+}

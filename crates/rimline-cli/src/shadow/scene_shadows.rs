@@ -1,0 +1,107 @@
+//! The casters of all files in one scene: a mesh for each geometry of a file, and a caster for each of its instances.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use rimline::gpu::{
+    Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines,
+    StageTimer,
+};
+use rimline::{Counting, Light, ShadowCamera, wgpu};
+
+use super::posed_model::{PosedModel, Topology};
+use crate::device::Gpu;
+use crate::failure::Failure;
+use crate::gpu_error::GpuError;
+
+/// The scene, and what of it is whose.
+pub(crate) struct SceneShadows {
+    scene: Scene,
+    pub(super) counting: Counting,
+    /// Each light has the bit of its number.
+    pub(super) lights: Vec<LightHandle>,
+    pub(super) files: Vec<File>,
+    /// What the last encode left.
+    frame: Option<SceneFrame>,
+}
+
+/// What a file has in the scene.
+#[derive(Default)]
+pub(super) struct File {
+    meshes: BTreeMap<Topology, MeshHandle>,
+    /// For each instance.
+    pub(super) casters: Vec<(Topology, CasterHandle)>,
+}
+
+impl SceneShadows {
+    pub(super) fn new(gpu: &Gpu, counting: Counting, max_lights: usize) -> Result<Self, GpuError> {
+        let options = SceneOptions { max_lights, counting, bound_counts: true, ..SceneOptions::default() };
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, options)?;
+        Ok(Self { scene, counting, lights: Vec::new(), files: Vec::new(), frame: None })
+    }
+
+    /// Adds the instances of all files. An instance that is mirrored anew has other faces, so another caster takes its place.
+    pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
+        let Self { scene, files, .. } = self;
+        let failed = |error: SceneError| GpuError::from(error).on(gpu);
+        files.resize_with(bodies.len(), File::default);
+        for (File { meshes, casters }, body) in files.iter_mut().zip(bodies) {
+            for (instance, &topology) in body.topologies.iter().enumerate() {
+                let old = casters.get(instance).copied();
+                if old.is_some_and(|(of, _)| of == topology) {
+                    continue;
+                }
+                let mesh = match meshes.entry(topology) {
+                    Entry::Occupied(mesh) => *mesh.get(),
+                    Entry::Vacant(place) => {
+                        let rest = body.input.model().geometries()[topology.geometry].positions();
+                        *place.insert(scene.add_mesh(&body.mesh_of(topology)?, rest).map_err(failed)?)
+                    }
+                };
+                let Some(positions) = body.positions.of_instance(instance) else { break };
+                let caster = scene.insert(Caster::in_buffer(mesh, positions)).map_err(failed)?;
+                match old {
+                    None => casters.push((topology, caster)),
+                    Some((_, old)) => {
+                        scene.remove(old).map_err(failed)?;
+                        casters[instance] = (topology, caster);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &ShadowCamera,
+        lights: &[Light],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        let Self { scene, lights: handles, .. } = self;
+        for (number, &light) in lights.iter().enumerate() {
+            match handles.get(number) {
+                Some(&handle) => scene.set_light(handle, light)?,
+                None => handles.push(scene.add_light(light)?),
+            }
+        }
+        self.frame = Some(self.scene.encode(encoder, &[*camera], timer)?);
+        Ok(())
+    }
+
+    pub(super) fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &ScenePipelines,
+        light: usize,
+    ) -> Result<(), SceneError> {
+        let handle = *self.lights.get(light).ok_or(SceneError::NotEncoded)?;
+        self.frame()?.draw(pass, pipelines, 0, handle)
+    }
+
+    /// What the last encode left.
+    pub(super) fn frame(&self) -> Result<&SceneFrame, SceneError> {
+        self.frame.as_ref().ok_or(SceneError::NotEncoded)
+    }
+}

@@ -1,0 +1,180 @@
+//! Many instances of one geometry: each throws its own shadow, also where its transform mirrors it in mid-film.
+
+use std::path::Path;
+
+use base64::Engine as _;
+use rimline_measure::shapes::{self, Shape};
+use serde_json::{Value, json};
+
+use super::run::{folder, rimline};
+use super::shadow::Image;
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] =
+    &[("instances::each_throws_its_own_shadow", crowd), ("instances::a_film_goes_on_where_one_is_mirrored", mirrored)];
+
+/// The bytes of a glTF's buffer, and what is where in it.
+#[derive(Default)]
+struct Arrays {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Arrays {
+    /// Adds an array. Returns the number of its accessor.
+    fn add(&mut self, bytes: &[u8], accessor: Value) -> usize {
+        self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
+        self.bytes.extend(bytes);
+        self.accessors.push(accessor);
+        self.accessors[self.views.len() - 1]["bufferView"] = json!(self.views.len() - 1);
+        self.views.len() - 1
+    }
+
+    fn floats(&mut self, floats: &[f32], kind: &str, count: usize) -> usize {
+        let size = floats.len() / count;
+        let bound = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
+            (0..size).map(|axis| floats.iter().copied().skip(axis).step_by(size).reduce(pick).unwrap_or(0.0)).collect()
+        };
+        let (min, max) = (bound(f32::min), bound(f32::max));
+        let bytes: Vec<u8> = floats.iter().flat_map(|c| c.to_le_bytes()).collect();
+        self.add(&bytes, json!({ "componentType": 5126, "count": count, "type": kind, "min": min, "max": max }))
+    }
+}
+
+/// A glTF with a mesh for each shape. The scale of the first node goes through `scales`, one a second, in steps.
+fn gltf(shapes: &[Shape], nodes: &[Value], scales: &[[f32; 3]]) -> String {
+    let mut arrays = Arrays::default();
+    let mut meshes = Vec::new();
+    for Shape { positions, faces, .. } in shapes {
+        let position = arrays.floats(positions.as_flattened(), "VEC3", positions.len());
+        let bytes: Vec<u8> = faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+        let indices = arrays.add(&bytes, json!({ "componentType": 5125, "count": 3 * faces.len(), "type": "SCALAR" }));
+        meshes.push(json!({ "primitives": [{ "attributes": { "POSITION": position }, "indices": indices }] }));
+    }
+    let mut file = json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "nodes": nodes, "meshes": meshes,
+    });
+    if !scales.is_empty() {
+        let times: Vec<f32> = (0..scales.len()).map(|second| second as f32).collect();
+        let input = arrays.floats(&times, "SCALAR", times.len());
+        let output = arrays.floats(scales.as_flattened(), "VEC3", scales.len());
+        file["animations"] = json!([{
+            "samplers": [{ "input": input, "output": output, "interpolation": "STEP" }],
+            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
+        }]);
+    }
+    let data = base64::engine::general_purpose::STANDARD.encode(&arrays.bytes);
+    file["buffers"] =
+        json!([{ "byteLength": arrays.bytes.len(), "uri": format!("data:application/octet-stream;base64,{data}") }]);
+    file["bufferViews"] = arrays.views.into();
+    file["accessors"] = arrays.accessors.into();
+    file.to_string()
+}
+
+fn run(folder: &Path, command: &str, file: &str, options: &str, out: [&str; 2]) -> super::run::Run {
+    let path = |name: &str| folder.join(name).into_os_string();
+    let mut line = vec![command.into(), path(file)];
+    line.extend(options.split_whitespace().map(Into::into));
+    line.extend([out[0].into(), path(out[1])]);
+    rimline(line)
+}
+
+const COLUMNS: usize = 20;
+const ROWS: usize = 15;
+const SIZE: [usize; 2] = [440, 330];
+/// The eye looks straight down from here, so that the picture is a map.
+const HEIGHT: f64 = 120.0;
+/// The field of view in degrees.
+const FOV: f64 = 16.0;
+
+fn place(instance: usize) -> [f64; 3] {
+    [2.0 * (instance % COLUMNS) as f64 - 19.0, 1.0, 2.0 * (instance / COLUMNS) as f64 - 14.0]
+}
+
+/// Instances with something wrong in a mask: the ground is dark where the light along (`side`, −1, 0) lays the shadow, lit
+/// beside it, and the top is lit.
+fn wrong(mask: &Image, side: f64) -> Vec<usize> {
+    let at = |[x, y, z]: [f64; 3]| {
+        let scale = 0.5 * SIZE[1] as f64 / (0.5 * FOV.to_radians()).tan() / (HEIGHT - y);
+        let pixel = |middle: usize, along: f64| (0.5 * middle as f64 + scale * along) as usize;
+        mask.at(pixel(SIZE[0], x), pixel(SIZE[1], z))
+    };
+    let is_wrong = |instance: &usize| {
+        let [x, y, z] = place(*instance);
+        let [shadow, beside] = [z, z + 1.0].map(|z| at([x + side, 0.0, z]));
+        (shadow, beside, at([x, y + 0.2, z])) != (0, 255, 255)
+    };
+    (0..COLUMNS * ROWS).filter(is_wrong).collect()
+}
+
+/// 300 cubes and spheres of a fifth of the size, every other one mirrored. The sphere has more faces than the scene's first
+/// page, so casters of one file are in two groups, by turns.
+fn crowd() -> Outcome {
+    let folder = folder();
+    let shapes = [shapes::cube(), shapes::sphere(46)];
+    let nodes = || {
+        (0..COLUMNS * ROWS).map(|instance| {
+            let flip = if instance % 2 == 0 { 0.2 } else { -0.2 };
+            let mesh = usize::from([70, 211].contains(&instance));
+            json!({ "mesh": mesh, "translation": place(instance), "scale": [flip, 0.2, 0.2] })
+        })
+    };
+    // The last of the lights is in the second batch, and shines the other way.
+    let lights = "--light dir:1,1,0 ".repeat(32) + "--light dir:-1,1,0";
+    let [width, height] = SIZE;
+    let view = format!("--ground 0 --eye 0,{HEIGHT},0.0001 --target 0,0,0 --fov {FOV} --size {width}x{height}");
+    let masks = |nodes: Vec<Value>, method: &str| {
+        std::fs::write(folder.path().join("crowd.gltf"), gltf(&shapes, &nodes, &[]))
+            .map_err(|error| error.to_string())?;
+        let options = format!("{view} {lights} --method {method} --json");
+        let json = run(folder.path(), "shadow", "crowd.gltf", &options, ["--mask", "m"]).json()?;
+        let [first, last] = ["m.0.png", "m.32.png"].map(|name| Image::mask(&folder.path().join(name)));
+        Ok::<_, String>((json, [wrong(&first?, -1.0), wrong(&last?, 1.0)]))
+    };
+    for method in ["auto", "z-fail"] {
+        let (json, found) = masks(nodes().collect(), method)?;
+        ensure!(found.iter().all(Vec::is_empty), "{method}: wrong at {found:?}");
+        // Casters of both groups are counted: a cube's silhouette from there is its top and one side.
+        let edges = |light: usize| json["lights"][light]["casters"][0]["silhouette_edges"].as_u64().unwrap_or(0);
+        ensure!(edges(0) == edges(32) && edges(0) > 6 * 298 + 2 * 4 * 46, "{method}: {} and {}", edges(0), edges(32));
+        let casters = &json["lights"][32]["casters"][0];
+        ensure!(casters["casting"] == "averted" && json["faces"][0] == 12 * 298 + 8 * 46 * 46 * 2, "{casters}");
+    }
+    // The comparison can fail: one of the instances is not there.
+    let (_, found) =
+        masks(nodes().enumerate().filter(|(instance, _)| *instance != 137).map(|(_, node)| node).collect(), "auto")?;
+    ensure!(found == [[137], [137]], "without 137: {found:?}");
+    Ok(())
+}
+
+/// Each picture of the film is that of its moment by itself.
+fn mirrored() -> Outcome {
+    let folder = folder();
+    // Off the middle, so that its mirror image is elsewhere.
+    let mut shape = shapes::torus(24, 12, 1.0, 0.4);
+    shape.positions.iter_mut().for_each(|position| position[0] = 0.7 * position[0] + 0.8);
+    let nodes = [json!({ "mesh": 0, "translation": [0, 1, 0] }), json!({ "mesh": 0, "translation": [4, 1, 0] })];
+    let scales = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, -1.0]];
+    std::fs::write(folder.path().join("m.gltf"), gltf(&[shape], &nodes, &scales)).map_err(|error| error.to_string())?;
+    let light = "--light dir:1,2,1 --light point:2,6,3";
+    let view = "--ground 0 --eye 2,5,9 --target 2,1,0 --near 1 --size 96x72 --animation 0";
+    for options in ["", "--volumes", "--method zp+paper", "--area disc --samples 2"] {
+        let options = format!("{view} {light} {options}");
+        let film = format!("{options} --fps 1 --frames 4");
+        run(folder.path(), "film", "m.gltf", &film, ["--out", "film"]).expect(0, &[])?;
+        let mut frames = Vec::new();
+        for second in 0..scales.len() {
+            let moment = format!("{options} --time {second}");
+            run(folder.path(), "shadow", "m.gltf", &moment, ["--out", "p.png"]).expect(0, &[])?;
+            let [frame, alone] = [format!("film/{second:04}.png"), "p.png".to_owned()]
+                .map(|name| Image::read(&folder.path().join(name)));
+            let (frame, alone) = (frame?.bytes, alone?.bytes);
+            ensure!(frame == alone, "{options}: picture {second} is not that of its moment");
+            frames.push(frame);
+        }
+        ensure!(frames[0] == frames[2] && frames[0] != frames[1], "{options}: nothing moves, or not back");
+    }
+    Ok(())
+}
