@@ -2,6 +2,7 @@
 
 pub(crate) mod args;
 mod bench_mesh;
+mod casters;
 mod figures;
 mod grouped;
 mod machine;
@@ -24,7 +25,7 @@ use rimline::wgpu;
 
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::Failure;
-use crate::output::{self, note, print};
+use crate::output::{self, is_interrupted, note, print};
 use crate::progress::Progress;
 use args::BenchArgs;
 use bench_mesh::{BenchMesh, Case, Made};
@@ -55,6 +56,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         rows: Vec::new(),
         planned_rows: plan.rows(),
         shadows: gpu.map(|_| plan.shadows.empty_results()).filter(|shadows| shadows.planned_rows > 0),
+        casters: gpu.map(|_| plan.casters.empty_results()).filter(|casters| casters.planned_rows > 0),
     };
     let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {
@@ -87,8 +89,11 @@ fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mu
             progress.advance(&format!("{}, lights: {count}", subject.title()));
         }
     }
-    match (gpu, &mut results.shadows) {
-        (Some(gpu), Some(shadows)) => shadows::measure_all(&plan.shadows, gpu, progress, shadows),
+    if let (Some(gpu), Some(shadows)) = (gpu, &mut results.shadows) {
+        shadows::measure_all(&plan.shadows, gpu, progress, shadows)?;
+    }
+    match (gpu, &mut results.casters) {
+        (Some(gpu), Some(casters)) if !is_interrupted() => casters::measure_all(&plan.casters, gpu, progress, casters),
         _ => Ok(()),
     }
 }

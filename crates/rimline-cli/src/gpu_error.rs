@@ -3,8 +3,8 @@
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, MemoryError,
-    PositionError, ReadError, ShadowDrawError, ShadowEncodeError, ShadowFormatError, ShadowQueryEncodeError,
-    ShadowQueryError, ShadowVolumesError, TimerError,
+    PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError, ShadowFormatError,
+    ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -41,6 +41,10 @@ pub(crate) enum GpuError {
     ShadowDraw(#[from] ShadowDrawError),
     #[error(transparent)]
     ShadowFormat(#[from] ShadowFormatError),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
 }
 
 impl GpuError {
@@ -52,6 +56,7 @@ impl GpuError {
         }
         match &self {
             Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             Self::Deform(DeformError::TooManyTerms { .. }) => return self.too_small(gpu),
             _ => {}
@@ -85,6 +90,7 @@ impl GpuError {
                 | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
             )
             | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
+            | Self::Scene(SceneError::Memory(memory) | SceneError::Positions(PositionError::Memory(memory)))
             | Self::Shadow(
                 ShadowEncodeError::Positions(PositionError::Memory(memory))
                 | ShadowEncodeError::Include(
@@ -100,6 +106,7 @@ impl GpuError {
         match self {
             Self::Extractor(ExtractorError::Light(lights))
             | Self::Encode(ExtractionEncodeError::Light(lights))
+            | Self::Scene(SceneError::Light(lights))
             | Self::ShadowQuery(ShadowQueryError::Light(lights))
             | Self::Query(ShadowQueryEncodeError::Light(lights)) => Some(lights),
             _ => None,
