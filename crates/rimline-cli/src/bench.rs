@@ -43,7 +43,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let plan = Plan::new(args)?;
     let destination = Destination::new(args)?;
-    let device = device::open(&Wanted::parse(&args.device.device))?;
+    let wanted = Wanted::parse(&args.device.device);
+    let device = device::open(&wanted)?;
     let gpu = match &device {
         Device::Cpu => None,
         Device::Gpu(gpu) => Some(&**gpu),
@@ -64,7 +65,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     print(&heading(&results))?;
     // What was measured before a failure is worth writing, too.
-    let measured = measure_all(&plan, gpu, &progress, &mut results);
+    let measured = measure_all(&plan, &wanted, gpu, &progress, &mut results);
     drop(progress);
     if !results.is_empty() {
         destination.write(&results)?;
@@ -73,7 +74,13 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if results.is_complete() { Ok(()) } else { Err(Failure::Interrupted) }
 }
 
-fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mut Results) -> Result<(), Failure> {
+fn measure_all(
+    plan: &Plan,
+    wanted: &Wanted,
+    gpu: Option<&Gpu>,
+    progress: &Progress,
+    results: &mut Results,
+) -> Result<(), Failure> {
     for (subject, lights) in &plan.subjects {
         progress.step(format!("{}: edge records", subject.title()));
         let (made, facts) = make(*subject)?;
@@ -93,7 +100,10 @@ fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mu
         shadows::measure_all(&plan.shadows, gpu, progress, shadows)?;
     }
     match (gpu, &mut results.casters) {
-        (Some(gpu), Some(casters)) if !is_interrupted() => casters::measure_all(&plan.casters, gpu, progress, casters),
+        (Some(gpu), Some(casters)) if !is_interrupted() => {
+            let another = device::open_gpu(wanted)?;
+            casters::measure_all(&plan.casters, gpu, &another, progress, casters)
+        }
         _ => Ok(()),
     }
 }

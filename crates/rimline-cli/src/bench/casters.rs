@@ -9,6 +9,8 @@ mod text;
 
 use std::cell::RefCell;
 
+use rimline::gpu::CasterHandle;
+use rimline::wgpu;
 use rimline_measure::shapes;
 
 use super::measure::{Contender, Rounds, interleave};
@@ -17,9 +19,9 @@ use crate::failure::{Failure, NoDevice};
 use crate::output::{is_interrupted, note, print};
 use crate::progress::Progress;
 use field::{CasterMesh, Field};
-use measure::{FrameTimes, Stopwatch, allocated_bytes};
+use measure::{DrawTimes, StageTimes, Stopwatch, allocated_bytes};
 use recorder::{MeshRecorders, Recorder, SceneRecorder, Until};
-use results::{CastersResults, CastersRow, Change, Compared, OneMeshRow};
+use results::{BothTimes, CastersResults, CastersRow, Change, Compared, Edges, OneMeshRow};
 
 /// What is measured.
 #[derive(Clone, Debug)]
@@ -33,8 +35,9 @@ pub(crate) struct CastersPlan {
     pub(crate) rounds: Rounds,
 }
 
-/// The most casters that are also drawn and timed on the GPU, and the most figures.
-const MOST_ON_GPU: usize = 1000;
+/// The most casters whose volumes are drawn.
+const MOST_DRAWN: usize = 1000;
+const MOST_FIGURES: usize = 1000;
 /// The most casters that have an extractor each.
 const MOST_EXTRACTORS: usize = 100;
 
@@ -43,7 +46,7 @@ impl CastersPlan {
         let of = |mesh: CasterMesh, most: usize| {
             self.numbers.iter().filter(move |casters| **casters <= most).map(move |&casters| (mesh, casters))
         };
-        of(CasterMesh::Cube, usize::MAX).chain(of(CasterMesh::Figure, MOST_ON_GPU))
+        of(CasterMesh::Cube, usize::MAX).chain(of(CasterMesh::Figure, MOST_FIGURES))
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -55,21 +58,32 @@ impl CastersPlan {
     }
 }
 
-/// Measures row after row until Ctrl-C.
+/// The devices on which frames run.
+struct Devices<'a> {
+    /// Nothing is drawn on it.
+    stages: Stopwatch<'a>,
+    draws: Stopwatch<'a>,
+    depth: wgpu::TextureView,
+}
+
+/// Measures row after row until Ctrl-C. `another` is a second device on the same adapter, on which nothing was drawn.
 pub(super) fn measure_all(
     plan: &CastersPlan,
     gpu: &Gpu,
+    another: &Gpu,
     progress: &Progress,
     results: &mut CastersResults,
 ) -> Result<(), Failure> {
     if plan.rows() == 0 {
         return Ok(());
     }
-    let mut stopwatch = Stopwatch::new(gpu, plan.size)?;
+    let (stages, draws) = (Stopwatch::new(another)?, Stopwatch::new(gpu)?);
+    let depth = draws.depth(plan.size);
+    let mut devices = Devices { stages, draws, depth };
     for (mesh, casters) in plan.scenes() {
         let title = format!("scene of {}", mesh.counted(casters));
         progress.step(title.clone());
-        match measure_scene(plan, gpu, &mut stopwatch, mesh, casters) {
+        match measure_scene(plan.rounds, &mut devices, mesh, casters) {
             Ok(None) => return Ok(()),
             Ok(Some(row)) => {
                 progress.aside(|| print(&text::row(&row)))?;
@@ -86,7 +100,7 @@ pub(super) fn measure_all(
     for &faces in &plan.one_mesh {
         let title = format!("scene of one mesh of {} faces", super::grouped::grouped(faces));
         progress.step(title.clone());
-        let Some(row) = measure_one_mesh(plan, gpu, &mut stopwatch, faces)? else { return Ok(()) };
+        let Some(row) = measure_one_mesh(plan.rounds, &mut devices.stages, faces)? else { return Ok(()) };
         progress.aside(|| print(&text::one_mesh_row(&row)))?;
         results.one_mesh.push(row);
         progress.advance(&title);
@@ -96,47 +110,70 @@ pub(super) fn measure_all(
 
 /// `None` where Ctrl-C came first.
 fn measure_scene(
-    plan: &CastersPlan,
-    gpu: &Gpu,
-    stopwatch: &mut Stopwatch<'_>,
+    rounds: Rounds,
+    devices: &mut Devices<'_>,
     mesh: CasterMesh,
     casters: usize,
 ) -> Result<Option<CastersRow>, Failure> {
     let field = Field::new(mesh.shape(), casters);
+    let stages = compare_stages(rounds, &mut devices.stages, &field, Until::Volumes)?;
+    let Some((stages, edges)) = stages else { return Ok(None) };
+    let mut compared = Compared { stages, ..Compared::default() };
+
+    let Devices { draws: stopwatch, depth, .. } = devices;
+    let gpu = stopwatch.gpu;
     let before = allocated_bytes(gpu)?;
     let (mut scene, handles) = SceneRecorder::new(gpu, &field)?;
-    stopwatch.warm_up(&mut scene, Until::Volumes)?;
+    stopwatch.stages_by_clock(&mut scene, Until::Volumes)?;
     let scene_device_bytes = taken(before, allocated_bytes(gpu)?);
-    let fail = |error: crate::gpu_error::GpuError| error.on(gpu);
-    let scene_bytes = scene.bytes().map_err(fail)?;
+    let scene_bytes = scene.bytes().map_err(|error| error.on(gpu))?;
+    if casters <= MOST_DRAWN {
+        let Some(draws) = compare_draws(rounds, stopwatch, depth, &field, &mut scene)? else { return Ok(None) };
+        compared.draws = draws;
+    }
 
-    let mut merged = MeshRecorders::new(gpu, &stopwatch.pipelines, &field, [field.merged()])?;
-    stopwatch.warm_up(&mut merged, Until::Extraction)?;
-    let edges = [scene.silhouette_edges(gpu).map_err(fail)?, merged.silhouette_edges(gpu).map_err(fail)?];
-    let compared = if casters <= MOST_ON_GPU {
-        let Some(compared) = compare(plan.rounds, stopwatch, Until::Volumes, [&mut scene, &mut merged])? else {
-            return Ok(None);
-        };
-        Some(compared)
-    } else {
-        None
-    };
-    drop(merged);
-
-    let before = allocated_bytes(gpu)?;
     let mut extractors = None;
     let mut extractors_device_bytes = None;
     if casters <= MOST_EXTRACTORS {
+        let before = allocated_bytes(gpu)?;
         let mut all = MeshRecorders::new(gpu, &stopwatch.pipelines, &field, field.placed())?;
-        stopwatch.warm_up(&mut all, Until::Volumes)?;
+        stopwatch.stages_by_clock(&mut all, Until::Volumes)?;
         extractors_device_bytes = taken(before, allocated_bytes(gpu)?);
         extractors = Some(all);
     }
+    let recording = record(rounds, stopwatch, &field, &handles, scene, extractors)?;
+    Ok(recording.map(|recording| CastersRow {
+        mesh,
+        faces: field.shape.faces.len(),
+        casters,
+        recording,
+        scene_bytes,
+        scene_device_bytes,
+        extractors_device_bytes,
+        compared,
+        edges,
+    }))
+}
+
+/// Bytes allocated meanwhile.
+fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
+    Some(after?.saturating_sub(before?))
+}
+
+/// CPU times of recording. `None` where Ctrl-C came first.
+fn record(
+    rounds: Rounds,
+    stopwatch: &Stopwatch<'_>,
+    field: &Field,
+    handles: &[CasterHandle],
+    scene: SceneRecorder,
+    extractors: Option<MeshRecorders>,
+) -> Result<Option<Vec<(Change, Vec<f64>)>>, Failure> {
     let scene = RefCell::new(scene);
-    let stopwatch = &*stopwatch;
+    let casters = handles.len();
     // Casters of each round's change follow those of the round before, so that memory is read where it was not read last.
     let moving = |count: usize| -> Contender<'_, f64> {
-        let (scene, handles, field) = (&scene, &handles, &field);
+        let scene = &scene;
         let (mut next, mut round) = (0, 0);
         Box::new(move || {
             round += 1;
@@ -151,62 +188,78 @@ fn measure_scene(
     };
     let mut contenders = vec![moving(0), moving(casters.div_ceil(100)), moving(casters)];
     let mut changes = vec![Change::Still, Change::OneInHundred, Change::All];
-    if let Some(extractors) = &mut extractors {
+    if let Some(mut extractors) = extractors {
         changes.push(Change::Extractors);
-        contenders.push(Box::new(move || stopwatch.recording(extractors, |_| Ok(()))));
+        contenders.push(Box::new(move || stopwatch.recording(&mut extractors, |_| Ok(()))));
     }
-    let Some(samples) = interleave(plan.rounds, contenders, is_interrupted)? else { return Ok(None) };
-    Ok(Some(CastersRow {
-        mesh,
-        faces: field.shape.faces.len(),
-        casters,
-        recording: changes.into_iter().zip(samples).collect(),
-        scene_bytes,
-        scene_device_bytes,
-        extractors_device_bytes,
-        compared,
-        edges,
-    }))
+    let samples = interleave(rounds, contenders, is_interrupted)?;
+    Ok(samples.map(|samples| changes.into_iter().zip(samples).collect()))
 }
 
-/// Bytes allocated meanwhile.
-fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
-    Some(after?.saturating_sub(before?))
-}
-
-/// GPU times of a scene and of what it is held against, in turn. `None` where Ctrl-C came first.
-fn compare(
+/// GPU times of the stages of a scene and of its faces as one mesh, in turn, and the silhouette edges of both. `None` where
+/// Ctrl-C came first.
+fn compare_stages(
     rounds: Rounds,
     stopwatch: &mut Stopwatch<'_>,
+    field: &Field,
     until: Until,
-    [scene, other]: [&mut dyn Recorder; 2],
-) -> Result<Option<Compared>, Failure> {
+) -> Result<Option<(BothTimes<StageTimes>, Edges)>, Failure> {
+    let gpu = stopwatch.gpu;
+    let (mut scene, _) = SceneRecorder::new(gpu, field)?;
+    let mut merged = MeshRecorders::new(gpu, &stopwatch.pipelines, field, [field.merged()])?;
+    let edges = |recorder: &mut dyn Recorder| {
+        stopwatch.stages_by_clock(recorder, Until::Extraction)?;
+        recorder.silhouette_edges(gpu).map_err(|error| error.on(gpu))
+    };
+    let edges = [edges(&mut scene)?, edges(&mut merged)?];
     let stopwatch = RefCell::new(stopwatch);
-    let contenders: [Contender<'_, FrameTimes>; 2] = [
-        Box::new(|| stopwatch.borrow_mut().frame(scene, until)),
-        Box::new(|| stopwatch.borrow_mut().frame(other, until)),
-    ];
-    let Some(samples) = interleave(rounds, contenders.into(), is_interrupted)? else { return Ok(None) };
+    let times = in_turn(
+        rounds,
+        || stopwatch.borrow_mut().stages(&mut scene, until),
+        || stopwatch.borrow_mut().stages(&mut merged, until),
+    )?;
+    Ok(times.map(|times| (times, edges)))
+}
+
+/// GPU times of whole frames, likewise.
+fn compare_draws(
+    rounds: Rounds,
+    stopwatch: &mut Stopwatch<'_>,
+    depth: &wgpu::TextureView,
+    field: &Field,
+    scene: &mut SceneRecorder,
+) -> Result<Option<BothTimes<DrawTimes>>, Failure> {
+    let mut merged = MeshRecorders::new(stopwatch.gpu, &stopwatch.pipelines, field, [field.merged()])?;
+    let stopwatch = RefCell::new(stopwatch);
+    in_turn(rounds, || stopwatch.borrow_mut().draws(scene, depth), || stopwatch.borrow_mut().draws(&mut merged, depth))
+}
+
+/// Times of a scene and of what it is held against, in turn. `None` where Ctrl-C came first.
+fn in_turn<T>(
+    rounds: Rounds,
+    scene: impl FnMut() -> Result<T, Failure>,
+    other: impl FnMut() -> Result<T, Failure>,
+) -> Result<Option<BothTimes<T>>, Failure> {
+    let contenders: Vec<Contender<'_, T>> = vec![Box::new(scene), Box::new(other)];
+    let Some(samples) = interleave(rounds, contenders, is_interrupted)? else { return Ok(None) };
     let mut samples = samples.into_iter();
-    Ok(Some(Compared { scene: samples.next().unwrap_or_default(), other: samples.next().unwrap_or_default() }))
+    let mut next = || samples.next().unwrap_or_default();
+    Ok(Some(BothTimes { scene: next(), other: next() }))
 }
 
 /// `None` where Ctrl-C came first.
 fn measure_one_mesh(
-    plan: &CastersPlan,
-    gpu: &Gpu,
+    rounds: Rounds,
     stopwatch: &mut Stopwatch<'_>,
     faces: usize,
 ) -> Result<Option<OneMeshRow>, Failure> {
     // Twice as many rings as segments, two faces each.
     let segments = ((faces as f64 / 4.0).sqrt().round() as u32).max(3);
     let field = Field::new(shapes::torus(2 * segments, segments, 1.0, 0.4), 1);
-    let (mut scene, _) = SceneRecorder::new(gpu, &field)?;
-    let mut extractor = MeshRecorders::new(gpu, &stopwatch.pipelines, &field, [field.merged()])?;
-    stopwatch.warm_up(&mut scene, Until::Extraction)?;
-    stopwatch.warm_up(&mut extractor, Until::Extraction)?;
-    let fail = |error: crate::gpu_error::GpuError| error.on(gpu);
-    let edges = [scene.silhouette_edges(gpu).map_err(fail)?, extractor.silhouette_edges(gpu).map_err(fail)?];
-    let compared = compare(plan.rounds, stopwatch, Until::Extraction, [&mut scene, &mut extractor])?;
-    Ok(compared.map(|compared| OneMeshRow { faces: field.shape.faces.len(), compared, edges }))
+    let compared = compare_stages(rounds, stopwatch, &field, Until::Extraction)?;
+    Ok(compared.map(|(stages, edges)| OneMeshRow {
+        faces: field.shape.faces.len(),
+        compared: Compared { stages, ..Compared::default() },
+        edges,
+    }))
 }

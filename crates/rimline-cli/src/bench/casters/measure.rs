@@ -1,4 +1,4 @@
-//! CPU time of recording a frame, GPU time of a recorded one, and memory.
+//! CPU time of recording a frame, GPU time of its stages and draws, and memory.
 
 use std::time::Instant;
 
@@ -19,35 +19,45 @@ const STENCIL: &str = "stencil";
 /// The stages that extract, of a scene and of a single mesh.
 const EXTRACTION: [&str; 6] = ["reach", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
-/// Milliseconds of the GPU for a frame.
+/// Milliseconds of the GPU for the compute stages of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct FrameTimes {
+pub(crate) struct StageTimes {
     /// The stages that find silhouettes.
     pub(crate) extraction_ms: f64,
     /// Those and the stages that prepare volumes.
-    pub(crate) stages_ms: f64,
+    pub(crate) all_ms: f64,
+}
+
+/// Milliseconds of the GPU for a frame with draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct DrawTimes {
     /// The stencil passes of all lights.
-    pub(crate) draws_ms: f64,
+    pub(crate) stencil_ms: f64,
     /// From the first stage's beginning to the last pass's end.
     pub(crate) frame_ms: f64,
 }
 
-/// Records frames and runs them.
+/// Records frames and runs them on one device.
+///
+/// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
+/// taken when the next one is asked for. So stages are timed on a device of their own, on which nothing is drawn.
 pub(super) struct Stopwatch<'a> {
-    gpu: &'a Gpu,
+    pub(super) gpu: &'a Gpu,
     pub(super) pipelines: DrawPipelines,
-    /// Depths without any surface.
-    depth_view: wgpu::TextureView,
     /// `None`: times are by the clock.
     timer: Option<StageTimer>,
 }
 
 impl<'a> Stopwatch<'a> {
-    /// `size` is the number of pixels across and down.
-    pub(super) fn new(gpu: &'a Gpu, size: u32) -> Result<Self, Failure> {
+    pub(super) fn new(gpu: &'a Gpu) -> Result<Self, Failure> {
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let pipelines = DrawPipelines::new(gpu, &format).map_err(|error| error.on(gpu))?;
-        let depth = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        Ok(Self { gpu, pipelines, timer: StageTimer::new(&gpu.device, &gpu.queue) })
+    }
+
+    /// A depth buffer without any surface, so many pixels across and down.
+    pub(super) fn depth(&self, size: u32) -> wgpu::TextureView {
+        let depth = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depth"),
             size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -57,8 +67,7 @@ impl<'a> Stopwatch<'a> {
             usage: TextureUsages::RENDER_ATTACHMENT,
             view_formats: &[],
         });
-        let depth_view = depth.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { gpu, pipelines, depth_view, timer: StageTimer::new(&gpu.device, &gpu.queue) })
+        depth.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
@@ -81,88 +90,99 @@ impl<'a> Stopwatch<'a> {
         Ok(ms)
     }
 
-    /// Runs a frame without draws.
-    pub(super) fn warm_up(&self, recorder: &mut impl Recorder, until: Until) -> Result<(), Failure> {
+    /// Runs the stages. Returns the milliseconds by the clock from the submission on.
+    pub(super) fn stages_by_clock(&self, recorder: &mut dyn Recorder, until: Until) -> Result<f64, Failure> {
         let mut encoder = self.encoder();
         recorder.encode(&mut encoder, until, None).map_err(|error| error.on(self.gpu))?;
         self.run(encoder.finish())
     }
 
-    fn run(&self, commands: wgpu::CommandBuffer) -> Result<(), Failure> {
+    /// Submits and waits. Returns the milliseconds that this took.
+    fn run(&self, commands: wgpu::CommandBuffer) -> Result<f64, Failure> {
+        let begin = Instant::now();
         self.gpu.queue.submit([commands]);
-        self.gpu.wait()
+        self.gpu.wait()?;
+        Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Times of a frame; without a view only those of extraction.
-    pub(super) fn frame(&mut self, recorder: &mut dyn Recorder, until: Until) -> Result<FrameTimes, Failure> {
-        if let Some(mut timer) = self.timer.take() {
-            match self.timed(recorder, until, &mut timer) {
-                Err(GpuError::Timer(TimerError::Read(error))) => return Err(GpuError::from(error).on(self.gpu)),
-                // Timestamps that mean nothing, now or ever: the clock's time is left.
-                Err(GpuError::Timer(_)) => {}
-                Ok(times) => {
-                    self.timer = Some(timer);
-                    return Ok(times);
-                }
-                Err(error) => return Err(error.on(self.gpu)),
+    /// Times of the stages.
+    pub(super) fn stages(&mut self, recorder: &mut dyn Recorder, until: Until) -> Result<StageTimes, Failure> {
+        if let Some(timer) = &mut self.timer {
+            timer.clear();
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            recorder.encode(&mut encoder, until, Some(timer)).map_err(|error| error.on(self.gpu))?;
+            self.finish(encoder)?;
+            if let Some((stages, _)) = self.read()? {
+                return Ok(StageTimes::of(&stages));
             }
         }
-        self.clocked(recorder, until)
+        let extraction_ms = self.stages_by_clock(recorder, Until::Extraction)?;
+        let all_ms = if until == Until::Volumes { self.stages_by_clock(recorder, until)? } else { extraction_ms };
+        Ok(StageTimes { extraction_ms, all_ms })
     }
 
-    fn timed(&self, recorder: &mut dyn Recorder, until: Until, timer: &mut StageTimer) -> Result<FrameTimes, GpuError> {
-        let Self { gpu, .. } = self;
-        timer.clear();
+    /// Times of a frame with draws.
+    pub(super) fn draws(
+        &mut self,
+        recorder: &mut dyn Recorder,
+        depth: &wgpu::TextureView,
+    ) -> Result<DrawTimes, Failure> {
+        let gpu = self.gpu;
+        let stages_ms = if self.timer.is_some() { 0.0 } else { self.stages_by_clock(recorder, Until::Volumes)? };
         let mut encoder = self.encoder();
-        recorder.encode(&mut encoder, until, Some(timer))?;
-        if until == Until::Volumes {
-            self.draw(&mut encoder, recorder, Some(timer))?;
+        if let Some(timer) = &mut self.timer {
+            timer.clear();
         }
-        timer.resolve(&mut encoder);
-        gpu.queue.submit([encoder.finish()]);
-        let stages = timer.read(&gpu.device, &gpu.queue)?;
-        Ok(FrameTimes { frame_ms: timer.read_span(&gpu.device, &gpu.queue)?, ..FrameTimes::of(&stages) })
+        let recorded = recorder.encode(&mut encoder, Until::Volumes, self.timer.as_mut());
+        recorded.and_then(|()| self.draw(&mut encoder, recorder, depth)).map_err(|error| error.on(gpu))?;
+        let clock_ms = self.finish(encoder)?;
+        let by_clock = DrawTimes { stencil_ms: (clock_ms - stages_ms).max(0.0), frame_ms: clock_ms };
+        let Some((stages, span_ms)) = self.read()? else { return Ok(by_clock) };
+        let stencil_ms = stages.iter().filter(|(name, _)| *name == STENCIL).map(|(_, ms)| ms).sum();
+        let is_software = self.timer.as_ref().is_some_and(StageTimer::is_software);
+        Ok(DrawTimes { stencil_ms, frame_ms: if is_software { clock_ms } else { span_ms } })
     }
 
-    /// By the clock. Each time is of a submission of its own, from the first stage on.
-    fn clocked(&self, recorder: &mut dyn Recorder, until: Until) -> Result<FrameTimes, Failure> {
-        let submitted = |recorder: &mut dyn Recorder, until: Until, is_drawn: bool| -> Result<f64, Failure> {
-            let mut encoder = self.encoder();
-            let encoded = recorder.encode(&mut encoder, until, None);
-            let drawn = encoded.and_then(|()| if is_drawn { self.draw(&mut encoder, recorder, None) } else { Ok(()) });
-            drawn.map_err(|error| error.on(self.gpu))?;
-            let commands = encoder.finish();
-            let begin = Instant::now();
-            self.run(commands)?;
-            Ok(begin.elapsed().as_secs_f64() * 1e3)
-        };
-        let extraction_ms = submitted(recorder, Until::Extraction, false)?;
-        if until == Until::Extraction {
-            return Ok(FrameTimes { extraction_ms, ..FrameTimes::default() });
+    /// Runs what is recorded.
+    fn finish(&self, mut encoder: wgpu::CommandEncoder) -> Result<f64, Failure> {
+        if let Some(timer) = &self.timer {
+            timer.resolve(&mut encoder);
         }
-        let stages_ms = submitted(recorder, Until::Volumes, false)?;
-        let frame_ms = submitted(recorder, Until::Volumes, true)?;
-        Ok(FrameTimes { extraction_ms, stages_ms, draws_ms: (frame_ms - stages_ms).max(0.0), frame_ms })
+        self.run(encoder.finish())
+    }
+
+    /// Times of the stages and their span. `None` without a timer, and from the first timestamps on that mean nothing.
+    fn read(&mut self) -> Result<Option<(Vec<(&'static str, f64)>, f64)>, Failure> {
+        let Some(timer) = &self.timer else { return Ok(None) };
+        let Gpu { device, queue, .. } = self.gpu;
+        match timer.read(device, queue).and_then(|stages| Ok((stages, timer.read_span(device, queue)?))) {
+            Ok(times) => Ok(Some(times)),
+            Err(TimerError::Read(error)) => Err(GpuError::from(error).on(self.gpu)),
+            Err(_) => {
+                self.timer = None;
+                Ok(None)
+            }
+        }
     }
 
     /// The stencil passes of all lights.
     fn draw(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         recorder: &dyn Recorder,
-        mut timer: Option<&mut StageTimer>,
+        depth: &wgpu::TextureView,
     ) -> Result<(), GpuError> {
         for light in 0..LIGHTS {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(STENCIL),
                 color_attachments: &[],
                 depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &self.depth_view,
+                    view: depth,
                     // Depth is reversed: 0 is farthest.
                     depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
                     stencil_ops: Some(Operations { load: LoadOp::Clear(0), store: StoreOp::Store }),
                 }),
-                timestamp_writes: timer.as_deref_mut().and_then(|timer| timer.render_pass(STENCIL)),
+                timestamp_writes: self.timer.as_mut().and_then(|timer| timer.render_pass(STENCIL)),
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
@@ -172,18 +192,10 @@ impl<'a> Stopwatch<'a> {
     }
 }
 
-impl FrameTimes {
-    /// Sums of stages, without the span.
+impl StageTimes {
     fn of(stages: &[(&'static str, f64)]) -> Self {
-        let sum = |chosen: &dyn Fn(&str) -> bool| {
-            stages.iter().filter(|(name, _)| chosen(name)).map(|(_, ms)| ms).sum::<f64>()
-        };
-        Self {
-            extraction_ms: sum(&|name| EXTRACTION.contains(&name)),
-            stages_ms: sum(&|name| name != STENCIL),
-            draws_ms: sum(&|name| name == STENCIL),
-            frame_ms: 0.0,
-        }
+        let extraction = stages.iter().filter(|(name, _)| EXTRACTION.contains(name));
+        Self { extraction_ms: extraction.map(|(_, ms)| ms).sum(), all_ms: stages.iter().map(|(_, ms)| ms).sum() }
     }
 }
 
@@ -199,10 +211,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stages_are_those_of_extraction_of_volumes_and_draws() {
-        let stages = [("reach", 1.0), ("facing", 2.0), ("choose", 4.0), ("caps", 8.0), (STENCIL, 16.0)];
-        let expected = FrameTimes { extraction_ms: 3.0, stages_ms: 15.0, draws_ms: 16.0, frame_ms: 0.0 };
-        assert_eq!(FrameTimes::of(&stages), expected);
+    fn extraction_is_a_part_of_all_stages() {
+        let stages = [("reach", 1.0), ("facing", 2.0), ("choose", 4.0), ("caps", 8.0)];
+        assert_eq!(StageTimes::of(&stages), StageTimes { extraction_ms: 3.0, all_ms: 15.0 });
     }
 
     #[test]

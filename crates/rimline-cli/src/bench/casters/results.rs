@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::super::measure::Summary;
 use super::super::summary_json::summary_json;
 use super::field::{CasterMesh, LIGHTS};
-use super::measure::FrameTimes;
+use super::measure::{DrawTimes, StageTimes};
 use crate::chart::Key;
 
 /// Everything.
@@ -17,6 +17,9 @@ pub(crate) struct CastersResults {
     /// Rows of both kinds that there would be, had nothing stopped the run.
     pub(crate) planned_rows: usize,
 }
+
+/// Silhouette edges of each light: in a scene, and in what it is held against.
+pub(crate) type Edges = [[u64; LIGHTS]; 2];
 
 /// A scene.
 pub(crate) struct CastersRow {
@@ -32,18 +35,18 @@ pub(crate) struct CastersRow {
     pub(crate) scene_device_bytes: Option<u64>,
     /// The same of an extractor with volumes for each caster.
     pub(crate) extractors_device_bytes: Option<u64>,
-    /// Against the same faces as one mesh. `None` where there are too many casters.
-    pub(crate) compared: Option<Compared>,
-    /// Silhouette edges of each light: in the scene, in the merged mesh.
-    pub(crate) edges: [[u64; LIGHTS]; 2],
+    /// Against the same faces as one mesh.
+    pub(crate) compared: Compared,
+    /// In the scene, in the merged mesh.
+    pub(crate) edges: Edges,
 }
 
 /// A scene of one caster, against an extractor. Only extraction is timed.
 pub(crate) struct OneMeshRow {
     pub(crate) faces: usize,
     pub(crate) compared: Compared,
-    /// Silhouette edges of each light: in the scene, of the extractor.
-    pub(crate) edges: [[u64; LIGHTS]; 2],
+    /// In the scene, of the extractor.
+    pub(crate) edges: Edges,
 }
 
 /// What happens before a frame is recorded, and who records it.
@@ -91,10 +94,19 @@ impl Change {
     }
 }
 
-/// GPU times of a scene and of what it is held against, by the rounds.
+/// GPU times of a scene and of what it is held against.
+#[derive(Default)]
 pub(crate) struct Compared {
-    pub(crate) scene: Vec<FrameTimes>,
-    pub(crate) other: Vec<FrameTimes>,
+    pub(crate) stages: BothTimes<StageTimes>,
+    /// Empty where nothing is drawn.
+    pub(crate) draws: BothTimes<DrawTimes>,
+}
+
+/// Times of both, by the rounds.
+#[derive(Default)]
+pub(crate) struct BothTimes<T> {
+    pub(crate) scene: Vec<T>,
+    pub(crate) other: Vec<T>,
 }
 
 /// Which of a frame's times.
@@ -106,9 +118,10 @@ pub(crate) enum Part {
     Frame,
 }
 
-const PARTS: [Part; 4] = [Part::Extraction, Part::Stages, Part::Draws, Part::Frame];
+pub(crate) const PARTS: [Part; 4] = [Part::Extraction, Part::Stages, Part::Draws, Part::Frame];
 
 impl Part {
+    /// What the data call it.
     fn id(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
@@ -118,49 +131,61 @@ impl Part {
         }
     }
 
-    fn of(self, times: &FrameTimes) -> f64 {
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Extraction => times.extraction_ms,
-            Self::Stages => times.stages_ms,
-            Self::Draws => times.draws_ms,
-            Self::Frame => times.frame_ms,
+            Self::Extraction => "extraction",
+            Self::Stages => "all stages",
+            Self::Draws => "stencil passes",
+            Self::Frame => "whole frame",
         }
     }
 }
 
 impl Compared {
+    /// Milliseconds of the scene and of the other, round by round.
+    fn rounds(&self, part: Part) -> Vec<[f64; 2]> {
+        fn pairs<T>(times: &BothTimes<T>, of: fn(&T) -> f64) -> Vec<[f64; 2]> {
+            times.scene.iter().zip(&times.other).map(|(scene, other)| [of(scene), of(other)]).collect()
+        }
+        match part {
+            Part::Extraction => pairs(&self.stages, |times| times.extraction_ms),
+            Part::Stages => pairs(&self.stages, |times| times.all_ms),
+            Part::Draws => pairs(&self.draws, |times| times.stencil_ms),
+            Part::Frame => pairs(&self.draws, |times| times.frame_ms),
+        }
+    }
+
     pub(crate) fn scene(&self, part: Part) -> Option<Summary> {
-        Summary::of(self.scene.iter().map(|times| part.of(times)))
+        Summary::of(self.rounds(part).into_iter().map(|[scene, _]| scene))
     }
 
     pub(crate) fn other(&self, part: Part) -> Option<Summary> {
-        Summary::of(self.other.iter().map(|times| part.of(times)))
+        Summary::of(self.rounds(part).into_iter().map(|[_, other]| other))
     }
 
     /// The scene's times divided by the other's, round by round.
     pub(crate) fn ratio(&self, part: Part) -> Option<Summary> {
-        let rounds = self.scene.iter().zip(&self.other);
-        let ratios = rounds.map(|(scene, other)| part.of(scene) / part.of(other));
+        let ratios = self.rounds(part).into_iter().map(|[scene, other]| scene / other);
         Summary::of(ratios.filter(|ratio| ratio.is_finite()))
     }
 
-    /// For each of `parts` a summary in milliseconds of both, and of the ratio.
+    /// For each of `parts` that was measured a summary in milliseconds of both, and of the ratio.
     fn json(&self, other: &str, parts: &[Part]) -> Value {
-        let summary = |summary: Option<Summary>| summary.as_ref().map_or(Value::Null, summary_json);
         let part = |part: &Part| {
-            json!({
+            let (scene, found) = (self.scene(*part)?, self.other(*part)?);
+            Some(json!({
                 "part": part.id(),
-                "scene_ms": summary(self.scene(*part)),
-                other: summary(self.other(*part)),
-                "ratio": summary(self.ratio(*part)),
-            })
+                "scene_ms": summary_json(&scene),
+                other: summary_json(&found),
+                "ratio": self.ratio(*part).as_ref().map_or(Value::Null, summary_json),
+            }))
         };
-        parts.iter().map(part).collect()
+        parts.iter().filter_map(part).collect()
     }
 }
 
 /// Lights whose silhouette edges are not as many as they should be.
-fn wrong_lights([scene, other]: &[[u64; LIGHTS]; 2]) -> usize {
+fn wrong_lights([scene, other]: &Edges) -> usize {
     scene.iter().zip(other).filter(|(scene, other)| scene != other).count()
 }
 
@@ -193,7 +218,7 @@ impl CastersRow {
             "scene_bytes_per_caster": self.per_caster(self.scene_bytes),
             "scene_device_bytes": self.scene_device_bytes,
             "extractors_device_bytes": self.extractors_device_bytes,
-            "gpu": self.compared.as_ref().map(|compared| compared.json("merged_ms", &PARTS)),
+            "gpu": self.compared.json("merged_ms", &PARTS),
             "silhouette_edges": self.edges[0],
             "wrong_lights": self.wrong_lights(),
         })
@@ -238,8 +263,9 @@ mod tests {
 
     #[test]
     fn ratios_are_of_rounds_and_a_wrong_light_is_counted() {
-        let times = |ms: f64| FrameTimes { extraction_ms: ms, ..FrameTimes::default() };
-        let compared = Compared { scene: [2.0, 9.0, 6.0].map(times).into(), other: [1.0, 3.0, 1.0].map(times).into() };
+        let times = |ms: f64| StageTimes { extraction_ms: ms, all_ms: ms };
+        let stages = BothTimes { scene: [2.0, 9.0, 6.0].map(times).into(), other: [1.0, 3.0, 1.0].map(times).into() };
+        let compared = Compared { stages, ..Compared::default() };
         assert_eq!(compared.ratio(Part::Extraction).map(|ratio| ratio.median), Some(3.0));
         assert_eq!(compared.ratio(Part::Frame), None, "nothing of it was timed");
         let mut edges = [[7, 8, 9, 10, 11]; 2];

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::super::measure::Summary;
 use super::super::text::{figures, grouped};
 use super::field::LIGHTS;
-use super::results::{CastersRow, OneMeshRow, Part};
+use super::results::{CastersRow, OneMeshRow, PARTS, Part};
 
 fn range(summary: &Summary) -> String {
     format!("{:>9}  {:>9} … {:<9}", figures(summary.median), figures(summary.quartiles.0), figures(summary.quartiles.1))
@@ -20,23 +20,15 @@ pub(super) fn row(row: &CastersRow) -> String {
             let _ = writeln!(text, "  {:<36} {} {:>4}", change.name(), range(&ms), ms.count);
         }
     }
-    if let Some(compared) = &row.compared {
-        let _ = writeln!(text, "  {:<36} {:>9} {:>9} {:>7}", "running a frame", "GPU ms", "merged", "ratio");
-        for (part, name) in
-            [(Part::Extraction, "extraction"), (Part::Stages, "all stages"), (Part::Frame, "whole frame with draws")]
-        {
-            if let (Some(scene), Some(merged), Some(ratio)) =
-                (compared.scene(part), compared.other(part), compared.ratio(part))
-            {
-                let _ = writeln!(
-                    text,
-                    "  {name:<36} {:>9} {:>9} {:>7.2}",
-                    figures(scene.median),
-                    figures(merged.median),
-                    ratio.median
-                );
-            }
-        }
+    let _ = writeln!(text, "  {:<36} {:>9} {:>9} {:>7}", "running a frame", "GPU ms", "merged", "ratio");
+    for part in PARTS {
+        let (Some(scene), Some(merged), Some(ratio)) =
+            (row.compared.scene(part), row.compared.other(part), row.compared.ratio(part))
+        else {
+            continue;
+        };
+        let [scene, merged] = [scene, merged].map(|ms| figures(ms.median));
+        let _ = writeln!(text, "  {:<36} {scene:>9} {merged:>9} {:>7.2}", part.name(), ratio.median);
     }
     let each = |bytes: u64| grouped(row.per_caster(bytes).round() as usize);
     let _ = write!(text, "  bytes a caster: {} in the scene's buffers", each(row.scene_bytes));

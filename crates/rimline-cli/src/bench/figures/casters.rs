@@ -1,7 +1,7 @@
 //! The report's section on scenes of many casters.
 
 use super::super::casters::field::{CasterMesh, LIGHTS};
-use super::super::casters::results::{CastersResults, CastersRow, Change, Part};
+use super::super::casters::results::{CastersResults, CastersRow, Change, PARTS, Part};
 use super::super::measure::Summary;
 use super::super::text::{figures, grouped, tick};
 use crate::chart::{Axis, Chart, Curve, Plane, Point, Scale};
@@ -111,30 +111,32 @@ fn gpu(results: &CastersResults) -> Option<Figure> {
         "all stages, scene",
         "merged",
         "ratio",
-        "draws, scene",
+        "stencil passes, scene",
         "merged",
-        "whole frame, ratio",
+        "ratio",
+        "whole frame, scene",
+        "merged",
+        "ratio",
     ];
     let mut table = Table { head: head.map(str::to_owned).into(), rows: Vec::new(), is_prose: false };
     for row in &results.rows {
-        let Some(compared) = &row.compared else { continue };
+        let compared = &row.compared;
         let ratio = |part| compared.ratio(part).map_or_else(|| "–".to_owned(), |ratio| format!("{:.2}", ratio.median));
         let both = |part| [ms(compared.scene(part).as_ref()), ms(compared.other(part).as_ref())];
         let mut cells = vec![row.mesh.counted(row.casters)];
-        for part in [Part::Extraction, Part::Stages] {
+        for part in PARTS {
             cells.extend(both(part));
             cells.push(ratio(part));
         }
-        cells.extend(both(Part::Draws));
-        cells.push(ratio(Part::Frame));
         table.rows.push(cells);
     }
     (!table.rows.is_empty()).then(|| Figure {
         id: "casters_gpu",
         title: "GPU time of a scene against the same faces merged into one mesh".to_owned(),
         lead: "Ratios are the scene's time divided by the merged mesh's, medians of each round's ratio; smaller is better, \
-               and below 1 the scene is the faster one. Draws are the stencil passes of all lights, over depths without \
-               any surface. The whole frame is from the first stage's beginning to the last pass's end."
+               and below 1 the scene is the faster one. Stencil passes are those of all lights, over depths without any \
+               surface. The whole frame is all stages and stencil passes; on software devices it is by the clock, from the \
+               submission on. Stages are timed on a device of their own, on which nothing is drawn."
             .to_owned(),
         chart: None,
         table,
