@@ -9,7 +9,7 @@ mod text;
 
 use std::cell::RefCell;
 
-use rimline::gpu::CasterHandle;
+use rimline::gpu::{Caster, CasterHandle};
 use rimline::wgpu;
 use rimline_measure::shapes;
 
@@ -18,7 +18,7 @@ use crate::device::Gpu;
 use crate::failure::{Failure, NoDevice};
 use crate::output::{is_interrupted, note, print};
 use crate::progress::Progress;
-use field::{CasterMesh, Field};
+use field::{CasterMesh, Field, LIGHTS};
 use measure::{DrawTimes, StageTimes, Stopwatch, allocated_bytes};
 use recorder::{MeshRecorders, Recorder, SceneRecorder, Until};
 use results::{BothTimes, CastersResults, CastersRow, Change, Compared, Edges, OneMeshRow};
@@ -169,6 +169,7 @@ fn record(
     scene: SceneRecorder,
     extractors: Option<MeshRecorders>,
 ) -> Result<Option<Vec<(Change, Vec<f64>)>>, Failure> {
+    let (lights, mesh) = (scene.lights().to_vec(), scene.mesh());
     let scene = RefCell::new(scene);
     let casters = handles.len();
     // Casters of each round's change follow those of the round before, so that memory is read where it was not read last.
@@ -186,8 +187,26 @@ fn record(
             })
         })
     };
+    let (mut round, mut last) = (0, None);
+    let light = || {
+        round += 1;
+        stopwatch.recording(&mut *scene.borrow_mut(), |recorder| {
+            Ok(recorder.scene().set_light(lights[0], field.lights[round % LIGHTS])?)
+        })
+    };
+    let new_caster = || {
+        stopwatch.recording(&mut *scene.borrow_mut(), |recorder| {
+            if let Some(last) = last.take() {
+                recorder.scene().remove(last)?;
+            }
+            last = Some(recorder.scene().insert(Caster::rigid(mesh, field.turned[0]))?);
+            Ok(())
+        })
+    };
     let mut contenders = vec![moving(0), moving(casters.div_ceil(100)), moving(casters)];
-    let mut changes = vec![Change::Still, Change::OneInHundred, Change::All];
+    let changing: [Contender<'_, f64>; 2] = [Box::new(light), Box::new(new_caster)];
+    contenders.extend(changing);
+    let mut changes = vec![Change::Still, Change::OneInHundred, Change::All, Change::Light, Change::NewCaster];
     if let Some(mut extractors) = extractors {
         changes.push(Change::Extractors);
         contenders.push(Box::new(move || stopwatch.recording(&mut extractors, |_| Ok(()))));

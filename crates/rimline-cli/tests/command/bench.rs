@@ -83,8 +83,15 @@ fn check_casters(casters: &Value) -> Result<u64, String> {
     let (rows, one_mesh) = (list(&casters["rows"]), list(&casters["one_mesh"]));
     for row in &rows {
         let number = row["casters"].as_u64().unwrap_or(0);
-        let methods = ["scene-still", "scene-1-percent-moved", "scene-all-moved", "extractors"];
-        let methods = &methods[..if number > 100 { 3 } else { 4 }];
+        let methods = [
+            "scene-still",
+            "scene-1-percent-moved",
+            "scene-all-moved",
+            "scene-light-moved",
+            "scene-new-caster",
+            "extractors",
+        ];
+        let methods = &methods[..if number > 100 { 5 } else { 6 }];
         ensure!(list(&row["recording"]).iter().map(|recorded| &recorded["method"]).eq(methods), "methods of {row}");
         let timed = ["extraction", "stages", "draws", "frame"];
         ensure!(parts(&row["gpu"]) == timed[..if number > 1000 { 2 } else { 4 }], "parts of {row}");
@@ -276,7 +283,7 @@ fn many_casters() -> Outcome {
     let wrong_values = [
         ("/casters/rows/1/wrong_lights", 1.into()),
         ("/casters/rows/0/recording/0/cpu_ms/median", "fast".into()),
-        ("/casters/rows/2/recording/3/method", "scene-still".into()),
+        ("/casters/rows/2/recording/5/method", "scene-still".into()),
         ("/casters/rows/2/gpu", Value::Null),
         ("/casters/rows/3/silhouette_edges/4", 0.into()),
         ("/casters/one_mesh/0/gpu/0/part", "frame".into()),

@@ -1,9 +1,9 @@
 //! The ways that are compared: a scene, and an extractor with shadow volumes for each mesh.
 
 use rimline::gpu::{
-    Caster, CasterHandle, Extraction, Extractor, ExtractorOptions, LightHandle, PositionBuffer, Scene, SceneFrame,
-    SceneOptions, ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer,
-    read_back_vec,
+    Caster, CasterHandle, Extraction, Extractor, ExtractorOptions, LightHandle, MeshHandle, PositionBuffer, Scene,
+    SceneFrame, SceneOptions, ScenePipelines, ShadowFormat, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    StageTimer, read_back_vec,
 };
 use rimline::{Counting, Light, MeshError, ShadowCamera, wgpu};
 use rimline_measure::shapes::Shape;
@@ -61,6 +61,7 @@ pub(super) fn mesh_failure(source: MeshError) -> Failure {
 /// A scene with rigid casters of one mesh.
 pub(super) struct SceneRecorder {
     scene: Scene,
+    mesh: MeshHandle,
     lights: Vec<LightHandle>,
     camera: ShadowCamera,
     frame: Option<SceneFrame>,
@@ -77,13 +78,21 @@ impl SceneRecorder {
             let casters = transforms.map(|transform| scene.insert(Caster::rigid(mesh, transform)));
             let casters = casters.collect::<Result<Vec<_>, _>>()?;
             let lights = field.lights.iter().map(|&light| scene.add_light(light)).collect::<Result<_, _>>()?;
-            Ok((Self { scene, lights, camera: field.camera, frame: None }, casters))
+            Ok((Self { scene, mesh, lights, camera: field.camera, frame: None }, casters))
         };
         make().map_err(|error| error.on(gpu))
     }
 
     pub(super) fn scene(&mut self) -> &mut Scene {
         &mut self.scene
+    }
+
+    pub(super) fn mesh(&self) -> MeshHandle {
+        self.mesh
+    }
+
+    pub(super) fn lights(&self) -> &[LightHandle] {
+        &self.lights
     }
 
     /// Bytes of the last frame's buffers, topology not counted.

@@ -58,6 +58,10 @@ pub(crate) enum Change {
     OneInHundred,
     /// A scene in which all casters move.
     All,
+    /// A scene in which a light moves.
+    Light,
+    /// A scene in which a caster comes, and the one that came last goes.
+    NewCaster,
     /// An extractor with shadow volumes for each caster.
     Extractors,
 }
@@ -69,6 +73,8 @@ impl Change {
             Self::Still => "scene-still",
             Self::OneInHundred => "scene-1-percent-moved",
             Self::All => "scene-all-moved",
+            Self::Light => "scene-light-moved",
+            Self::NewCaster => "scene-new-caster",
             Self::Extractors => "extractors",
         }
     }
@@ -78,6 +84,8 @@ impl Change {
             Self::Still => "scene, nothing moved",
             Self::OneInHundred => "scene, 1 % moved",
             Self::All => "scene, all moved",
+            Self::Light => "scene, a light moved",
+            Self::NewCaster => "scene, a new caster",
             Self::Extractors => "an extractor a caster",
         }
     }
@@ -88,6 +96,8 @@ impl Change {
             Self::Still => (3, 3),
             Self::OneInHundred => (4, 0),
             Self::All => (6, 1),
+            Self::Light => (1, 4),
+            Self::NewCaster => (2, 4),
             Self::Extractors => (0, 2),
         };
         Key { name: self.name().to_owned(), colour, shape, hollow: false }

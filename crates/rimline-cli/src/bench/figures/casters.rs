@@ -10,7 +10,10 @@ use crate::page::{Figure, Section, Table};
 /// The plot's id.
 pub(super) const RECORDING: &str = "casters_recording";
 
-const CHANGES: [Change; 4] = [Change::Still, Change::OneInHundred, Change::All, Change::Extractors];
+const CHANGES: [Change; 6] =
+    [Change::Still, Change::OneInHundred, Change::All, Change::Light, Change::NewCaster, Change::Extractors];
+/// Those of the plot; more would lie on top of each other.
+const SHOWN: [Change; 4] = [Change::Still, Change::OneInHundred, Change::All, Change::Extractors];
 
 /// All that the rows are enough for; there is at least one.
 pub(in super::super) fn casters(results: &CastersResults) -> Section {
@@ -53,7 +56,7 @@ fn recording(results: &CastersResults) -> Option<Figure> {
         table.rows.push(cells);
     }
     let mut curves = Vec::new();
-    for change in CHANGES {
+    for change in SHOWN {
         let rows = results.rows.iter().filter(|row| row.mesh == shown);
         let points = rows.filter_map(|row| {
             let time = row.recording(change)?;
