@@ -2,6 +2,7 @@
 
 pub(crate) mod args;
 mod bench_mesh;
+mod casters;
 mod figures;
 mod grouped;
 mod machine;
@@ -24,7 +25,7 @@ use rimline::wgpu;
 
 use crate::device::{self, Device, Gpu, Wanted};
 use crate::failure::Failure;
-use crate::output::{self, note, print};
+use crate::output::{self, is_interrupted, note, print};
 use crate::progress::Progress;
 use args::BenchArgs;
 use bench_mesh::{BenchMesh, Case, Made};
@@ -42,7 +43,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let plan = Plan::new(args)?;
     let destination = Destination::new(args)?;
-    let device = device::open(&Wanted::parse(&args.device.device))?;
+    let wanted = Wanted::parse(&args.device.device);
+    let device = device::open(&wanted)?;
     let gpu = match &device {
         Device::Cpu => None,
         Device::Gpu(gpu) => Some(&**gpu),
@@ -55,6 +57,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         rows: Vec::new(),
         planned_rows: plan.rows(),
         shadows: gpu.map(|_| plan.shadows.empty_results()).filter(|shadows| shadows.planned_rows > 0),
+        casters: gpu.map(|_| plan.casters.empty_results()).filter(|casters| casters.planned_rows > 0),
     };
     let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {
@@ -62,7 +65,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     print(&heading(&results))?;
     // What was measured before a failure is worth writing, too.
-    let measured = measure_all(&plan, gpu, &progress, &mut results);
+    let measured = measure_all(&plan, &wanted, gpu, &progress, &mut results);
     drop(progress);
     if !results.is_empty() {
         destination.write(&results)?;
@@ -71,7 +74,13 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if results.is_complete() { Ok(()) } else { Err(Failure::Interrupted) }
 }
 
-fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mut Results) -> Result<(), Failure> {
+fn measure_all(
+    plan: &Plan,
+    wanted: &Wanted,
+    gpu: Option<&Gpu>,
+    progress: &Progress,
+    results: &mut Results,
+) -> Result<(), Failure> {
     for (subject, lights) in &plan.subjects {
         progress.step(format!("{}: edge records", subject.title()));
         let (made, facts) = make(*subject)?;
@@ -87,8 +96,14 @@ fn measure_all(plan: &Plan, gpu: Option<&Gpu>, progress: &Progress, results: &mu
             progress.advance(&format!("{}, lights: {count}", subject.title()));
         }
     }
-    match (gpu, &mut results.shadows) {
-        (Some(gpu), Some(shadows)) => shadows::measure_all(&plan.shadows, gpu, progress, shadows),
+    if let (Some(gpu), Some(shadows)) = (gpu, &mut results.shadows) {
+        shadows::measure_all(&plan.shadows, gpu, progress, shadows)?;
+    }
+    match (gpu, &mut results.casters) {
+        (Some(gpu), Some(casters)) if !is_interrupted() => {
+            let another = device::open_gpu(wanted)?;
+            casters::measure_all(&plan.casters, gpu, &another, progress, casters)
+        }
         _ => Ok(()),
     }
 }

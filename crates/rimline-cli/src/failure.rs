@@ -163,8 +163,10 @@ pub(crate) enum UsageError {
     TooManyFrames { frames: u64, limit: u64 },
     #[error("there is nothing to measure; give --meshes or --scenes a value other than `none`, or --frames on a GPU")]
     NothingToMeasure,
-    #[error("there is no stress scene `{wanted}`; there are {there}, `all` and `none`")]
+    #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
+    #[error("--casters is for the scene `casters`, which --scenes leaves out; add `casters` to --scenes")]
+    CastersWithoutScene,
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

@@ -4,7 +4,7 @@ use rimline::LightError;
 use rimline::gpu::{
     DeformError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, MemoryError,
     PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError, ShadowFormatError,
-    ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, TimerError,
+    ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -43,6 +43,8 @@ pub(crate) enum GpuError {
     ShadowFormat(#[from] ShadowFormatError),
     #[error(transparent)]
     Scene(#[from] SceneError),
+    #[error(transparent)]
+    Stale(#[from] StaleExtraction),
 }
 
 impl GpuError {
@@ -53,9 +55,8 @@ impl GpuError {
             return failure;
         }
         match &self {
-            Self::Shadow(ShadowEncodeError::Camera(camera)) | Self::Scene(SceneError::Camera { error: camera, .. }) => {
-                return UsageError::Camera(*camera).into();
-            }
+            Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             Self::Deform(DeformError::TooManyTerms { .. }) => return self.too_small(gpu),
             _ => {}

@@ -10,7 +10,8 @@ use crate::input_args::DeviceArgs;
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
 pub(crate) struct BenchArgs {
-    /// Measure smaller meshes, one scene of each class and fewer rounds. It takes less than a minute instead of about ten
+    /// Measure smaller meshes, one scene of each class, fewer casters and fewer rounds. It takes about a minute instead of
+    /// about fifteen
     #[arg(long)]
     pub(crate) quick: bool,
 
@@ -27,17 +28,22 @@ pub(crate) struct BenchArgs {
 
     /// Face counts of the closed meshes, or `none` [default: 1,024 to 4 million, by fours]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
-    pub(crate) meshes: Option<Vec<Faces>>,
+    pub(crate) meshes: Option<Vec<Number>>,
 
-    /// Names of stress scenes, `all` or `none` [default: all]
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    /// Names of stress scenes, `casters` for scenes of many casters, `all` or `none` [default: all]
+    #[arg(long, visible_alias = "scene", value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
+
+    /// Numbers of casters for the scene `casters`, or `none`: boxes of 12 faces, and up to 1,000 figures of 4,000 faces
+    /// [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100)]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
+    pub(crate) casters: Option<Vec<Number>>,
 
     /// The approximate number of faces of a stress scene [default: 65,536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
-    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]
+    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. The scene `casters` always has 5
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
 
@@ -59,6 +65,7 @@ const EXAMPLES: &str = "\
 Examples:
   rimline bench --quick --report report
   rimline bench --report report --json figures.json
+  rimline bench --scene casters --meshes none --frames 0 --casters 200,10000
   rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third \\
       --rounds 5
 ";
@@ -66,20 +73,41 @@ Examples:
 const REMARKS: &str = "\
 The methods run in turn, round by round, for each mesh and number of lights. Errors are bits that differ from exact \
 arithmetic, and vertices where loops stay open. `2003 ÷ it` is the time of the 2003 method divided by the time of this \
-method: larger is better. `it ÷ f32` is the time of this method divided by the time of plain f32. Ctrl-C ends the run. \
+method: larger is better. `it ÷ f32` is the time of this method divided by the time of plain f32. For the scene \
+`casters`, CPU times are of recording a frame with one view, and GPU times are compared with the same faces merged into \
+one mesh. Ctrl-C ends the run. \
 Report and data then contain the finished rows and say so, and the exit code is 130.";
 
-/// A number of faces, or none.
+/// A number of faces or casters, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Faces {
+pub(crate) enum Number {
     None,
     Count(usize),
 }
 
-fn parse_meshes(text: &str) -> Result<Faces, String> {
-    match text.parse() {
-        _ if text == "none" => Ok(Faces::None),
-        Ok(count @ 1..=16_777_216) => Ok(Faces::Count(count)),
-        _ => Err("give numbers of faces up to 16,777,216, or `none`".to_owned()),
+impl Number {
+    /// The numbers that are given, without `none`.
+    pub(crate) fn counts(numbers: &[Self]) -> Vec<usize> {
+        let count = |number: &Self| match number {
+            Self::None => None,
+            Self::Count(count) => Some(*count),
+        };
+        numbers.iter().filter_map(count).collect()
     }
+
+    fn parse(text: &str, most: usize) -> Option<Self> {
+        match text.parse() {
+            _ if text == "none" => Some(Self::None),
+            Ok(count) if (1..=most).contains(&count) => Some(Self::Count(count)),
+            _ => None,
+        }
+    }
+}
+
+fn parse_meshes(text: &str) -> Result<Number, String> {
+    Number::parse(text, 16_777_216).ok_or_else(|| "give numbers of faces up to 16,777,216, or `none`".to_owned())
+}
+
+fn parse_casters(text: &str) -> Result<Number, String> {
+    Number::parse(text, 100_000).ok_or_else(|| "give numbers of casters up to 100,000, or `none`".to_owned())
 }

@@ -1,5 +1,6 @@
 //! The report's sections: which plots, of what. Here the one on extraction.
 
+mod casters;
 mod classes;
 mod cost;
 mod error;
@@ -13,10 +14,11 @@ use super::method::{GPU_EXACT, PER_EDGE};
 use super::results::{Results, Row};
 use crate::page::Section;
 
+pub(super) use casters::casters;
 pub(super) use shadows::shadows;
 
 /// Every plot that a report may have.
-pub(super) const PLOTS: [&str; 10] = [
+pub(super) const PLOTS: [&str; 11] = [
     "time_against_error",
     "time_against_size",
     "speed_against_2003",
@@ -27,6 +29,7 @@ pub(super) const PLOTS: [&str; 10] = [
     "shadow_stencil",
     "shadow_frame",
     "shadow_paths",
+    casters::RECORDING,
 ];
 
 /// The number of lights that plots are about which show one: eight where they were measured.

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use rimline_measure::stress;
 
-use super::args::{BenchArgs, Faces};
+use super::args::{BenchArgs, Number};
 use super::bench_mesh::BenchMesh;
+use super::casters::CastersPlan;
 use super::measure::Rounds;
 use super::shadows::ShadowPlan;
 use crate::device::Wanted;
@@ -18,6 +19,7 @@ pub(crate) struct Plan {
     pub(crate) subjects: Vec<(BenchMesh, Vec<usize>)>,
     pub(crate) rounds: Rounds,
     pub(crate) shadows: ShadowPlan,
+    pub(crate) casters: CastersPlan,
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
@@ -38,19 +40,20 @@ const QUICK_SCENES: [&str; 10] = [
     "touching-boxes",
 ];
 const LIGHTS: [usize; 3] = [1, 8, 32];
+/// The name of the scenes of many casters, beside those of stress scenes.
+const CASTERS: &str = "casters";
+const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
+const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
+/// Faces of a single caster.
+const ONE_CASTER: [usize; 3] = [1 << 10, 1 << 14, 1 << 20];
+const QUICK_ONE_CASTER: [usize; 2] = [1 << 10, 1 << 14];
 
 impl Plan {
     pub(crate) fn new(args: &BenchArgs) -> Result<Self, UsageError> {
         let meshes: Vec<usize> = match &args.meshes {
             None if args.quick => QUICK_MESHES.into(),
             None => MESHES.into(),
-            Some(faces) => faces
-                .iter()
-                .filter_map(|faces| match faces {
-                    Faces::None => None,
-                    Faces::Count(count) => Some(*count),
-                })
-                .collect(),
+            Some(faces) => Number::counts(faces),
         };
         let scene_faces = match args.scene_faces {
             Some(faces) => faces as usize,
@@ -63,7 +66,8 @@ impl Plan {
         let lights_of_scenes = given.unwrap_or_else(|| vec![8]);
         let mut subjects: Vec<_> =
             meshes.into_iter().map(|faces| (BenchMesh::Torus(faces), lights_of_meshes.clone())).collect();
-        for name in scenes(args)? {
+        let Scenes { stress, casters } = Scenes::new(args)?;
+        for name in stress {
             subjects.push((BenchMesh::Scene(name, scene_faces), lights_of_scenes.clone()));
         }
         let (most, seconds) = if args.quick { (9, 0.4) } else { (21, 5.0) };
@@ -77,10 +81,14 @@ impl Plan {
         // A round draws whole paths.
         let rounds_of_paths = Rounds { least: most.min(3), ..rounds };
         let shadows = ShadowPlan { models, frames, size, rounds: rounds_of_paths };
-        if subjects.is_empty() && shadows.rows() == 0 {
+        // The CPU records no scenes either.
+        let numbers = if draws { casters } else { Vec::new() };
+        let one_mesh = if args.quick { QUICK_ONE_CASTER.into() } else { ONE_CASTER.into() };
+        let casters = CastersPlan { numbers, one_mesh, size, rounds };
+        if subjects.is_empty() && shadows.rows() == 0 && casters.rows() == 0 {
             return Err(UsageError::NothingToMeasure);
         }
-        Ok(Self { subjects, rounds, shadows })
+        Ok(Self { subjects, rounds, shadows, casters })
     }
 
     /// How many rows of extraction that makes.
@@ -89,20 +97,48 @@ impl Plan {
     }
 }
 
-fn scenes(args: &BenchArgs) -> Result<Vec<&'static str>, UsageError> {
-    let Some(wanted) = &args.scenes else {
-        return Ok(if args.quick { QUICK_SCENES.into() } else { stress::names().collect() });
-    };
-    match wanted.as_slice() {
-        [one] if one == "all" => Ok(stress::names().collect()),
-        [one] if one == "none" => Ok(Vec::new()),
-        wanted => {
-            let known = |wanted: &String| stress::names().find(|name| name == wanted);
-            let unknown = |wanted: &String| UsageError::Scene {
-                wanted: wanted.clone(),
-                there: stress::names().collect::<Vec<_>>().join(", "),
-            };
-            wanted.iter().map(|wanted| known(wanted).ok_or_else(|| unknown(wanted))).collect()
+/// What `--scenes` and `--casters` ask for.
+struct Scenes {
+    /// Names of stress scenes.
+    stress: Vec<&'static str>,
+    /// Numbers of casters.
+    casters: Vec<usize>,
+}
+
+impl Scenes {
+    fn new(args: &BenchArgs) -> Result<Self, UsageError> {
+        let (stress, has_casters) = Self::named(args)?;
+        let casters = match &args.casters {
+            Some(numbers) => Number::counts(numbers),
+            None if args.quick => QUICK_NUMBERS_OF_CASTERS.into(),
+            None => NUMBERS_OF_CASTERS.into(),
+        };
+        match (has_casters, &args.casters) {
+            (true, _) => Ok(Self { stress, casters }),
+            (false, Some(_)) if !casters.is_empty() => Err(UsageError::CastersWithoutScene),
+            _ => Ok(Self { stress, casters: Vec::new() }),
+        }
+    }
+
+    /// The stress scenes of `--scenes`, and whether scenes of many casters are among the names.
+    fn named(args: &BenchArgs) -> Result<(Vec<&'static str>, bool), UsageError> {
+        let Some(wanted) = &args.scenes else {
+            return Ok((if args.quick { QUICK_SCENES.into() } else { stress::names().collect() }, true));
+        };
+        match wanted.as_slice() {
+            [one] if one == "all" => Ok((stress::names().collect(), true)),
+            [one] if one == "none" => Ok((Vec::new(), false)),
+            wanted => {
+                let known = |wanted: &String| stress::names().find(|name| name == wanted);
+                let unknown = |wanted: &String| UsageError::Scene {
+                    wanted: wanted.clone(),
+                    there: stress::names().chain([CASTERS]).collect::<Vec<_>>().join(", "),
+                };
+                let stress = wanted.iter().filter(|name| *name != CASTERS);
+                let stress =
+                    stress.map(|wanted| known(wanted).ok_or_else(|| unknown(wanted))).collect::<Result<_, _>>()?;
+                Ok((stress, wanted.iter().any(|name| name == CASTERS)))
+            }
         }
     }
 }

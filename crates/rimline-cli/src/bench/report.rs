@@ -139,5 +139,6 @@ fn page(results: &Results) -> Page {
 fn sections(results: &Results) -> Vec<Section> {
     let extraction = (!results.rows.is_empty()).then(|| figures::extraction(results));
     let shadows = results.shadows.as_ref().filter(|shadows| !shadows.rows.is_empty()).map(figures::shadows);
-    extraction.into_iter().chain(shadows).collect()
+    let casters = results.casters.as_ref().filter(|casters| casters.rows_done() > 0).map(figures::casters);
+    extraction.into_iter().chain(shadows).chain(casters).collect()
 }

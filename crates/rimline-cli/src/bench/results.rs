@@ -3,6 +3,7 @@
 use rimline_measure::error_metrics::Score;
 use serde_json::{Value, json};
 
+use super::casters::results::CastersResults;
 use super::machine::{Adapter, Machine};
 use super::measure::{Sample, Summary};
 use super::method::{CONTESTANTS, Contestant};
@@ -19,6 +20,8 @@ pub(crate) struct Results {
     pub(crate) planned_rows: usize,
     /// `None` where none were asked for.
     pub(crate) shadows: Option<ShadowResults>,
+    /// `None` where none were asked for.
+    pub(crate) casters: Option<CastersResults>,
 }
 
 /// A mesh that was measured.
@@ -56,14 +59,16 @@ impl Results {
         self.rows_done() == 0
     }
 
-    /// Rows measured, of extraction and of shadows.
+    /// Rows measured, of extraction, of shadows and of scenes of many casters.
     pub(crate) fn rows_done(&self) -> usize {
-        self.rows.len() + self.shadows.as_ref().map_or(0, |shadows| shadows.rows.len())
+        let shadows = self.shadows.as_ref().map_or(0, |shadows| shadows.rows.len());
+        self.rows.len() + shadows + self.casters.as_ref().map_or(0, CastersResults::rows_done)
     }
 
     /// Rows that there would be, had nothing stopped the run.
     pub(crate) fn rows_planned(&self) -> usize {
-        self.planned_rows + self.shadows.as_ref().map_or(0, |shadows| shadows.planned_rows)
+        let shadows = self.shadows.as_ref().map_or(0, |shadows| shadows.planned_rows);
+        self.planned_rows + shadows + self.casters.as_ref().map_or(0, |casters| casters.planned_rows)
     }
 
     pub(crate) fn is_complete(&self) -> bool {
@@ -98,6 +103,7 @@ impl Results {
                 "rows": self.rows.iter().map(Row::json).collect::<Vec<_>>(),
             },
             "shadows": self.shadows.as_ref().map(ShadowResults::json),
+            "casters": self.casters.as_ref().map(CastersResults::json),
         })
     }
 

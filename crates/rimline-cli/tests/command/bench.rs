@@ -11,6 +11,7 @@ use super::{Outcome, Test, ensure, plot_labels};
 pub(crate) const TESTS: &[Test] = &[
     ("bench::report_and_data_are_as_described", report),
     ("bench::one_device_and_many_lights", on_the_cpu),
+    ("bench::scenes_of_many_casters", many_casters),
     ("bench::the_schema_is_printed", schema_is_printed),
     ("bench::wrong_options_write_nothing", wrong_options),
     #[cfg(unix)]
@@ -48,8 +49,10 @@ fn check_data(data: &Value) -> Outcome {
     }
     let rows = extraction["rows"].as_array().map_or(0, Vec::len) as u64;
     let shadow_rows = check_shadows(&data["shadows"])?;
+    let caster_rows = check_casters(&data["casters"])?;
     let planned = |part: &str| data[part]["planned_rows"].as_u64().unwrap_or(0);
-    let is_complete = planned("extraction") + planned("shadows") == rows + shadow_rows;
+    let is_complete =
+        ["extraction", "shadows", "casters"].map(planned).iter().sum::<u64>() == rows + shadow_rows + caster_rows;
     ensure!(data["complete"].as_bool() == Some(is_complete), "{rows} rows, complete: {}", data["complete"]);
     ensure!(data["date"].as_str().is_some_and(|date| date.len() == 20 && date.ends_with('Z')), "{}", data["date"]);
     Ok(())
@@ -71,6 +74,42 @@ fn check_shadows(shadows: &Value) -> Result<u64, String> {
         }
     }
     Ok(rows.len() as u64)
+}
+
+/// No light has other silhouettes in a scene than in the merged mesh, and each scene has what its size asks for; returns
+/// the number of rows.
+fn check_casters(casters: &Value) -> Result<u64, String> {
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let (rows, one_mesh) = (list(&casters["rows"]), list(&casters["one_mesh"]));
+    for row in &rows {
+        let number = row["casters"].as_u64().unwrap_or(0);
+        let methods = [
+            "scene-still",
+            "scene-1-percent-moved",
+            "scene-all-moved",
+            "scene-light-moved",
+            "scene-new-caster",
+            "extractors",
+        ];
+        let methods = &methods[..if number > 100 { 5 } else { 6 }];
+        ensure!(list(&row["recording"]).iter().map(|recorded| &recorded["method"]).eq(methods), "methods of {row}");
+        let timed = ["extraction", "stages", "draws", "frame"];
+        ensure!(parts(&row["gpu"]) == timed[..if number > 1000 { 2 } else { 4 }], "parts of {row}");
+    }
+    for row in &one_mesh {
+        ensure!(parts(&row["gpu"]) == ["extraction"], "parts of {row}");
+    }
+    for row in rows.iter().chain(&one_mesh) {
+        let edges: Vec<u64> = list(&row["silhouette_edges"]).iter().filter_map(Value::as_u64).collect();
+        ensure!(casters["lights"] == edges.len() && edges.iter().all(|&edges| edges > 0), "silhouettes of {row}");
+        ensure!(row["wrong_lights"] == 0, "lights of {row} differ");
+    }
+    Ok((rows.len() + one_mesh.len()) as u64)
+}
+
+/// The parts of a frame that are timed.
+fn parts(gpu: &Value) -> Vec<&str> {
+    gpu.as_array().into_iter().flatten().filter_map(|part| part["part"].as_str()).collect()
 }
 
 /// Wrong pixels of a method's frames on one path.
@@ -212,6 +251,52 @@ fn on_the_cpu() -> Outcome {
     Ok(())
 }
 
+fn many_casters() -> Outcome {
+    let folder = folder();
+    let (report, json) = (folder.path().join("report"), folder.path().join("data.json"));
+    let line = "bench --scene casters --casters 1,3 --meshes none --frames 0 --rounds 1 --quick";
+    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    run.expect(0, &["6/6"])?;
+    ensure!(run.stdout.contains("scene of 3 figures") && run.stdout.contains("whole frame"), "{}", run.stdout);
+    let data = read_json(&json)?;
+    check_data(&data)?;
+    ensure!(data["complete"] == true && data["extraction"]["planned_rows"] == 0, "more was measured");
+    let rows = |list: &str, keys: [&str; 2]| -> Vec<[Value; 2]> {
+        let rows = data["casters"][list].as_array().into_iter().flatten();
+        rows.map(|row| keys.map(|key| row[key].clone())).collect()
+    };
+    let expected = [("box", 1), ("box", 3), ("figure", 1), ("figure", 3)]
+        .map(|(mesh, casters)| [Value::from(mesh), Value::from(casters)]);
+    ensure!(rows("rows", ["mesh", "casters"]) == expected, "{}", data["casters"]["rows"]);
+    ensure!(
+        rows("one_mesh", ["faces", "wrong_lights"]) == [1024, 16384].map(|faces| [faces, 0].map(Value::from)),
+        "one mesh"
+    );
+    // A convex box has a silhouette of four or six edges, but for lights in the planes of its faces.
+    let edges = data["casters"]["rows"][1]["silhouette_edges"].as_array().ok_or("no silhouettes")?;
+    ensure!(edges.iter().all(|edges| (12..=18).contains(&edges.as_u64().unwrap_or(0))), "{edges:?}");
+    let html = check_report(&report)?;
+    ensure!(html.contains("of 30 pairs of scene and light, 0 differ"), "the page does not say how many lights differ");
+
+    // Negative controls of the checks above.
+    let wrong_values = [
+        ("/casters/rows/1/wrong_lights", 1.into()),
+        ("/casters/rows/0/recording/0/cpu_ms/median", "fast".into()),
+        ("/casters/rows/2/recording/5/method", "scene-still".into()),
+        ("/casters/rows/2/gpu", Value::Null),
+        ("/casters/rows/3/silhouette_edges/4", 0.into()),
+        ("/casters/one_mesh/0/gpu/0/part", "frame".into()),
+        ("/casters/planned_rows", 7.into()),
+    ];
+    for (pointer, wrong) in wrong_values {
+        let mut other = data.clone();
+        *other.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
+        ensure!(check_data(&other).is_err(), "a wrong {pointer} passed");
+    }
+    Ok(())
+}
+
 fn schema_is_printed() -> Outcome {
     let run = rimline(["bench", "--schema"]);
     ensure!(run.json()? == schema()?, "another schema than the repository's");
@@ -223,8 +308,14 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
+        ("--scenes casters,nowhere", "touching-boxes, casters, `all`"),
         ("--meshes none --scenes none --frames 0", "--meshes"),
         ("--meshes none --scenes none --device cpu", "--meshes"),
+        ("--meshes none --scene casters --frames 0 --casters none", "--meshes"),
+        ("--meshes none --scene casters --frames 0 --device cpu", "--meshes"),
+        ("--scenes plate-third --casters 3", "add `casters` to --scenes"),
+        ("--casters 0", "--casters"),
+        ("--casters 100001", "100,000"),
         ("--meshes 0", "--meshes"),
         ("--meshes 12x", "12x"),
         ("--lights 1025", "1025"),

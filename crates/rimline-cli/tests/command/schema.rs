@@ -116,9 +116,22 @@ fn bench_negative() -> Outcome {
         "wrong_facing_bits": 0, "wrong_silhouette_bits": 0, "unclosed_vertices": 0, "undecided_pairs": 7,
     });
     let row = json!({ "subject": "torus-4", "lights": 1, "facing_bits": 4, "silhouette_bits": 6, "results": [result] });
+    let mut part = json!({ "part": "extraction", "scene_ms": summary, "merged_ms": summary, "ratio": null });
+    let scene = json!({
+        "mesh": "box", "faces": 12, "casters": 3, "scene_bytes": 4800, "scene_bytes_per_caster": 1600.0,
+        "scene_device_bytes": 9000, "extractors_device_bytes": null, "gpu": [part], "silhouette_edges": [12, 14],
+        "wrong_lights": 0,
+        "recording": [{ "method": "scene-still", "cpu_ms": summary, "cpu_ms_of_rounds": [1.0, 2.0, 3.0] }],
+    });
+    let merged = part.as_object_mut().and_then(|part| part.remove("merged_ms"));
+    part["extractor_ms"] = merged.ok_or("no merged mesh")?;
+    part["ratio"] = summary.clone();
+    let one_mesh = json!({ "faces": 1024, "gpu": [part], "silhouette_edges": [60, 70], "wrong_lights": 0 });
+    let casters = json!({ "planned_rows": 2, "lights": 2, "size": 256, "rows": [scene], "one_mesh": [one_mesh] });
     let data = json!({
         "format": "rimline-bench", "version": 1, "complete": true, "rimline": "0.1.0", "date": "2026-01-02T03:04:05Z",
         "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true }, "adapter": null, "shadows": null,
+        "casters": casters,
         "extraction": { "planned_rows": 1, "methods": [], "subjects": [], "rows": [row] },
     });
     validate(&schema, &data)?;
@@ -131,12 +144,23 @@ fn bench_negative() -> Outcome {
         ("/extraction/rows/0/results/0/stages/0/ms", json!(-1.0)),
         ("/extraction/rows/0/results/0/ratios/0/to", json!(3)),
         ("/extraction/rows/0/results/0/ratios/0/runs", json!(null)),
+        ("/casters/lights", json!(0)),
+        ("/casters/rows/0/mesh", json!("sphere")),
+        ("/casters/rows/0/recording/0/method", json!("other")),
+        ("/casters/rows/0/recording/0/cpu_ms", json!(null)),
+        ("/casters/rows/0/scene_device_bytes", json!(-1)),
+        ("/casters/rows/0/gpu/0/part", json!("light")),
+        ("/casters/rows/0/gpu/0/ratio", json!(1.2)),
+        ("/casters/rows/0/silhouette_edges/0", json!(0.5)),
+        ("/casters/one_mesh/0/gpu", json!(null)),
+        ("/casters/one_mesh/0/wrong_lights", json!("none")),
     ] {
         let mut changed = data.clone();
         *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
         ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
     }
-    for place in ["", "/machine", "/extraction/rows/0", "/extraction/rows/0/results/0/ratios/0"] {
+    let places = ["", "/machine", "/extraction/rows/0", "/extraction/rows/0/results/0/ratios/0"];
+    for place in places.into_iter().chain(["/casters", "/casters/rows/0/gpu/0", "/casters/one_mesh/0"]) {
         let mut changed = data.clone();
         changed.pointer_mut(place).ok_or("nothing is there")?["unheard_of"] = json!(0);
         ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{place}`");
