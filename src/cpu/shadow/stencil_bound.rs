@@ -14,7 +14,7 @@ pub fn stencil_bound(row: &[u32]) -> u32 {
     });
     let most = sums.max().unwrap_or(0);
     match *others {
-        [_, met, all, ..] => all.min((most + 1) / 2 + met),
+        [_, met, all, ..] => all.min(most.div_ceil(2) + met),
         _ => 0,
     }
 }

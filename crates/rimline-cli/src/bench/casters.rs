@@ -160,6 +160,9 @@ fn taken(before: Option<u64>, after: Option<u64>) -> Option<u64> {
     Some(after?.saturating_sub(before?))
 }
 
+/// Recording times of each change in ms.
+type Recorded = Vec<(Change, Vec<f64>)>;
+
 /// CPU times of recording. `None` where Ctrl-C came first.
 fn record(
     rounds: Rounds,
@@ -168,7 +171,7 @@ fn record(
     handles: &[CasterHandle],
     scene: SceneRecorder,
     extractors: Option<MeshRecorders>,
-) -> Result<Option<Vec<(Change, Vec<f64>)>>, Failure> {
+) -> Result<Option<Recorded>, Failure> {
     let (lights, mesh) = (scene.lights().to_vec(), scene.mesh());
     let scene = RefCell::new(scene);
     let casters = handles.len();

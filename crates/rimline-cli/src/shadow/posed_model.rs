@@ -2,7 +2,7 @@
 
 use rimline::mesh::MAX_FACES;
 use rimline::reference::cpu::is_finite;
-use rimline::{Displacement, Geometry, Mesh, MeshError, wgpu};
+use rimline::{Displacement, Geometry, InstancePose, Mesh, MeshError, wgpu};
 
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -85,7 +85,8 @@ impl<'a> PosedModel<'a> {
             Shape::World(_) => None,
             Shape::Posed { pose, .. } => Some(pose.instances()),
         };
-        let is_turned = |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(|at| at.faces_turned());
+        let is_turned =
+            |instance: usize| pose.and_then(|pose| pose.get(instance)).is_some_and(InstancePose::faces_turned);
         let instances = self.input.model().instances().iter().enumerate();
         instances
             .map(|(number, instance)| Topology { geometry: instance.geometry(), is_turned: is_turned(number) })

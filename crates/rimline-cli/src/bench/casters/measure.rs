@@ -37,6 +37,9 @@ pub(crate) struct DrawTimes {
     pub(crate) frame_ms: f64,
 }
 
+/// The milliseconds of each stage, and from the first stage's beginning to the last one's end.
+type Timestamps = (Vec<(&'static str, f64)>, f64);
+
 /// Records frames and runs them on one device.
 ///
 /// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
@@ -152,7 +155,7 @@ impl<'a> Stopwatch<'a> {
     }
 
     /// Times of the stages and their span. `None` without a timer, and from the first timestamps on that mean nothing.
-    fn read(&mut self) -> Result<Option<(Vec<(&'static str, f64)>, f64)>, Failure> {
+    fn read(&mut self) -> Result<Option<Timestamps>, Failure> {
         let Some(timer) = &self.timer else { return Ok(None) };
         let Gpu { device, queue, .. } = self.gpu;
         match timer.read(device, queue).and_then(|stages| Ok((stages, timer.read_span(device, queue)?))) {

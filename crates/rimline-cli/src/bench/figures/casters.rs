@@ -1,7 +1,7 @@
 //! The report's section on scenes of many casters.
 
 use super::super::casters::field::{CasterMesh, LIGHTS};
-use super::super::casters::results::{CastersResults, CastersRow, Change, PARTS, Part};
+use super::super::casters::results::{CastersResults, CastersRow, Change, OneMeshRow, PARTS, Part};
 use super::super::measure::Summary;
 use super::super::text::{figures, grouped, tick};
 use crate::chart::{Axis, Chart, Curve, Plane, Point, Scale};
@@ -19,7 +19,7 @@ const SHOWN: [Change; 4] = [Change::Still, Change::OneInHundred, Change::All, Ch
 pub(in super::super) fn casters(results: &CastersResults) -> Section {
     let size = results.size;
     let wrong: usize = results.rows.iter().map(CastersRow::wrong_lights).sum::<usize>()
-        + results.one_mesh.iter().map(|row| row.wrong_lights()).sum::<usize>();
+        + results.one_mesh.iter().map(OneMeshRow::wrong_lights).sum::<usize>();
     let rows = results.rows_done();
     Section {
         title: "Scenes of many casters".to_owned(),
