@@ -121,6 +121,29 @@ impl Model {
     }
 }
 
+fn light(random: &mut Random, number: usize) -> Light {
+    match number % 4 {
+        0 => Light::directional(random.direction()),
+        // Among the casters.
+        3 => Light::point(random.direction().map(|c| 25.0 * c)),
+        _ => Light::point(random.direction().map(|c| 75.0 * c)),
+    }
+}
+
+fn camera(random: &mut Random) -> ShadowCamera {
+    let place = DVec3::from(random.direction().map(|c| f64::from(30.0 * c)));
+    let eye = Eye {
+        place,
+        forward: -place,
+        near: 0.1,
+        is_relative: true,
+        depth: rimline::DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    eye.camera()
+}
+
 fn thousands() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 301;
@@ -144,32 +167,11 @@ fn thousands() -> Result<(), String> {
         let model = usize::from(number % 5 == 0);
         casters.push((model, rows, scene.insert(Caster::rigid(meshes[model], rows)).map_err(text)?));
     }
-    let lights: Vec<Light> = (0..LIGHTS)
-        .map(|number| match number % 4 {
-            0 => Light::directional(random.direction()),
-            // Among the casters.
-            3 => Light::point(random.direction().map(|c| 25.0 * c)),
-            _ => Light::point(random.direction().map(|c| 75.0 * c)),
-        })
-        .collect();
+    let lights: Vec<Light> = (0..LIGHTS).map(|number| light(&mut random, number)).collect();
     for &light in &lights {
         scene.add_light(light).map_err(text)?;
     }
-    let cameras: Vec<ShadowCamera> = (0..3)
-        .map(|_| {
-            let place = DVec3::from(random.direction().map(|c| f64::from(30.0 * c)));
-            let eye = Eye {
-                place,
-                forward: -place,
-                near: 0.1,
-                is_relative: true,
-                depth: rimline::DepthDirection::Reversed,
-                far: None,
-                half_width: None,
-            };
-            eye.camera()
-        })
-        .collect();
+    let cameras = [(); 3].map(|()| camera(&mut random));
     let frame = gpu.submit(|encoder| scene.encode(encoder, &cameras, None).map_err(text))?;
     let results = frame.results().map_err(text)?;
     let draws: Vec<ShadowDraws> = gpu.read(&results.shadow_draws[0], 3 * LIGHTS)?;

@@ -308,7 +308,7 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
-        ("--scenes casters,nowhere", "touching-boxes, casters, `all`"),
+        ("--scenes casters,nowhere", "three-sheets, casters, `all` and `none`"),
         ("--meshes none --scenes none --frames 0", "--meshes"),
         ("--meshes none --scenes none --device cpu", "--meshes"),
         ("--meshes none --scene casters --frames 0 --casters none", "--meshes"),

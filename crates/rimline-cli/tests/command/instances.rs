@@ -136,9 +136,10 @@ fn crowd() -> Outcome {
     for method in ["auto", "z-fail"] {
         let (json, found) = masks(nodes().collect(), method)?;
         ensure!(found.iter().all(Vec::is_empty), "{method}: wrong at {found:?}");
-        // Casters of both groups are counted: a cube's silhouette from there is its top and one side.
+        // Casters of both groups are counted: a cube's silhouette from there is around its top and one side, and the shortest
+        // way around a sphere has four edges for each of its subdivisions.
         let edges = |light: usize| json["lights"][light]["casters"][0]["silhouette_edges"].as_u64().unwrap_or(0);
-        ensure!(edges(0) == edges(32) && edges(0) > 6 * 298 + 2 * 4 * 46, "{method}: {} and {}", edges(0), edges(32));
+        ensure!(edges(0) == edges(32) && edges(0) >= 6 * 298 + 2 * 4 * 46, "{method}: {} and {}", edges(0), edges(32));
         let casters = &json["lights"][32]["casters"][0];
         ensure!(casters["casting"] == "averted" && json["faces"][0] == 12 * 298 + 8 * 46 * 46 * 2, "{casters}");
     }
@@ -149,15 +150,29 @@ fn crowd() -> Outcome {
     Ok(())
 }
 
+/// Small cubes at the corners of a box that holds all that moves, and its shadows. The ground ends where the shadows of all
+/// moments end, so the box lets a film and its moments have the same ground.
+fn corners() -> Shape {
+    let cube = shapes::cube();
+    let places = (0..8).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+    let moved = |[a, b, c]: [f32; 3]| {
+        cube.positions.iter().map(move |&[x, y, z]| [9.0 * a + 0.01 * x, 2.6 + 2.5 * b + 0.01 * y, 9.0 * c + 0.01 * z])
+    };
+    let faces = (0..8).flat_map(|corner| cube.faces.iter().map(move |face| face.map(|v| v + 8 * corner)));
+    Shape { positions: places.flat_map(moved).collect(), faces: faces.collect() }
+}
+
 /// Each picture of the film is that of its moment by itself.
 fn mirrored() -> Outcome {
     let folder = folder();
     // Off the middle, so that its mirror image is elsewhere.
     let mut shape = shapes::torus(24, 12, 1.0, 0.4);
     shape.positions.iter_mut().for_each(|position| position[0] = 0.7 * position[0] + 0.8);
-    let nodes = [json!({ "mesh": 0, "translation": [0, 1, 0] }), json!({ "mesh": 0, "translation": [4, 1, 0] })];
+    let at = |x: f64| json!({ "mesh": 0, "translation": [x, 1.0, 0.0] });
+    let nodes = [at(0.0), at(4.0), json!({ "mesh": 1 })];
     let scales = [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, -1.0]];
-    std::fs::write(folder.path().join("m.gltf"), gltf(&[shape], &nodes, &scales)).map_err(|error| error.to_string())?;
+    std::fs::write(folder.path().join("m.gltf"), gltf(&[shape, corners()], &nodes, &scales))
+        .map_err(|error| error.to_string())?;
     let light = "--light dir:1,2,1 --light point:2,6,3";
     let view = "--ground 0 --eye 2,5,9 --target 2,1,0 --near 1 --size 96x72 --animation 0";
     for options in ["", "--volumes", "--method zp+paper", "--area disc --samples 2"] {
