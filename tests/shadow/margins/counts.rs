@@ -325,3 +325,38 @@ fn bounds_hold_for_lights_among_casters() -> Result<(), String> {
         Err("no pile is deep, or bounds are loose".to_owned())
     }
 }
+
+/// Piles in opposite directions cross no half plane together, also where one of them lies across the half plane that the
+/// bins begin at.
+#[test]
+fn opposite_piles_do_not_add_up() -> Result<(), String> {
+    let light = Light::point([0.0; 3]);
+    for (along, others) in [
+        (DVec3::Z, None),
+        // These lie on the axis that is taken if nothing lies on any.
+        (DVec3::X, Some(DVec3::Y)),
+        (DVec3::Y, Some(DVec3::Z)),
+    ] {
+        let cube = |middle: DVec3| {
+            let cube = shapes::cube();
+            let placed = |p: &[f32; 3]| (middle + 0.05 * DVec3::from(p.map(f64::from))).as_vec3().to_array();
+            let shape = Shape { positions: cube.positions.iter().map(placed).collect(), faces: cube.faces };
+            Case::new(shape, light, CAST_EVERY).casting()
+        };
+        let pile = |direction: DVec3, cubes: u32| (1..=cubes).map(move |step| cube(direction * f64::from(step)));
+        let others = || others.into_iter().map(|direction| cube(direction * 3.0));
+        let bound = |ahead: u32, behind: u32| {
+            let casters = pile(along, ahead).chain(pile(-along, behind)).chain(others());
+            cpu::bound_casters(light.to_array(), casters.collect())
+        };
+        // The light is always between two casters, so that the half planes are the same.
+        let (one, other, both) = (bound(40, 1), bound(1, 40), bound(40, 40));
+        println!("along {along}: {one} and {other}, together {both}");
+        let sharp = |both: u32| {
+            if 4 * both <= 5 * one.max(other) { Ok(()) } else { Err(format!("{along}: {both}")) }
+        };
+        sharp(both)?;
+        must_fail("the sum", &sharp(one + other))?;
+    }
+    Ok(())
+}

@@ -79,7 +79,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "stencil bound: a third of the weights instead of half",
         changes: &[
             ("wgsl/shadow/stencil_bound.wgsl", "(most + 1u) / 2u", "(most + 2u) / 3u"),
-            ("src/cpu/shadow/stencil_bound.rs", "(most + 1) / 2", "(most + 2) / 3"),
+            ("src/cpu/shadow/stencil_bound.rs", "most.div_ceil(2)", "most.div_ceil(3)"),
         ],
         tests: MARGINS,
     },
@@ -103,7 +103,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "stencil pencil: casters that the axis meets count nowhere",
         changes: &[
             ("wgsl/shadow/stencil_bound.wgsl", "(most + 1u) / 2u + crossings[row + MET_FACES]", "(most + 1u) / 2u"),
-            ("src/cpu/shadow/stencil_bound.rs", "all.min((most + 1) / 2 + met)", "all.min((most + 1) / 2 + 0 * met)"),
+            (
+                "src/cpu/shadow/stencil_bound.rs",
+                "all.min(most.div_ceil(2) + met)",
+                "all.min(most.div_ceil(2) + 0 * met)",
+            ),
         ],
         tests: MARGINS,
     },
