@@ -144,6 +144,13 @@ fn camera(random: &mut Random) -> ShadowCamera {
     eye.camera()
 }
 
+fn placement(random: &mut Random) -> Matrix3x4 {
+    let [x, y, z] = random.direction().map(f64::from);
+    let turn = DQuat::from_axis_angle(DVec3::new(x, y, z).normalize(), f64::from(random.between(0.0, 6.0)));
+    let place = [(); 3].map(|()| random.between(-40.0, 40.0));
+    rows(turn, f64::from(random.between(0.2, 1.5)), place)
+}
+
 fn thousands() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 301;
@@ -160,10 +167,7 @@ fn thousands() -> Result<(), String> {
     }
     let mut casters = Vec::new();
     for number in 0..CASTERS {
-        let [x, y, z] = random.direction().map(f64::from);
-        let turn = DQuat::from_axis_angle(DVec3::new(x, y, z).normalize(), f64::from(random.between(0.0, 6.0)));
-        let place = [(); 3].map(|()| random.between(-40.0, 40.0));
-        let rows = rows(turn, f64::from(random.between(0.2, 1.5)), place);
+        let rows = placement(&mut random);
         let model = usize::from(number % 5 == 0);
         casters.push((model, rows, scene.insert(Caster::rigid(meshes[model], rows)).map_err(text)?));
     }

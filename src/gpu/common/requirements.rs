@@ -120,7 +120,7 @@ pub(crate) const AT_LEAST: [Need; 17] = [
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_y, [1; 4]),
     need!(max_compute_workgroup_size_z, [1; 4]),
-    need!(max_compute_workgroup_storage_size, [1024, 2064, 1024, 0]),
+    need!(max_compute_workgroup_storage_size, [1024, 48, 1024, 0]),
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
     need!(max_uniform_buffers_per_shader_stage, [2, 2, 3, 1]),
     need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 10, 11, 7]),
@@ -129,7 +129,7 @@ pub(crate) const AT_LEAST: [Need; 17] = [
     need!(max_bind_groups, [1, 2, 1, 1]),
     need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),
     need!(max_bindings_per_bind_group, [10, 10, 11, 7]),
-    need!(max_uniform_buffer_binding_size, [1184, 80, 1184, 32]),
+    need!(max_uniform_buffer_binding_size, [1184, 80, 1184, 16]),
     need!(max_storage_buffer_binding_size, [260, 512, 448, 256]),
     need!(max_buffer_size, [1184, 512, 1184, 256]),
 ];
