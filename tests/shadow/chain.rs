@@ -233,7 +233,7 @@ fn chain() -> Result<(), String> {
             let what = format!("{counting:?}, {name}");
             let found = rounded_alike(chosen(gpu, &volumes, LIGHTS)?, &twins.lights);
             same(&format!("{what}, lights"), &found, &twins.lights)?;
-            let found: Vec<ShadowDraws> = gpu.read(volumes.draw_arguments(), LIGHTS + 10)?;
+            let found: Vec<ShadowDraws> = gpu.read(&volumes.draw_arguments()[0], LIGHTS + 10)?;
             same(&format!("{what}, draws"), &found[..LIGHTS], &twins.draws)?;
             same(&format!("{what}, lights not in use"), &found[LIGHTS..], &[bytemuck::Zeroable::zeroed(); 10])?;
             let found: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
@@ -297,7 +297,11 @@ fn again() -> Result<(), String> {
                 })?;
                 let statistics: Vec<ShadowStatistics> = gpu.read(volumes.statistics(), 1)?;
                 // Lights of an earlier frame are never drawn; what was chosen for them stays.
-                Ok((chosen(gpu, volumes, lights.len())?, gpu.read(volumes.draw_arguments(), LIGHTS)?, statistics[0]))
+                Ok((
+                    chosen(gpu, volumes, lights.len())?,
+                    gpu.read(&volumes.draw_arguments()[0], LIGHTS)?,
+                    statistics[0],
+                ))
             };
             let mut used = make()?;
             let mut last: Option<Prepared> = None;

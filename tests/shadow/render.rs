@@ -192,7 +192,7 @@ impl<'a> Renderer<'a> {
         let mut counted = Counted { stencils, chosen: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
         for (volumes, ..) in &casters {
             counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
-            counted.draws.push(gpu.read(volumes.draw_arguments(), frame.lights.len())?);
+            counted.draws.push(gpu.read(&volumes.draw_arguments()[0], frame.lights.len())?);
             counted.statistics.extend(gpu.read::<ShadowStatistics>(volumes.statistics(), 1)?);
         }
         if let Some(together) = &together {

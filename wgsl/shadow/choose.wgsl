@@ -178,8 +178,8 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   let own = box_of(caster);
   let is_excluding = (flags & EXCLUDING) != 0u;
   let entry = view_number * shape.lights + number;
-  // A view that is not used is all zeros.
-  if (MANY && seen[entry].view.near_w == 0.0) {
+  // A view that is not used is all zeros, and so are numbers without a light where a caster has all lights.
+  if (seen[entry].view.near_w == 0.0) {
     return;
   }
   let view = view_of(caster, seen[entry].view);

@@ -85,11 +85,17 @@ impl Pass {
         }
     }
 
-    /// Records all dispatches of several passes. Without a timer they share one compute pass, which costs less.
-    pub(crate) fn record_all(passes: &[Self], encoder: &mut wgpu::CommandEncoder, timer: Option<&mut StageTimer>) {
+    /// Records the dispatches of the batches `words` of several passes. Without a timer they share one compute pass, which
+    /// costs less.
+    pub(crate) fn record_all(
+        passes: &[Self],
+        encoder: &mut wgpu::CommandEncoder,
+        batches: Range<usize>,
+        timer: Option<&mut StageTimer>,
+    ) {
         if let Some(timer) = timer {
             for pass in passes {
-                pass.record_with(encoder, |_| true, Some(&mut *timer), None);
+                pass.record(encoder, batches.clone(), Some(&mut *timer));
             }
             return;
         }
@@ -97,7 +103,8 @@ impl Pass {
         let mut shared = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
         for pass in passes {
             shared.set_pipeline(&pass.pipeline.compute);
-            pass.dispatches.iter().for_each(|dispatch| dispatch.record(&mut shared));
+            let recorded = pass.dispatches.iter().filter(|dispatch| batches.contains(&dispatch.batch));
+            recorded.for_each(|dispatch| dispatch.record(&mut shared));
         }
     }
 

@@ -27,7 +27,6 @@ pub struct SceneFrame {
     pub(crate) volumes: Option<Arc<Volumes>>,
     /// What pipelines must be, for each view.
     pub(crate) views: Arc<[Convention]>,
-    pub(crate) may_end: bool,
     pub(crate) count_batches: u32,
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
@@ -142,7 +141,7 @@ impl SceneFrame {
                 if count_batch > 0 {
                     pipelines.resolve(pass);
                 }
-                for draws in volumes.draws(count_batch as usize, view, light.bit as usize, self.may_end) {
+                for draws in volumes.draws(count_batch as usize, view, light.bit as usize) {
                     draws.draw(pass, &pipelines.volumes);
                 }
             }

@@ -16,5 +16,4 @@ pub(crate) mod sources;
 pub(crate) mod stages;
 pub(crate) mod structure;
 pub(crate) mod table;
-pub(crate) mod volume_buffers;
 pub(crate) mod volumes;

@@ -1,5 +1,6 @@
 //! Options of a scene.
 
+use crate::gpu::shadow::sizes::VolumeSettings;
 use crate::method::Predicate;
 use crate::shadow::Counting;
 
@@ -40,6 +41,24 @@ pub struct SceneOptions {
     pub cap_capacity: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,
+}
+
+impl SceneOptions {
+    /// What these say of volumes.
+    pub(crate) fn volumes(&self) -> VolumeSettings {
+        let Self { counting, skip_unseen, end_at_range, bound_counts, cap_capacity, memory_limit, .. } = *self;
+        let count_batches = self.count_batches.max(1);
+        VolumeSettings {
+            counting,
+            averted: true,
+            skip_unseen,
+            end_at_range,
+            bound_counts,
+            count_batches,
+            cap_capacity,
+            memory_limit,
+        }
+    }
 }
 
 impl Default for SceneOptions {

@@ -323,26 +323,15 @@ impl Scene {
         }
         self.passes.record(&structure, encoder, timer.as_deref_mut());
         if let Some(volumes) = &volumes {
-            volumes.record(&structure, encoder, timer);
+            volumes.record(encoder, timer);
         }
         let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
         self.pages.reclaim(encode);
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
         let views = cameras.iter().map(|camera| self.convention(camera)).collect();
-        let (may_end, count_batches) = (self.options.end_at_range, self.options.count_batches.max(1));
+        let count_batches = self.options.count_batches.max(1);
         let device = self.pipelines.device().clone();
-        Ok(SceneFrame {
-            structure,
-            volumes,
-            views,
-            may_end,
-            count_batches,
-            device,
-            scene: self.id,
-            lights,
-            encodes,
-            encode,
-        })
+        Ok(SceneFrame { structure, volumes, views, count_batches, device, scene: self.id, lights, encodes, encode })
     }
 
     /// The cameras as stages see them.
@@ -383,7 +372,7 @@ impl Scene {
 
     /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
     fn seen(&self, volumes: &Volumes, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.seen_bytes() / size_of::<SeenLight>());
+        let mut seen = Vec::with_capacity(volumes.seen());
         for (camera, &view) in cameras.iter().zip(views) {
             for bit in 0..volumes.lights() as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
@@ -391,7 +380,7 @@ impl Scene {
                 seen.push(SeenLight { view, light, reserved: [[0; 4]; 15] });
             }
         }
-        seen.resize(volumes.seen_bytes() / size_of::<SeenLight>(), bytemuck::Zeroable::zeroed());
+        seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());
         seen
     }
 

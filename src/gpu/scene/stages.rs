@@ -60,7 +60,7 @@ impl Passes {
                 None => encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks)),
             }
         }
-        Pass::record_all(&self.0, encoder, timer);
+        Pass::record_all(&self.0, encoder, 0..structure.batches, timer);
     }
 }
 

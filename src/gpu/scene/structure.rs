@@ -10,7 +10,7 @@ use super::lights::Lights;
 use super::options::SceneOptions;
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
-use super::table::{Part, Table, choice_bytes};
+use super::table::{Part, Table};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
@@ -86,7 +86,7 @@ impl Structure {
             .collect();
         let (places, words) = work_places(&layout.groups, batches);
         let lit = (table.casters * batches) as u64;
-        let [_, choices] = choice_bytes(table.casters, batches, views, options.end_at_range);
+        let [_, choices] = options.volumes().choice_bytes(table.casters, 32 * batches, views);
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
             let limit = limits.binding;

@@ -3,7 +3,6 @@
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
-use crate::gpu::shadow::buffers::{CHOICES, MEASURES};
 use crate::layout::{CasterLights, ScaledLight, SceneCaster};
 use crate::light::Light;
 
@@ -31,13 +30,6 @@ pub(crate) struct Table {
     pub(crate) parts: Vec<Part>,
     pub(crate) casters: usize,
     pub(crate) batches: usize,
-}
-
-/// Bytes of the choices of all casters, and with their measures.
-pub(crate) fn choice_bytes(casters: usize, batches: usize, views: usize, has_measures: bool) -> [u64; 2] {
-    let choices = CHOICES * (casters * batches * views) as u64;
-    let measures = if has_measures { MEASURES * (32 * batches * views * casters) as u64 } else { 0 };
-    [choices, choices + measures.next_multiple_of(16)]
 }
 
 /// The slots of a caster.

@@ -1,187 +1,164 @@
-//! The buffers of shadow volumes and their sizes.
+//! The buffers of shadow volumes.
 
 use wgpu::BufferUsages;
 
-use super::options::ShadowOptions;
+use super::sizes::{Room, VolumeSizes};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
-use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::gpu::extract::buffers::Shape;
-use crate::gpu::extract::extraction;
-use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics, StencilPencil};
+use crate::layout::{SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
 
-/// The buffers that the stages and draws share. A `Vec` has one buffer for each batch of lights.
+/// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
-pub(super) struct Buffers {
-    pub(super) shape: wgpu::Buffer,
-    /// A [`ShadowDraw`] for each light.
-    pub(super) draw_lights: wgpu::Buffer,
-    /// A [`SeenLight`] for each light.
-    pub(super) seen: wgpu::Buffer,
-    /// The caster, then a copy of `choices`.
-    pub(super) table: wgpu::Buffer,
-    pub(super) faces: wgpu::Buffer,
-    pub(super) boxes: wgpu::Buffer,
-    /// Choices, then measures.
-    pub(super) choices: wgpu::Buffer,
-    pub(super) caps: Vec<wgpu::Buffer>,
-    pub(super) sides: Vec<wgpu::Buffer>,
-    pub(super) draws: wgpu::Buffer,
-    pub(super) statistics: wgpu::Buffer,
-    /// Only if the caller asks for a bound of counts.
-    pub(super) bound: Option<BoundBuffers>,
+pub(crate) struct Lists {
+    pub(crate) sides: wgpu::Buffer,
+    pub(crate) caps: wgpu::Buffer,
+    /// Bytes of the counts that each begins with.
+    counts: [u64; 2],
 }
 
 /// What bounds stencil counts.
 #[derive(Debug)]
 pub(crate) struct BoundBuffers {
-    /// A [`StencilPencil`] for each light.
+    /// A [`StencilPencil`](crate::layout::StencilPencil) for each view and light.
     pub(crate) pencils: wgpu::Buffer,
-    /// The sides that cross its half planes.
+    /// The sides that cross its half planes, for each batch of casters.
     pub(crate) crossings: wgpu::Buffer,
 }
 
-impl BoundBuffers {
-    /// Words of the row of a pencil.
-    const ROW: u64 = 1028;
-
-    /// What is wanted for so many lights, over all views, whose casters are counted in so many batches.
-    pub(crate) fn wanted(lights: u64, count_batches: u64) -> [(&'static str, u64); 2] {
-        [
-            ("stencil pencils", size_of::<StencilPencil>() as u64 * lights),
-            ("stencil crossings", 4 * Self::ROW * lights * count_batches),
-        ]
-    }
-
-    pub(crate) fn new(device: &wgpu::Device, lights: u64, count_batches: u64) -> Self {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
-        let [pencils, crossings] =
-            Self::wanted(lights, count_batches).map(|(label, bytes)| buffer(device, label, bytes, storage));
-        Self { pencils, crossings }
-    }
+/// The buffers that stages and draws share.
+#[derive(Debug)]
+pub(crate) struct VolumeBuffers {
+    pub(crate) sizes: VolumeSizes,
+    /// Uniforms: a [`ShadowShape`] for each group and batch.
+    pub(crate) shapes: wgpu::Buffer,
+    /// Uniforms: a [`ShadowDraw`] for each batch of casters, view and light.
+    pub(crate) draw_lights: wgpu::Buffer,
+    /// A [`SeenLight`] for each view and light.
+    pub(crate) seen: wgpu::Buffer,
+    pub(crate) boxes: wgpu::Buffer,
+    /// Choices, then measures.
+    pub(crate) choices: wgpu::Buffer,
+    /// Statistics that say that lights may lie in planes of faces.
+    pub(crate) any_zeros: wgpu::Buffer,
+    pub(crate) statistics: wgpu::Buffer,
+    /// For each group and batch one for each view.
+    pub(crate) lists: Vec<Vec<Lists>>,
+    /// For each group [`ShadowDraws`] for each view and light.
+    pub(crate) draws: Vec<wgpu::Buffer>,
+    /// If the caller asks for a bound of counts.
+    pub(crate) bound: Option<BoundBuffers>,
 }
 
-/// Entries of the lists of each light.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Capacities {
-    /// Of both lists of sides together.
-    pub(super) sides: u32,
-    /// Of both lists of near caps together.
-    pub(super) near: u32,
-    /// Of both lists of other caps together.
-    pub(super) far: u32,
-}
-
-/// Bytes before the lists of sides of a batch: two counts for each light.
-pub(crate) const SIDE_COUNTS: u64 = 4 * 64;
-/// Bytes before the lists of cap faces: four counts for each light.
-pub(crate) const CAP_COUNTS: u64 = 4 * 128;
-/// Bytes of the choices of a caster for a batch of lights.
-pub(crate) const CHOICES: u64 = 32;
-/// Bytes of its measures for a light.
-pub(crate) const MEASURES: u64 = 8;
-
-/// The largest number of entries for which one binding has room, behind `head` bytes of counts.
-pub(super) fn fitting(lights: usize, head: u64, split: &DispatchLimits) -> u32 {
-    u32::try_from(split.binding.saturating_sub(head) / (4 * lights as u64)).unwrap_or(u32::MAX)
-}
-
-fn side_bytes(capacities: Capacities, lights: usize) -> u64 {
-    SIDE_COUNTS + 4 * u64::from(capacities.sides) * lights as u64
-}
-
-fn cap_bytes(capacities: Capacities, lights: usize) -> u64 {
-    CAP_COUNTS + 4 * (u64::from(capacities.near) + u64::from(capacities.far)) * lights as u64
-}
-
-fn choice_bytes(shape: &Shape) -> u64 {
-    CHOICES * shape.batches() as u64 + MEASURES * shape.max_lights as u64
-}
-
-/// The buffers whose size the number of lights determines, and the lists of sides.
-fn besides_caps(shape: &Shape, capacities: Capacities) -> Vec<(&'static str, u64)> {
-    let lights = shape.max_lights as u64;
-    let mut wanted = vec![
-        ("seen lights", lights * size_of::<SeenLight>() as u64),
-        ("choices", choice_bytes(shape)),
-        ("shadow table", size_of::<SceneCaster>() as u64 + choice_bytes(shape)),
-        ("shadow draws", lights * size_of::<ShadowDraws>() as u64),
-        ("shadow draw lights", lights * UniformTable::stride::<ShadowDraw>() as u64),
-    ];
-    wanted.extend(
-        (0..shape.batches()).map(|batch| ("lists of sides", side_bytes(capacities, shape.batch_lights(batch)))),
-    );
-    wanted
-}
-
-/// The largest number of entries of a light's lists of cap faces for which one binding and the memory limit have room.
-pub(super) fn fitting_caps(
-    shape: &Shape,
-    split: &DispatchLimits,
-    capacities: Capacities,
-    memory_limit: Option<u64>,
-) -> u32 {
-    let bound = fitting(shape.batch_lights(0), CAP_COUNTS, split);
-    let others: u64 = besides_caps(shape, capacities).iter().map(|&(_, bytes)| padded(bytes)).sum();
-    let counts = CAP_COUNTS * shape.batches() as u64;
-    let left = memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(others + counts));
-    bound.min(u32::try_from(left / (4 * shape.max_lights as u64)).unwrap_or(u32::MAX))
-}
-
-impl Buffers {
-    pub(super) fn new(
-        source: &extraction::Shared,
-        capacities: Capacities,
-        options: ShadowOptions,
+impl VolumeBuffers {
+    /// Makes the buffers. `others` count for the memory limit, too.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        sizes: VolumeSizes,
+        others: &[Allocation],
+        limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
-        let (device, split, shape) = (source.device(), &source.limits, &source.shape);
-        let lights = shape.max_lights as u64;
-        let per_batch = |bytes: fn(Capacities, usize) -> u64| {
-            (0..shape.batches()).map(move |batch| bytes(capacities, shape.batch_lights(batch)))
-        };
-        for (what, bytes) in [("lists of cap faces", cap_bytes as fn(_, _) -> _), ("lists of sides", side_bytes)] {
-            let widest = bytes(capacities, shape.batch_lights(0));
-            if padded(widest) > split.binding {
-                return Err(MemoryError::Binding { what, bytes: widest, limit: split.binding });
-            }
+        let mut wanted = sizes.besides_lists();
+        for room in &sizes.rooms {
+            wanted.extend((0..sizes.views).flat_map(|_| room.lists()).map(|(label, bytes, _)| (label, bytes)));
         }
-        let caps = per_batch(cap_bytes).map(|bytes| ("lists of cap faces", bytes));
-        let bound = BoundBuffers::wanted(lights, 1).into_iter().filter(|_| options.bound_counts);
-        let wanted: Vec<Allocation> = caps
-            .chain(besides_caps(shape, capacities))
-            .chain(bound)
-            .map(|(label, bytes)| Allocation { label, bytes: padded(bytes) })
-            .collect();
-        let bytes = check(&wanted, split.buffer, options.memory_limit)?;
-        let mut draw_lights = UniformTable::default();
-        for light in 0..shape.max_lights as u32 {
-            draw_lights.push(&ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 });
+        if let Some(&(what, bytes)) = wanted.iter().find(|&&(_, bytes)| padded(bytes) > limits.binding) {
+            return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
         }
+        let allocation = |&(label, bytes): &(&'static str, u64)| Allocation { label, bytes: padded(bytes) };
+        let own = wanted.iter().map(allocation);
+        let allocations: Vec<_> = own.chain(others.iter().copied()).collect();
+        // No buffer is larger than a binding, and the others are there or were checked.
+        let bytes = check(&allocations, u64::MAX, sizes.settings.memory_limit)?;
+        guarded(device, bytes, || Self::make(device, sizes))
+    }
+
+    fn make(device: &wgpu::Device, sizes: VolumeSizes) -> Self {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
         let stored = |label, bytes| buffer(device, label, bytes, storage);
-        guarded(device, bytes, || Self {
-            shape: buffer(
-                device,
-                "shadow shape",
-                size_of::<ShadowShape>() as u64,
-                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            ),
-            draw_lights: draw_lights.into_buffer(device, "shadow draw lights"),
-            seen: stored("seen lights", lights * size_of::<SeenLight>() as u64),
-            table: stored("shadow table", size_of::<SceneCaster>() as u64 + choice_bytes(shape)),
-            faces: source.buffers.faces.clone(),
-            boxes: stored("caster boxes", 28),
-            choices: stored("choices", choice_bytes(shape)),
-            caps: per_batch(cap_bytes).map(|bytes| stored("cap faces", bytes)).collect(),
-            sides: per_batch(side_bytes).map(|bytes| stored("sides", bytes)).collect(),
-            draws: buffer(
-                device,
-                "shadow draws",
-                lights * size_of::<ShadowDraws>() as u64,
-                storage | BufferUsages::INDIRECT,
-            ),
+        let seen = sizes.seen() as u64;
+        let [_, choices] = sizes.choice_bytes();
+        let lists = |room: &Room| {
+            let [(_, sides, side_counts), (_, caps, cap_counts)] = room.lists();
+            let counts = [side_counts, cap_counts];
+            let of_view = |_| Lists { sides: stored("sides", sides), caps: stored("cap faces", caps), counts };
+            (0..sizes.views).map(of_view).collect()
+        };
+        let draws = |_| {
+            let bytes = seen * size_of::<ShadowDraws>() as u64;
+            buffer(device, "shadow draws", bytes, storage | BufferUsages::INDIRECT)
+        };
+        let [pencils, crossings] = sizes.bound_bytes();
+        Self {
+            shapes: shapes(&sizes).into_buffer(device, "shadow shapes"),
+            draw_lights: draw_lights(&sizes).into_buffer(device, "shadow draw lights"),
+            seen: stored("seen lights", seen * size_of::<SeenLight>() as u64),
+            boxes: stored("caster boxes", sizes.box_bytes()),
+            choices: stored("choices", choices),
+            any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&[1_u32; 4]), storage),
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
-            bound: options.bound_counts.then(|| BoundBuffers::new(device, lights, 1)),
-        })
+            lists: sizes.rooms.iter().map(lists).collect(),
+            draws: sizes.groups.iter().map(draws).collect(),
+            bound: sizes.settings.bound_counts.then(|| BoundBuffers {
+                pencils: stored("stencil pencils", pencils),
+                crossings: stored("stencil crossings", crossings),
+            }),
+            sizes,
+        }
     }
+
+    /// Records that everything is as before the first stage. Lists of batches of lights from `batches` on are not used.
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize) {
+        let Self { sizes, boxes, choices, statistics, lists, draws, bound, .. } = self;
+        let [choice_bytes, _] = sizes.choice_bytes();
+        encoder.clear_buffer(statistics, 0, None);
+        for draws in draws {
+            encoder.clear_buffer(draws, 0, None);
+        }
+        if draws.is_empty() {
+            return;
+        }
+        encoder.clear_buffer(boxes, 0, None);
+        encoder.clear_buffer(choices, 0, Some(choice_bytes));
+        if let Some(bound) = bound {
+            encoder.clear_buffer(&bound.crossings, 0, None);
+        }
+        let all = sizes.batches().max(1);
+        let used = lists.iter().enumerate().filter(|(part, _)| part % all < batches);
+        for Lists { sides, caps, counts } in used.flat_map(|(_, lists)| lists) {
+            encoder.clear_buffer(sides, 0, Some(counts[0]));
+            encoder.clear_buffer(caps, 0, Some(counts[1]));
+        }
+    }
+
+    /// The size of all buffers in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let Self { sizes: _, shapes, draw_lights, seen, boxes, choices, any_zeros, statistics, lists, draws, bound } =
+            self;
+        let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
+        let own = [shapes, draw_lights, seen, boxes, choices, any_zeros, statistics];
+        let lists = lists.iter().flatten().flat_map(|Lists { sides, caps, .. }| [sides, caps]);
+        own.into_iter().chain(draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// The shapes of all groups and batches.
+fn shapes(sizes: &VolumeSizes) -> UniformTable {
+    let mut shapes = UniformTable::default();
+    for part in 0..sizes.rooms.len() {
+        shapes.push::<ShadowShape>(&sizes.shape(part));
+    }
+    shapes
+}
+
+fn draw_lights(sizes: &VolumeSizes) -> UniformTable {
+    let mut draws = UniformTable::default();
+    for count_batch in 0..sizes.settings.count_batches {
+        for view in 0..sizes.views as u32 {
+            for light in 0..sizes.lights as u32 {
+                draws.push(&ShadowDraw { light, first_light: light / 32 * 32, view, count_batch });
+            }
+        }
+    }
+    draws
 }

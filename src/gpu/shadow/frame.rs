@@ -3,49 +3,34 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::buffers::Buffers;
-use super::draws::LightDraws;
+use super::buffers::VolumeBuffers;
 use super::errors::ShadowDrawError;
-use super::pipelines::{Convention, Layouts, ShadowPipelines};
+use super::pipelines::{Convention, ShadowPipelines};
+use super::stages::VolumeStages;
 use crate::Light;
 use crate::gpu::common::requirements::check_same;
-use crate::gpu::common::uniforms::UniformTable;
 use crate::gpu::extract::extraction::{self, Extraction};
-use crate::layout::{SeenLight, ShadowDraw, ShadowDraws};
-
-/// The bind groups of the draws.
-#[derive(Debug)]
-pub(super) struct DrawGroups {
-    /// Casters, camera and lights.
-    pub(super) frame: wgpu::BindGroup,
-    /// Edges and the lists of sides, one for each batch of lights.
-    pub(super) sides: Vec<wgpu::BindGroup>,
-    /// Faces and their lists, one for each batch of lights.
-    pub(super) caps: Vec<wgpu::BindGroup>,
-}
 
 /// State that volumes and their frames share.
 #[derive(Debug)]
 pub(super) struct Shared {
     /// The state of the extractor.
     pub(super) source: Arc<extraction::Shared>,
-    pub(super) buffers: Buffers,
-    pub(super) layouts: Layouts,
+    pub(super) buffers: VolumeBuffers,
+    /// The caster, and room for what is chosen for it.
+    pub(super) table: wgpu::Buffer,
     pub(super) convention: Convention,
-    /// Whether volumes may end at the range of their light.
-    may_end: bool,
     encodes: AtomicU64,
 }
 
 impl Shared {
     pub(super) fn new(
         source: Arc<extraction::Shared>,
-        buffers: Buffers,
-        pipelines: &ShadowPipelines,
-        may_end: bool,
+        buffers: VolumeBuffers,
+        table: wgpu::Buffer,
+        convention: Convention,
     ) -> Self {
-        let (layouts, convention) = (pipelines.layouts.clone(), pipelines.convention);
-        Self { source, buffers, layouts, convention, may_end, encodes: AtomicU64::new(0) }
+        Self { source, buffers, table, convention, encodes: AtomicU64::new(0) }
     }
 }
 
@@ -55,16 +40,16 @@ impl Shared {
 #[derive(Clone, Debug)]
 pub struct ShadowFrame {
     shared: Arc<Shared>,
-    groups: Arc<DrawGroups>,
+    stages: Arc<VolumeStages>,
     extraction: Extraction,
     encode: u64,
 }
 
 impl ShadowFrame {
     /// Begins a frame. The buffers of the volumes are overwritten from here on.
-    pub(super) fn new(shared: Arc<Shared>, groups: Arc<DrawGroups>, extraction: Extraction) -> Self {
+    pub(super) fn new(shared: Arc<Shared>, stages: Arc<VolumeStages>, extraction: Extraction) -> Self {
         let encode = shared.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        Self { shared, groups, extraction, encode }
+        Self { shared, stages, extraction, encode }
     }
 
     /// The lights, in the order of the numbers that [`Self::draw`] takes.
@@ -99,19 +84,7 @@ impl ShadowFrame {
         let devices = [pipelines.shared().device(), self.shared.source.device()];
         check_same(["the pipelines", "the volumes"], devices)?;
         self.shared.convention.check_drawn_by(pipelines.convention)?;
-        let DrawGroups { frame, sides, caps } = &*self.groups;
-        let (Some(sides), Some(caps)) = (sides.get(light / 32), caps.get(light / 32)) else { return Ok(()) };
-        let draws = LightDraws {
-            frame,
-            uniform: (light * UniformTable::stride::<ShadowDraw>()) as u32,
-            seen: (light * size_of::<SeenLight>()) as u32,
-            sides,
-            caps,
-            draws: &self.shared.buffers.draws,
-            first: (light * size_of::<ShadowDraws>()) as u64,
-            may_end: self.shared.may_end,
-        };
-        draws.draw(pass, pipelines);
+        self.stages.draws(&self.shared.buffers, 0, 0, light).for_each(|draws| draws.draw(pass, pipelines));
         Ok(())
     }
 }

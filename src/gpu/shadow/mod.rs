@@ -1,7 +1,6 @@
 //! Shadow volumes. The GPU chooses the faces that cast and the counting method. Indirect draws draw sides and caps.
 
 pub(crate) mod buffers;
-mod choice;
 pub(crate) mod draws;
 pub(crate) mod errors;
 pub(crate) mod format;
@@ -9,6 +8,9 @@ mod frame;
 mod options;
 pub(crate) mod pipelines;
 pub(crate) mod scene_pipelines;
+pub(crate) mod sizes;
+pub(crate) mod source;
+pub(crate) mod stages;
 mod volumes;
 
 pub use errors::{ShadowDrawError, ShadowEncodeError, ShadowVolumesError};

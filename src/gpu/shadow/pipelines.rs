@@ -60,7 +60,6 @@ impl Convention {
 pub struct ShadowPipelines {
     shared: Pipelines,
     pub(crate) convention: Convention,
-    pub(crate) layouts: Layouts,
     /// Sides with z-pass and ZP+, or with z-fail, which ZP+ as published may change to.
     pub(crate) side: wgpu::RenderPipeline,
     /// Clipped sides, and the near caps that count up on their front and on their back; of ZP+, or of ZP+ as published.
@@ -127,7 +126,6 @@ impl ShadowPipelines {
             },
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
             caps: is_fail.then(|| [far(0), far(1)]),
-            layouts: Layouts { frame, side_data, cap_data },
             shared,
         }
     }

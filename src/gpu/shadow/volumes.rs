@@ -2,31 +2,30 @@
 
 use std::sync::Arc;
 
-use super::buffers::{Buffers, CAP_COUNTS, CHOICES, Capacities, SIDE_COUNTS, fitting, fitting_caps};
-use super::choice::{Choice, Groups};
+use super::buffers::VolumeBuffers;
 use super::errors::{ShadowEncodeError, ShadowVolumesError};
-use super::frame::{DrawGroups, ShadowFrame, Shared};
+use super::frame::{ShadowFrame, Shared};
 use super::options::ShadowOptions;
 use super::pipelines::{Convention, ShadowPipelines};
-use crate::gpu::common::dispatch_limits::{WORKGROUP, binding};
-use crate::gpu::common::memory::MemoryError;
-use crate::gpu::common::pipelines::group;
-use crate::gpu::common::positions;
+use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
+use super::source::{BatchSource, GroupSource, VolumeSource};
+use super::stages::{StagePipelines, VolumeStages};
+use crate::ShadowCamera;
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, guarded};
+use crate::gpu::common::positions::{self, BoundPositions};
 use crate::gpu::common::requirements::{Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::upload;
 use crate::gpu::extract::errors::ExtractionIncludeError;
 use crate::gpu::extract::extraction::{self, Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
-use crate::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowShape};
+#[cfg(feature = "reference")]
+use crate::layout::ShadowShape;
+use crate::layout::{SceneCaster, SeenLight};
 use crate::light::{self, check_shadow_lights};
-use crate::{Counting, ShadowCamera};
 
-/// Where choices begin in the table of one caster, in units of 16 bytes.
-const BEHIND_CASTER: u32 = (size_of::<SceneCaster>() / 16) as u32;
-
-/// The largest number of turns of an invocation's loops. llvmpipe (Mesa 22.3) ends them after 65,535.
-const MOST_TURNS: u32 = 60_000;
+/// Near caps that there is room for besides sixteen times the root of the faces.
+const FEW_CAPS: u32 = 1024;
 
 /// The shadow volumes of one caster, for the lights of its [`Extractor`]. It records compute passes into the caller's
 /// encoder after those of the extraction, and draws into the caller's render pass. It reads nothing back.
@@ -92,9 +91,9 @@ const MOST_TURNS: u32 = 60_000;
 #[derive(Debug)]
 pub struct ShadowVolumes {
     shared: Arc<Shared>,
-    choice: Choice,
-    bound: Option<(Place, Arc<DrawGroups>)>,
-    shape: ShadowShape,
+    pipelines: StagePipelines,
+    /// Made for the positions of the last encode.
+    stages: Option<(Place, Arc<VolumeStages>)>,
 }
 
 impl ShadowVolumes {
@@ -121,39 +120,32 @@ impl ShadowVolumes {
     ) -> Result<Self, ShadowVolumesError> {
         let source = extractor.shared();
         source.check_include()?;
-        let (split, extraction) = (&source.limits, &source.shape);
-        let face_count = extraction.faces;
-        let capacities = capacities(source, pipelines.counting(), options);
-        let shape = ShadowShape {
-            casters: 1,
-            lights: 0,
-            batches: extraction.batches() as u32,
-            faces: face_count as u32,
-            edges: extraction.edges as u32,
-            capacity: extraction.capacity,
-            side_capacity: capacities.sides,
-            near_capacity: capacities.near,
-            far_capacity: capacities.far,
-            averted: u32::from(!options.every_face),
-            counting: pipelines.counting().code(),
-            skip_unseen: u32::from(options.skip_unseen),
-            end_at_range: u32::from(options.end_at_range),
-            choices_at: BEHIND_CASTER,
-            measures_at: BEHIND_CASTER + 2 * extraction.batches() as u32,
-            lights_at: 0,
-            face_chunks_at: 0,
-            edge_chunks_at: 0,
-            views: 1,
-            count_batches: 1,
-        };
-        if source.buffers.faces.size() > split.binding {
-            let (bytes, limit) = (source.buffers.faces.size(), split.binding);
+        if source.buffers.faces.size() > source.limits.binding {
+            let (bytes, limit) = (source.buffers.faces.size(), source.limits.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let buffers = Buffers::new(source, capacities, options)?;
-        let choice = Choice::new(pipelines.shared(), &buffers, source, pipelines.counting());
-        let shared = Shared::new(Arc::clone(source), buffers, pipelines, options.end_at_range);
-        Ok(Self { shared: Arc::new(shared), choice, bound: None, shape })
+        let ShadowOptions { every_face, cap_capacity, skip_unseen, end_at_range, bound_counts, memory_limit } = options;
+        let settings = VolumeSettings {
+            counting: pipelines.counting(),
+            averted: !every_face,
+            skip_unseen,
+            end_at_range,
+            bound_counts,
+            count_batches: 1,
+            cap_capacity,
+            memory_limit,
+        };
+        let mut sizes = sizes(source, settings);
+        let [_, choices] = sizes.choice_bytes();
+        let table = Allocation { label: "shadow table", bytes: size_of::<SceneCaster>() as u64 + choices };
+        sizes.fit_memory(table.bytes);
+        let device = source.device();
+        let buffers = VolumeBuffers::new(device, sizes, &[table], &source.limits)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let table = guarded(device, table.bytes, || buffer(device, table.label, table.bytes, usage))?;
+        let stage_pipelines = StagePipelines::new(pipelines.shared(), false, &settings);
+        let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
+        Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
     }
 
     /// Records the stages that choose and list for `camera`, and returns what can be drawn. Call it after the encode that
@@ -175,52 +167,18 @@ impl ShadowVolumes {
         let view = camera.view()?;
         let lights = extraction.lights();
         let bound = extraction.bound()?;
-        let groups = self.bind(extraction)?;
-        let Shared { buffers, source, .. } = &*self.shared;
-        let shape = ShadowShape { lights: lights.len() as u32, ..self.shape };
+        let stages = self.bind(extraction, &bound)?;
+        let Shared { buffers, source, table, .. } = &*self.shared;
         let seen = |&light| SeenLight { view, light: camera.light(&view, light), reserved: [[0; 4]; 15] };
-        let seen: Vec<SeenLight> = lights.iter().map(seen).collect();
-        let caster = SceneCaster {
-            row_0: [1.0, 0.0, 0.0, 0.0],
-            row_1: [0.0, 1.0, 0.0, 0.0],
-            row_2: [0.0, 0.0, 1.0, 0.0],
-            low: [0.0; 3],
-            scale: 1.0,
-            high: [0.0; 3],
-            flags: u32::from(source.is_closed),
-            first_face_slot: 0,
-            faces: shape.faces,
-            first_face: 0,
-            position_offset: bound.offset_words,
-            first_edge_slot: 0,
-            edges: shape.edges,
-            first_edge: 0,
-            position_stride: bound.stride_words,
-            reserved: [0; 4],
-        };
-        let uploads: [(&wgpu::Buffer, &[u8]); 3] = [
-            (&buffers.shape, bytemuck::bytes_of(&shape)),
-            (&buffers.seen, bytemuck::cast_slice(&seen)),
-            (&buffers.table, bytemuck::bytes_of(&caster)),
-        ];
+        let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
+        // Numbers without a light are seen in no view.
+        seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());
+        let caster = caster(source, &bound);
+        let uploads: [(&wgpu::Buffer, &[u8]); 2] =
+            [(&buffers.seen, bytemuck::cast_slice(&seen)), (table, bytemuck::bytes_of(&caster))];
         upload(source.device(), encoder, &uploads)?;
-        encoder.clear_buffer(&buffers.boxes, 0, None);
-        encoder.clear_buffer(&buffers.choices, 0, Some(CHOICES * u64::from(shape.batches)));
-        for (lists, counts) in [(&buffers.sides, SIDE_COUNTS), (&buffers.caps, CAP_COUNTS)] {
-            for list in lists.iter().take(light::batches(lights.len())) {
-                encoder.clear_buffer(list, 0, Some(counts));
-            }
-        }
-        encoder.clear_buffer(&buffers.draws, 0, None);
-        encoder.clear_buffer(&buffers.statistics, 0, None);
-        if let Some(bound) = &buffers.bound {
-            encoder.clear_buffer(&bound.crossings, 0, None);
-        }
-        if !lights.is_empty() {
-            let work = self.workgroups(lights.len());
-            self.choice.record(encoder, buffers, work, lights.len(), timer);
-        }
-        Ok(ShadowFrame::new(Arc::clone(&self.shared), groups, extraction.clone()))
+        stages.record(encoder, buffers, light::batches(lights.len()), timer);
+        Ok(ShadowFrame::new(Arc::clone(&self.shared), stages, extraction.clone()))
     }
 
     /// The [`ShadowStatistics`](crate::gpu::ShadowStatistics) of the last encode, once its encoder was submitted. Usage
@@ -242,37 +200,17 @@ impl ShadowVolumes {
         &self.shared.buffers.seen
     }
 
-    /// The sizes of the volumes, for no lights.
+    /// The sizes of the volumes, for as many lights as there is room for.
     #[cfg(feature = "reference")]
     pub fn shape(&self) -> ShadowShape {
-        self.shape
+        self.shared.buffers.sizes.shape(0)
     }
 
-    /// The draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
+    /// One buffer with the draws of each light, as [`ShadowDraws`](crate::layout::ShadowDraws), once the encoder was submitted. Usages
     /// `INDIRECT` and `COPY_SRC`.
     #[cfg(feature = "reference")]
-    pub fn draw_arguments(&self) -> &wgpu::Buffer {
+    pub fn draw_arguments(&self) -> &[wgpu::Buffer] {
         &self.shared.buffers.draws
-    }
-
-    /// The workgroups of the stages for this number of lights.
-    fn workgroups(&self, lights: usize) -> Groups {
-        let source = &self.shared.source;
-        let most = u32::try_from(source.limits.workgroups).unwrap_or(u32::MAX);
-        let faces = source.shape.faces as u32;
-        // A CPU executes invocations without work one after another, so it gets few, each of which takes many faces. There
-        // are never so many that an invocation's loops end early: ARCHITECTURE.md, "Limits of devices".
-        let is_cpu = source.device().adapter_info().device_type == wgpu::DeviceType::Cpu;
-        let fewest = if is_cpu { 64 } else { 4096 };
-        let turns = MOST_TURNS / 33;
-        Groups {
-            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
-            bounds: faces.div_ceil(64 * 64).clamp(1, 1024).min(most),
-            lights: (lights as u32).div_ceil(64).min(most),
-            caps: faces.div_ceil(WORKGROUP).clamp(1, fewest).max(faces.div_ceil(WORKGROUP * turns)).min(most),
-            // An invocation takes some sixteen sides of a list that is full.
-            sides: self.shape.side_capacity.div_ceil(16 * 64).clamp(1, 256).min(most),
-        }
     }
 
     /// Refuses input that would draw wrong shadows: an extraction of another extractor or out of date, or a camera that
@@ -294,73 +232,84 @@ impl ShadowVolumes {
         Ok(())
     }
 
-    /// Makes the bind groups that read positions, unless they exist for this place.
-    fn bind(&mut self, extraction: &Extraction) -> Result<Arc<DrawGroups>, ShadowEncodeError> {
-        if let Some((place, groups)) = &self.bound
+    /// Binds the stages and draws to positions, unless they are bound to this place.
+    fn bind(
+        &mut self,
+        extraction: &Extraction,
+        bound: &BoundPositions,
+    ) -> Result<Arc<VolumeStages>, ShadowEncodeError> {
+        if let Some((place, stages)) = &self.stages
             && *place == extraction.place
         {
-            return Ok(Arc::clone(groups));
+            return Ok(Arc::clone(stages));
         }
-        let Shared { buffers, source, layouts, .. } = &*self.shared;
-        let (device, results) = (source.device(), source.results());
+        let Shared { buffers, source, table, .. } = &*self.shared;
+        source.check_single_bindings(bound).map_err(ExtractionIncludeError::from)?;
         let place = extraction.positions();
-        let bound = extraction.bound()?;
-        source.check_single_bindings(&bound).map_err(ExtractionIncludeError::from)?;
-        let excluded = &source.buffers.excluded;
-        positions::bound(device, || {
-            self.choice.bind_positions(buffers, source, place.buffer, &bound);
+        let stages = positions::bound(source.device(), || {
+            let positions = bound.first_binding(place.buffer);
+            VolumeStages::new(&self.pipelines, buffers, &volume_source(source, table, positions))
         })?;
-        let whole = wgpu::Buffer::as_entire_binding;
-        let group = |layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]| {
-            group(device, "shadow volumes", layout, resources)
-        };
-        let frame = group(
-            &layouts.frame,
-            &[
-                whole(&buffers.shape),
-                binding(&buffers.draw_lights, 0..size_of::<ShadowDraw>() as u64),
-                binding(&buffers.seen, 0..size_of::<SeenLight>() as u64),
-                whole(&buffers.table),
-            ],
-        );
-        let placed = bound.first_binding(place.buffer);
-        let per_batch = || results.facing.iter().zip(excluded).map(|(facing, excluded)| [facing, excluded].map(whole));
-        let caps = per_batch().zip(&buffers.caps).map(|([facing, excluded], list)| {
-            group(&layouts.cap_data, &[placed.clone(), whole(&buffers.faces), facing, excluded, whole(list)])
-        });
-        let sides = per_batch().zip(&buffers.sides).map(|([facing, excluded], list)| {
-            let [vertices, faces] = [results.edge_vertices, results.edge_faces].map(whole);
-            group(&layouts.side_data, &[placed.clone(), vertices, faces, facing, excluded, whole(list)])
-        });
-        let groups = Arc::new(DrawGroups { frame, sides: sides.collect(), caps: caps.collect() });
-        self.bound = Some((extraction.place.clone(), Arc::clone(&groups)));
-        Ok(groups)
+        let stages = Arc::new(stages);
+        self.stages = Some((extraction.place.clone(), Arc::clone(&stages)));
+        Ok(stages)
     }
 }
 
-/// Room for the lists of each light.
-fn capacities(source: &extraction::Shared, counting: Counting, options: ShadowOptions) -> Capacities {
-    let (split, shape) = (&source.limits, &source.shape);
-    let faces = shape.faces.max(1) as u32;
-    let sides = shape.capacity.min(fitting(shape.batch_lights(0), SIDE_COUNTS, split));
-    let has_near = !matches!(counting, Counting::ZPass | Counting::ZFail);
-    let has_far = counting.may_fail() || options.end_at_range;
-    if let Some(capacity) = options.cap_capacity {
-        let asked = |is_there: bool| if is_there { capacity.clamp(1, faces) } else { 1 };
-        return Capacities { sides, near: asked(has_near), far: asked(has_far) };
+fn sizes(source: &extraction::Shared, settings: VolumeSettings) -> VolumeSizes {
+    let shape = &source.shape;
+    let (faces, edges) = (shape.faces as u32, shape.edges as u32);
+    let room =
+        |batch| Room::new(&settings, faces, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits);
+    let rooms = (0..shape.batches()).map(room).collect();
+    let group = GroupSize { faces, edges, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
+    VolumeSizes::of_one(settings, shape.max_lights, group, rooms)
+}
+
+/// The caster: all slots, in the space of its positions.
+fn caster(source: &extraction::Shared, positions: &BoundPositions) -> SceneCaster {
+    SceneCaster {
+        row_0: [1.0, 0.0, 0.0, 0.0],
+        row_1: [0.0, 1.0, 0.0, 0.0],
+        row_2: [0.0, 0.0, 1.0, 0.0],
+        low: [0.0; 3],
+        scale: 1.0,
+        high: [0.0; 3],
+        flags: u32::from(source.is_closed),
+        first_face_slot: 0,
+        faces: source.shape.faces as u32,
+        first_face: 0,
+        position_offset: positions.offset_words,
+        first_edge_slot: 0,
+        edges: source.shape.edges as u32,
+        first_edge: 0,
+        position_stride: positions.stride_words,
+        reserved: [0; 4],
     }
-    let some = faces.min(1024 + 16 * faces.isqrt());
-    let near = match (has_near, counting.is_zp_plus_2005()) {
-        (true, true) => faces,
-        (true, false) => some,
-        (false, _) => 1,
+}
+
+fn volume_source<'a>(
+    source: &'a extraction::Shared,
+    table: &'a wgpu::Buffer,
+    positions: wgpu::BindingResource<'a>,
+) -> VolumeSource<'a> {
+    let extracted = &source.buffers;
+    let whole = wgpu::Buffer::as_entire_binding;
+    let lists = extracted.facing.iter().zip(&extracted.excluded).zip(&extracted.lists);
+    let batches = lists.map(|((facing, excluded), silhouettes)| BatchSource {
+        facing: whole(facing),
+        excluded: whole(excluded),
+        silhouette_counts: whole(&extracted.counts),
+        silhouettes: whole(silhouettes),
+        statistics: whole(&extracted.statistics),
+    });
+    let group = GroupSource {
+        faces: &extracted.faces,
+        edge_vertices: &extracted.edge_vertices,
+        edge_faces: &extracted.edge_faces,
+        positions,
+        has_boxes: false,
+        batches: batches.collect(),
     };
-    let far = if has_far { faces } else { 1 };
-    let room = fitting_caps(shape, split, Capacities { sides, near, far }, options.memory_limit);
-    // What is short is shared in proportion.
-    let share = |wanted: u32| {
-        let share = u64::from(wanted) * u64::from(room) / u64::from(near + far);
-        u32::try_from(share).unwrap_or(u32::MAX).clamp(1, wanted)
-    };
-    Capacities { sides, near: share(near), far: share(far) }
+    VolumeSource { table, lit: None, statistics: Some(whole(&extracted.statistics)), groups: vec![group] }
 }

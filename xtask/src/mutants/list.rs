@@ -288,12 +288,12 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "volumes: draws of lights no longer used stay",
-        changes: &[("src/gpu/shadow/volumes.rs", "encoder.clear_buffer(&buffers.draws, 0, None);", "")],
+        changes: &[("src/gpu/shadow/buffers.rs", "encoder.clear_buffer(draws, 0, None);", "let _ = draws;")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {
         name: "volumes: counts of caps stay",
-        changes: &[("src/gpu/shadow/volumes.rs", "(&buffers.caps, CAP_COUNTS)", "(&buffers.caps, 4)")],
+        changes: &[("src/gpu/shadow/buffers.rs", "Some(counts[1])", "Some(4)")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {

@@ -1,0 +1,350 @@
+//! The compute passes before the draws: `bounds`, `choose`, `caps`, `list_sides`, `shadow_arguments`, and four optional
+//! ones. And the bind groups of the draws.
+
+use wgpu::BindingResource;
+
+use super::buffers::VolumeBuffers;
+use super::draws::LightDraws;
+use super::pipelines::{Layouts, layouts};
+use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
+use super::source::VolumeSource;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
+use crate::gpu::common::pass::{Dispatch, Pass};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{CHUNK, LANES, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
+use crate::stages::{
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, Stage,
+    ZP_PLUS_2005_CASES,
+};
+
+/// The pipelines of these stages.
+#[derive(Clone, Debug)]
+pub(crate) struct StagePipelines {
+    device: wgpu::Device,
+    /// Invocations share the chunks of casters, instead of taking turns with the faces of a single one.
+    is_scene: bool,
+    layouts: Layouts,
+    bounds: Pipeline,
+    choose: Pipeline,
+    /// Only for ZP+ as published.
+    zp_plus_2005_cases: Option<Pipeline>,
+    caps: Pipeline,
+    list_sides: Pipeline,
+    arguments: Pipeline,
+    /// Pencil, crossings and bound. Only if the caller asks for a bound.
+    bound: Option<[Pipeline; 3]>,
+}
+
+impl StagePipelines {
+    /// The pipelines for the casters of a scene, or for a single caster.
+    pub(crate) fn new(pipelines: &Pipelines, is_scene: bool, settings: &VolumeSettings) -> Self {
+        let many = [("MANY", 1.0)];
+        let constants: &[(&'static str, f64)] = if is_scene { &many } else { &[] };
+        let of_casters = |stage: &Stage| pipelines.compute(stage, stage.name, constants);
+        let of_lists = |stage: &Stage| pipelines.compute(stage, stage.name, &[]);
+        Self {
+            device: pipelines.device().clone(),
+            is_scene,
+            layouts: layouts(pipelines),
+            bounds: of_casters(&BOUNDS),
+            choose: of_casters(&CHOOSE),
+            zp_plus_2005_cases: settings.counting.is_zp_plus_2005().then(|| of_lists(&ZP_PLUS_2005_CASES)),
+            caps: of_casters(&CAPS),
+            list_sides: of_casters(&LIST_SIDES),
+            arguments: of_lists(&SHADOW_ARGUMENTS),
+            bound: settings
+                .bound_counts
+                .then(|| [of_casters(&STENCIL_PENCIL), of_casters(&STENCIL_CROSSINGS), of_lists(&STENCIL_BOUND)]),
+        }
+    }
+}
+
+/// The bind groups of the draws of a group of casters.
+#[derive(Debug)]
+struct GroupDraws {
+    /// For each batch of lights: the shape of the group differs.
+    frames: Vec<wgpu::BindGroup>,
+    /// For each batch one for each view.
+    sides: Vec<Vec<wgpu::BindGroup>>,
+    caps: Vec<Vec<wgpu::BindGroup>>,
+}
+
+/// What prepares and draws the volumes of some casters, with everything bound.
+#[derive(Debug)]
+pub(crate) struct VolumeStages {
+    table: wgpu::Buffer,
+    /// Up to `caps`.
+    choosing: Vec<Pass>,
+    /// From `list_sides` on. These read the choices in the table.
+    listing: Vec<Pass>,
+    groups: Vec<GroupDraws>,
+}
+
+impl VolumeStages {
+    /// Binds everything.
+    pub(crate) fn new(pipelines: &StagePipelines, buffers: &VolumeBuffers, source: &VolumeSource<'_>) -> Self {
+        let most = DispatchLimits::new(&pipelines.device.limits()).workgroups;
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        let binder = Binder { pipelines, sizes: &buffers.sizes, buffers, source, most };
+        Self {
+            table: source.table.clone(),
+            choosing: binder.choosing(),
+            listing: binder.listing(),
+            groups: binder.draws(),
+        }
+    }
+
+    /// Records the stages for the first `batches` batches of lights, after their extraction.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &VolumeBuffers,
+        batches: usize,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        buffers.clear(encoder, batches);
+        if batches == 0 || self.groups.is_empty() {
+            return;
+        }
+        let VolumeBuffers { sizes, choices, .. } = buffers;
+        let [_, bytes] = sizes.choice_bytes();
+        Pass::record_all(&self.choosing, encoder, 0..batches, timer.as_deref_mut());
+        encoder.copy_buffer_to_buffer(choices, 0, &self.table, 16 * sizes.choices_at as u64, bytes);
+        Pass::record_all(&self.listing, encoder, 0..batches, timer);
+    }
+
+    /// The draws of a light in a view for a batch of casters, for each group.
+    pub(crate) fn draws<'a>(
+        &'a self,
+        buffers: &'a VolumeBuffers,
+        count_batch: usize,
+        view: usize,
+        light: usize,
+    ) -> impl Iterator<Item = LightDraws<'a>> {
+        let sizes = &buffers.sizes;
+        let (batch, place) = (light / 32, view * sizes.lights + light);
+        let uniform = count_batch * sizes.seen() + place;
+        self.groups.iter().zip(&buffers.draws).filter_map(move |(group, draws)| {
+            Some(LightDraws {
+                frame: group.frames.get(batch)?,
+                uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
+                seen: (place * size_of::<SeenLight>()) as u32,
+                sides: group.sides.get(batch)?.get(view)?,
+                caps: group.caps.get(batch)?.get(view)?,
+                draws,
+                first: (place * size_of::<ShadowDraws>()) as u64,
+                may_end: sizes.settings.end_at_range,
+            })
+        })
+    }
+}
+
+/// What binds stages and draws.
+struct Binder<'a> {
+    pipelines: &'a StagePipelines,
+    sizes: &'a VolumeSizes,
+    buffers: &'a VolumeBuffers,
+    source: &'a VolumeSource<'a>,
+    /// The most workgroups along an axis.
+    most: u32,
+}
+
+/// A group of casters, a batch of lights and a view.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    group: usize,
+    batch: usize,
+    view: usize,
+}
+
+impl<'a> Binder<'a> {
+    /// The number of a group and batch.
+    fn part(&self, at: Place) -> usize {
+        at.group * self.sizes.batches() + at.batch
+    }
+
+    fn get(&self, name: &str, at: Place) -> Option<BindingResource<'a>> {
+        let Self { buffers, source, .. } = *self;
+        let group = source.groups.get(at.group)?;
+        let batch = group.batches.get(at.batch)?;
+        let lists = || buffers.lists.get(self.part(at))?.get(at.view);
+        let whole = wgpu::Buffer::as_entire_binding;
+        Some(match name {
+            "shape" => entry::<ShadowShape>(&buffers.shapes),
+            "draw" => entry::<ShadowDraw>(&buffers.draw_lights),
+            "seen" => whole(&buffers.seen),
+            "table" => whole(source.table),
+            "boxes" => whole(&buffers.boxes),
+            "choices" => whole(&buffers.choices),
+            // Where all lights matter, it is not read.
+            "lit" => whole(source.lit.unwrap_or(&buffers.boxes)),
+            "shadow_statistics" => whole(&buffers.statistics),
+            "shadow_draws" => whole(buffers.draws.get(at.group)?),
+            "sides" => whole(&lists()?.sides),
+            "caps_listed" => whole(&lists()?.caps),
+            "faces" => whole(group.faces),
+            "edge_vertices" => whole(group.edge_vertices),
+            "edge_faces" => whole(group.edge_faces),
+            "positions" => group.positions.clone(),
+            "facing_masks" => batch.facing.clone(),
+            "excluded_masks" => batch.excluded.clone(),
+            "silhouette_counts" => batch.silhouette_counts.clone(),
+            "silhouettes" => batch.silhouettes.clone(),
+            "extraction_statistics" => batch.statistics.clone(),
+            "pencils" => whole(&buffers.bound.as_ref()?.pencils),
+            "crossings" => whole(&buffers.bound.as_ref()?.crossings),
+            _ => return None,
+        })
+    }
+
+    fn dispatch(&self, pipeline: &Pipeline, at: Place, workgroups: [u32; 2]) -> Dispatch {
+        let resources: Vec<_> =
+            pipeline.names().iter().filter_map(|name| Some((name.as_str(), self.get(name, at)?))).collect();
+        self.bound(pipeline, at, workgroups, &resources)
+    }
+
+    fn bound(
+        &self,
+        pipeline: &Pipeline,
+        at: Place,
+        [x, y]: [u32; 2],
+        resources: &[(&str, BindingResource<'_>)],
+    ) -> Dispatch {
+        // The shape, and the first light of the batch in the view.
+        let place = at.view * self.sizes.lights + 32 * at.batch;
+        let mut offsets = vec![(self.part(at) * UniformTable::stride::<ShadowShape>()) as u32];
+        offsets.push((place * UniformTable::stride::<ShadowDraw>()) as u32);
+        offsets.truncate(pipeline.uniforms());
+        Dispatch {
+            group: Some(pipeline.bind(&self.pipelines.device, resources)),
+            offsets,
+            workgroups: x.min(self.most),
+            rows: y,
+            ..Dispatch::over(at.batch, 0..0, 0)
+        }
+    }
+
+    /// A stage with a dispatch for each group, batch and view.
+    fn for_each(&self, pipeline: &Pipeline, workgroups: impl Fn(&GroupSize, &Room) -> [u32; 2]) -> Pass {
+        let VolumeSizes { groups, rooms, views, .. } = self.sizes;
+        let batches = self.sizes.batches().max(1);
+        let parts = groups.iter().zip(rooms.chunks(batches)).enumerate();
+        let dispatches = parts.flat_map(|(group, (size, rooms))| {
+            let workgroups = &workgroups;
+            rooms.iter().enumerate().flat_map(move |(batch, room)| {
+                let at = move |view| Place { group, batch, view };
+                (0..*views).map(move |view| self.dispatch(pipeline, at(view), workgroups(size, room)))
+            })
+        });
+        Pass { pipeline: pipeline.clone(), dispatches: dispatches.collect() }
+    }
+
+    /// A stage with a dispatch for each batch and view, of a workgroup for each light, for all groups together.
+    fn for_all(&self, pipeline: &Pipeline) -> Pass {
+        let lights = |batch: usize| (self.sizes.lights - 32 * batch).min(32) as u32;
+        let places = (0..self.sizes.batches()).flat_map(|batch| (0..self.sizes.views).map(move |view| (batch, view)));
+        let dispatch = |(batch, view)| self.dispatch(pipeline, Place { group: 0, batch, view }, [lights(batch), 1]);
+        let is_empty = self.sizes.groups.is_empty();
+        Pass { pipeline: pipeline.clone(), dispatches: places.filter(|_| !is_empty).map(dispatch).collect() }
+    }
+
+    /// Up to `caps`.
+    fn choosing(&self) -> Vec<Pass> {
+        let StagePipelines { is_scene, bounds, choose, zp_plus_2005_cases, caps, .. } = self.pipelines;
+        // A CPU executes invocations without work one after another, so it gets few, each of which takes many faces. There
+        // are never so many that an invocation's loops end early: ARCHITECTURE.md, "Limits of devices".
+        let is_cpu = self.pipelines.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let few = if is_cpu { 64 } else { 4096 };
+        let without_boxes = self.sizes.groups.iter().zip(&self.source.groups).enumerate();
+        let boxed = without_boxes.filter(|(_, (_, source))| !source.has_boxes).map(|(group, (size, _))| {
+            // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
+            let workgroups = [size.faces.div_ceil(CHUNK).div_ceil(64).clamp(1, 1024), 1];
+            self.dispatch(bounds, Place { group, ..Place::default() }, workgroups)
+        });
+        let mut passes = vec![Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)];
+        if let Some(cases) = zp_plus_2005_cases {
+            passes.push(self.for_all(cases));
+        }
+        passes.push(self.for_each(caps, |size, _| {
+            let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
+            // An invocation takes at most some hundred items, so its loops do not end early.
+            let least = items.div_ceil(WORKGROUP * 128);
+            [items.div_ceil(WORKGROUP).clamp(1, few).max(least), 1]
+        }));
+        passes.retain(|pass| !pass.dispatches.is_empty());
+        passes
+    }
+
+    /// From `list_sides` on.
+    fn listing(&self) -> Vec<Pass> {
+        let StagePipelines { list_sides, arguments, bound, .. } = self.pipelines;
+        let over_sides = |size: &GroupSize, room: &Room| {
+            // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
+            let fewest = size.edges.div_ceil(CHUNK).div_ceil(1024);
+            [room.silhouettes.div_ceil(16 * 64).clamp(1, 256).max(fewest), room.lights]
+        };
+        let mut listing = vec![self.for_each(list_sides, over_sides), self.for_each(arguments, |_, _| [1, 1])];
+        if let Some([pencil, crossings, bound]) = bound {
+            listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides), self.for_all(bound)]);
+        }
+        listing
+    }
+
+    /// All casters, lights and views in one dispatch.
+    fn choose(&self, choose: &Pipeline) -> Pass {
+        let VolumeSizes { casters, lights, views, .. } = *self.sizes;
+        // Facing is not waited for.
+        let any_zeros = || self.buffers.any_zeros.as_entire_binding();
+        let statistics = || self.source.statistics.clone().unwrap_or_else(any_zeros);
+        let get = |name: &str| match name {
+            "extraction_statistics" => Some(statistics()),
+            _ => self.get(name, Place::default()),
+        };
+        let resources: Vec<_> = choose.names().iter().filter_map(|name| Some((name.as_str(), get(name)?))).collect();
+        let workgroups = (casters as u64 * lights as u64).div_ceil(64).min(u64::from(self.most)) as u32;
+        let dispatches = if self.sizes.groups.is_empty() {
+            Vec::new()
+        } else {
+            vec![self.bound(choose, Place::default(), [workgroups, views as u32], &resources)]
+        };
+        Pass { pipeline: choose.clone(), dispatches }
+    }
+
+    /// The bind groups of the draws, for each group.
+    fn draws(&self) -> Vec<GroupDraws> {
+        let Layouts { frame, side_data, cap_data } = &self.pipelines.layouts;
+        let bind = |layout: &wgpu::BindGroupLayout, resources: &[BindingResource<'_>]| {
+            group(&self.pipelines.device, "shadow volumes", layout, resources)
+        };
+        let frame = |at: Place| {
+            let first = (self.part(at) * UniformTable::stride::<ShadowShape>()) as u64;
+            let VolumeBuffers { shapes, draw_lights, seen, .. } = self.buffers;
+            let resources = [
+                binding(shapes, first..first + size_of::<ShadowShape>() as u64),
+                entry::<ShadowDraw>(draw_lights),
+                binding(seen, 0..size_of::<SeenLight>() as u64),
+                self.source.table.as_entire_binding(),
+            ];
+            bind(frame, &resources)
+        };
+        let data = |layout: &wgpu::BindGroupLayout, names: &[&str], group: usize, batch: usize| {
+            let of_view = |view| {
+                let at = Place { group, batch, view };
+                let resources: Vec<_> = names.iter().filter_map(|name| self.get(name, at)).collect();
+                bind(layout, &resources)
+            };
+            (0..self.sizes.views).map(of_view).collect::<Vec<_>>()
+        };
+        let side_names = ["positions", "edge_vertices", "edge_faces", "facing_masks", "excluded_masks", "sides"];
+        let cap_names = ["positions", "faces", "facing_masks", "excluded_masks", "caps_listed"];
+        let batches = || 0..self.sizes.batches();
+        let of_group = |group| GroupDraws {
+            frames: batches().map(|batch| frame(Place { group, batch, view: 0 })).collect(),
+            sides: batches().map(|batch| data(side_data, &side_names, group, batch)).collect(),
+            caps: batches().map(|batch| data(cap_data, &cap_names, group, batch)).collect(),
+        };
+        (0..self.sizes.groups.len()).map(of_group).collect()
+    }
+}
