@@ -13,6 +13,7 @@ use crate::gpu::shadow::draws::LightDraws;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use crate::gpu::shadow::source::{BatchSource, GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
+use crate::layout::SceneDispatch;
 
 /// Near caps of each group that there is room for besides sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
@@ -70,15 +71,12 @@ impl Volumes {
 fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: &DispatchLimits) -> VolumeSizes {
     let group_of = |part: &GroupBatch| structure.layout.groups.get(part.group);
     let group_size = |part: &GroupBatch| {
-        let group = group_of(part)?;
-        let (dispatch, _) = part.dispatches.first()?;
-        Some(GroupSize {
-            faces: group.face_slots(),
-            edges: group.edge_slots(),
-            lights_at: dispatch.lights_at,
-            face_chunks_at: dispatch.face_chunks_at,
-            edge_chunks_at: dispatch.edge_chunks_at,
-        })
+        let (faces, edges) = group_of(part).map_or((0, 0), |group| (group.face_slots(), group.edge_slots()));
+        // Casters without faces have no dispatches.
+        let none = bytemuck::Zeroable::zeroed;
+        let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } =
+            part.dispatches.first().map_or_else(none, |(dispatch, _)| *dispatch);
+        GroupSize { faces, edges, lights_at, face_chunks_at, edge_chunks_at }
     };
     let room = |part: &GroupBatch| {
         let faces = group_of(part).map_or(0, Group::face_slots);
@@ -90,7 +88,7 @@ fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: 
         lights: 32 * structure.batches,
         views,
         choices_at: structure.choices_at,
-        groups: structure.parts.iter().filter(|part| part.batch == 0).filter_map(group_size).collect(),
+        groups: structure.parts.iter().filter(|part| part.batch == 0).map(group_size).collect(),
         rooms: structure.parts.iter().map(room).collect(),
     }
 }
