@@ -266,7 +266,8 @@ shared_structs! {
         /// Highest corner of the box.
         high: [f32; 3],
         /// Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its
-        /// mesh space and the box is known; 8 a face is not finite; 16 the caller excludes faces.
+        /// mesh space and the box is known; 8 a face is not finite; 16 the caller excludes faces; 32 positions may have
+        /// changed; 64 the caller excludes faces of a caster of the group.
         flags: u32,
         /// First face slot, a multiple of [`CHUNK`].
         first_face_slot: u32,
@@ -284,8 +285,12 @@ shared_structs! {
         first_edge: u32,
         /// Words from one vertex to the next.
         position_stride: u32,
+        /// The encode that was the first to have it as it is.
+        version: u32,
+        /// Its group of casters.
+        group: u32,
         /// 0.
-        reserved: [u32; 4],
+        reserved: [u32; 2],
     }
 
     /// The lights of a caster of a scene in a batch.
@@ -320,7 +325,8 @@ shared_structs! {
         face_chunks: u32,
         /// Edge chunks of the group.
         edge_chunks: u32,
-        /// Word of the work lists with the number of listed face chunks. That of edge chunks is next.
+        /// Word of the work lists with the number of listed face chunks. That of edge chunks is next, then the lights whose
+        /// lists are made anew, and the lights of which bits are kept.
         work_count: u32,
         /// Word of the work lists where the listed face chunks begin.
         face_work: u32,
@@ -328,10 +334,22 @@ shared_structs! {
         edge_work: u32,
         /// Entries that the list of each light has room for.
         capacity: u32,
-        /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
+        /// The number of this layout of the scene.
+        structure: u32,
+        /// Whether bits of an earlier encode are kept.
+        keeps: u32,
+    }
+
+    /// What an encode of a scene computed.
+    struct SceneStatistics {
+        /// Pairs of caster and light that matter: the light is allowed, and may reach the caster.
+        pairs: u32,
+        /// Those of them whose facing bits were kept from an earlier encode.
+        kept_pairs: u32,
+        /// Faces that were decided, for each batch of 32 lights.
+        faces: u32,
+        /// Edge records that were decided, for each batch of 32 lights.
+        edges: u32,
     }
 
     /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.

@@ -8,7 +8,7 @@ mod query;
 mod scene;
 mod shadow;
 
-pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, ShadowStatistics};
+pub use crate::layout::{DrawArguments, EdgeMasks, ExtractionStatistics, SceneStatistics, ShadowStatistics};
 pub use common::memory::{Allocation, MemoryError};
 pub use common::pipelines::Pipelines;
 pub use common::positions::{PositionBuffer, PositionError};

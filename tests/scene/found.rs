@@ -1,6 +1,6 @@
 //! What a frame left in its buffers, and whether each caster came to what it comes to alone.
 
-use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults};
+use rimline::gpu::{ExtractionStatistics, SceneFrame, SceneResults, SceneStatistics};
 use rimline::reference::cpu::{self, SceneTable};
 use rimline::reference::layout::{CHUNK, DrawArguments};
 use rimline_measure::device::Gpu;
@@ -13,6 +13,8 @@ use crate::random_scene::{Content, Expected, Own, Placed};
 pub(crate) struct Found {
     pub(crate) table: Vec<[u32; 4]>,
     pub(crate) lit: Vec<u32>,
+    pub(crate) taken: Vec<u32>,
+    pub(crate) statistics: SceneStatistics,
     pub(crate) groups: Vec<GroupFound>,
 }
 
@@ -41,6 +43,8 @@ impl Found {
         let mut found = Self {
             table: gpu.read(results.table, usize::MAX)?,
             lit: gpu.read(results.lit, usize::MAX)?,
+            taken: gpu.read(results.taken, usize::MAX)?,
+            statistics: gpu.read(results.statistics, 1)?.remove(0),
             groups: Vec::new(),
         };
         for group in &results.groups {
@@ -94,6 +98,8 @@ fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) lit: u32,
+    /// Lit pairs whose bits are those of an earlier frame.
+    pub(crate) kept: u32,
     pub(crate) out_of_range: u32,
     pub(crate) silhouettes: usize,
     pub(crate) in_planes: u32,
@@ -134,8 +140,11 @@ fn check_caster(found: &Found, group: usize, index: u32, lit: &[u32], expected: 
     for (batch, &lit) in lit.iter().enumerate().filter(|(_, lit)| **lit != 0) {
         let results = found.group(group, batch)?;
         let what = format!("caster {index}, batch {batch}");
-        same(&format!("{what}, facing"), &results.facing[faces.clone()], &expected.facing[batch])?;
-        same(&format!("{what}, lights in planes"), &results.excluded[faces.clone()], &expected.excluded[batch])?;
+        // Bits of other lights have no meaning.
+        let of_lit = |masks: &[u32]| masks.iter().map(|mask| mask & lit).collect::<Vec<_>>();
+        let [facing, excluded] = [&results.facing, &results.excluded].map(|masks| of_lit(&masks[faces.clone()]));
+        same(&format!("{what}, facing"), &facing, &of_lit(&expected.facing[batch]))?;
+        same(&format!("{what}, lights in planes"), &excluded, &of_lit(&expected.excluded[batch]))?;
         for bit in 0..32 {
             let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
             let list: Vec<u32> = results.lists[bit].iter().filter(own).map(|entry| entry - edges.start).collect();
@@ -161,7 +170,14 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
         tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
         let (mesh, positions) = content.mesh_and_positions(own);
         let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
-        if lit.iter().any(|&lit| lit != 0) {
+        let taken = |batch: usize| found.taken[batch * content.casters.len() + index as usize];
+        for (batch, lit) in lit.iter().enumerate() {
+            if taken(batch) & !lit != 0 {
+                return Err(format!("caster {index}, batch {batch}: lights that do not matter are taken"));
+            }
+            tally.kept += (lit & !taken(batch)).count_ones();
+        }
+        if (0..batches).any(|batch| taken(batch) != 0) {
             non_finite += mesh.faces().len() - mesh.faces().iter().filter(is_finite).count();
         }
     }
@@ -169,6 +185,10 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     same("silhouette edges of all casters", &[total], &[tally.silhouettes])?;
     let counted: u32 = found.groups.iter().map(|group| group.statistics.non_finite_faces).sum();
     same("faces that are not finite", &[counted], &[non_finite as u32])?;
+    if batches > 0 && !content.casters.is_empty() {
+        let SceneStatistics { pairs, kept_pairs, .. } = found.statistics;
+        same("pairs, and those kept", &[pairs, kept_pairs], &[tally.lit, tally.kept])?;
+    }
     for group in &found.groups {
         let draws: Vec<u32> = group.draws.iter().map(|draw| draw.instance_count).collect();
         same("draws", &draws, &group.counts)?;

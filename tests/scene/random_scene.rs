@@ -157,7 +157,7 @@ impl RandomScene {
         let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
         let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
         let buffer = gpu.storage(&interleaved(&world, offset, stride));
-        self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })
+        self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride }).map(drop)
     }
 
     pub(crate) fn insert_rigid(&mut self) -> Result<(), String> {
@@ -167,16 +167,21 @@ impl RandomScene {
 
     pub(crate) fn insert_rigid_of(&mut self, mesh: usize) -> Result<(), String> {
         let transform = self.transform();
-        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform))
+        self.insert_as(mesh, Placed::Rigid(transform), CasterPositions::Rigid(transform)).map(drop)
     }
 
-    fn insert_as(&mut self, mesh: usize, placed: Placed, positions: CasterPositions) -> Result<(), String> {
+    pub(crate) fn insert_as(
+        &mut self,
+        mesh: usize,
+        placed: Placed,
+        positions: CasterPositions,
+    ) -> Result<CasterHandle, String> {
         let lights = self.mask();
         let in_depth = self.random.below(2) == 0;
         let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
         self.content.casters.push(Own { handle, mesh, placed, lights, in_depth });
-        Ok(())
+        Ok(handle)
     }
 
     pub(crate) fn add_light(&mut self) -> Result<(), String> {
@@ -212,22 +217,49 @@ impl RandomScene {
                     self.content.casters[caster].lights = mask;
                     self.scene.set_lights(self.content.casters[caster].handle, mask).map_err(text)?;
                 }
-                _ => self.move_casters()?,
+                _ => drop(self.move_casters()?),
             }
         }
         Ok(())
     }
 
-    fn move_casters(&mut self) -> Result<(), String> {
+    /// Gives some lights other places and ranges. Returns them.
+    pub(crate) fn move_lights(&mut self) -> Result<Vec<(LightHandle, Light)>, String> {
+        let mut moved = Vec::new();
+        for index in 0..self.content.lights.len() {
+            if self.random.below(4) == 0 {
+                let light = self.light();
+                self.content.lights[index].1 = light;
+                let handle = self.content.lights[index].0;
+                self.scene.set_light(handle, light).map_err(text)?;
+                moved.push((handle, light));
+            }
+        }
+        Ok(moved)
+    }
+
+    /// All casters have all lights.
+    pub(crate) fn set_all_lights(&mut self) -> Result<(), String> {
+        for own in &mut self.content.casters {
+            own.lights = LightMask::ALL;
+            self.scene.set_lights(own.handle, LightMask::ALL).map_err(text)?;
+        }
+        Ok(())
+    }
+
+    /// Moves some rigid casters. Returns them.
+    pub(crate) fn move_casters(&mut self) -> Result<Vec<CasterHandle>, String> {
+        let mut moved = Vec::new();
         for index in 0..self.content.casters.len() {
             if matches!(self.content.casters[index].placed, Placed::Rigid(_)) && self.random.below(3) == 0 {
                 let transform = self.transform();
                 let own = &mut self.content.casters[index];
                 own.placed = Placed::Rigid(transform);
                 self.scene.set_transform(own.handle, transform).map_err(text)?;
+                moved.push(own.handle);
             }
         }
-        Ok(())
+        Ok(moved)
     }
 
     pub(crate) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<SceneFrame, String> {

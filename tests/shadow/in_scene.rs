@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneFrame, SceneOptions, ScenePipelines,
-    ShadowFormat, ShadowOptions,
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneError, SceneFrame, SceneOptions,
+    ScenePipelines, ShadowFormat, ShadowOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
@@ -226,6 +226,16 @@ impl InScene {
             }
             // As much once more into the same encoder: it is overwritten.
             scene.encode(encoder, &cameras[..=random.below(3)], None).map_err(text)?;
+        }
+        if !matches!(renderer.placing, Placing::Moved(_)) {
+            // All bits and lists of silhouettes are then those of an encode before.
+            for &caster in &casters {
+                match scene.set_position_version(caster, Some(1)) {
+                    Ok(()) | Err(SceneError::NoBuffer) => {}
+                    Err(error) => return Err(text(error)),
+                }
+            }
+            scene.encode(encoder, &cameras, None).map_err(text)?;
         }
         let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
         Ok(Self { frame, pipelines, lights, casters, view })

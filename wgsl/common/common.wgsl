@@ -193,7 +193,8 @@ struct SceneCaster {
   scale: f32,
   high: vec3<f32>,
   // Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its mesh
-  // space and the box is known; 8 a face is not finite; 16 the caller excludes faces.
+  // space and the box is known; 8 a face is not finite; 16 the caller excludes faces; 32 positions may have changed; 64 the
+  // caller excludes faces of a caster of the group.
   flags: u32,
   first_face_slot: u32,
   faces: u32,
@@ -205,7 +206,10 @@ struct SceneCaster {
   first_edge: u32,
   // Words from one vertex to the next.
   position_stride: u32,
-  reserved: vec4<u32>,
+  // The encode that was the first to have it as it is, and its group of casters.
+  version: u32,
+  group: u32,
+  reserved: vec2<u32>,
 }
 
 // The draws of one light's shadow volume.

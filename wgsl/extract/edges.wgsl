@@ -13,8 +13,9 @@ fn take_item(slot: u32, index: u32) {
   if (faces.y != NO_FACE) {
     silhouette = winding ^ facing_mask(faces.y);
     if ((faces.x & INCONSISTENT) != 0u) {
-      silhouette = ~silhouette & live_lights();
+      silhouette = ~silhouette;
     }
+    silhouette &= live_lights();
   }
   emit(slot, silhouette, winding);
 }

@@ -130,7 +130,7 @@ fn exact_facing(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     let item = face_in_slot(slot);
     if (item.exists) {
       let signs = decide(item.index);
-      facing_masks[slot] = signs.facing;
+      facing_masks[slot] = renewed(facing_masks[slot], signs.facing);
       if (slot < arrayLength(&excluded_masks)) {
         // A scene may have excluded the face for other lights.
         excluded_masks[slot] |= signs.excluded;

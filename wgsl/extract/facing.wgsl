@@ -69,25 +69,28 @@ fn take_item(slot: u32, index: u32) {
   let v = bitcast<vec3<f32>>(c_bits) - a;
   let signs = signs_of(cross_product(u, v), a);
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
+  if (excluded_are_old() && slot < arrayLength(&excluded_masks)) {
+    excluded_masks[slot] = renewed(excluded_masks[slot], 0u);
+  }
   if (EXACT) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
-    facing_masks[slot] = signs.mask;
+    facing_masks[slot] = renewed(facing_masks[slot], signs.mask);
     let bound = face_bound(size, bitcast<f32>(magnitude), lights_reach());
     // A large magnitude also covers numbers that are not finite.
     if (signs.smallest <= bound || magnitude >= LARGE) {
       list(slot);
     }
   } else if (magnitude >= INFINITE) {
-    facing_masks[slot] = 0u;
+    facing_masks[slot] = renewed(facing_masks[slot], 0u);
     if (slot < arrayLength(&excluded_masks)) {
-      excluded_masks[slot] = live_lights();
+      excluded_masks[slot] |= live_lights();
     }
     if (counts_non_finite()) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
   } else {
     let is_degenerate = corners.x == corners.y || corners.y == corners.z || corners.z == corners.x;
-    facing_masks[slot] = select(signs.mask, 0u, is_degenerate);
+    facing_masks[slot] = renewed(facing_masks[slot], select(signs.mask, 0u, is_degenerate));
   }
 }
 

@@ -63,6 +63,16 @@ fn live_lights() -> u32 {
   return batch.live;
 }
 
+// A mask with new bits. Of a single mesh all are new.
+fn renewed(mask: u32, bits: u32) -> u32 {
+  return bits;
+}
+
+// Whether masks of excluded faces are those of an earlier frame. They are cleared before.
+fn excluded_are_old() -> bool {
+  return false;
+}
+
 // The bits of the lights at some places.
 fn lights_at(places: u32) -> u32 {
   return places & batch.live;

@@ -2,8 +2,8 @@
 // for a single mesh. A caster has its lights one after the other, in the order of their bits: a light's place is its
 // number among them.
 
-// For each batch and caster the lights that matter; `reach` writes it.
-@group(0) @binding(3) var<storage, read> lit: array<u32>;
+// For each batch and caster the lights that the stage takes; `reach` writes it.
+@group(0) @binding(3) var<storage, read> taken: array<u32>;
 
 // A face.
 struct Item {
@@ -14,8 +14,9 @@ struct Item {
   index: u32,
 }
 
-// The caster of the face or edge record at hand, its lights, and those of them that matter.
+// The caster of the face or edge record at hand, its lights, and those of them that are taken.
 var<private> caster: u32;
+var<private> flags: u32;
 var<private> of_faces: vec4<u32>;
 var<private> of_edges: vec4<u32>;
 var<private> lights: CasterLights;
@@ -23,10 +24,11 @@ var<private> matter: u32;
 
 fn take_caster(index: u32) {
   caster = index;
+  flags = caster_part(caster, 4u).w;
   of_faces = caster_part(caster, 5u);
   of_edges = caster_part(caster, 6u);
   lights = caster_lights(caster, group.batch);
-  matter = lit[group.batch * group.casters + caster];
+  matter = taken[group.batch * group.casters + caster];
 }
 
 // The number of slots of faces.
@@ -34,17 +36,17 @@ fn face_slots() -> u32 {
   return CHUNK * group.face_chunks;
 }
 
-// The face in a slot, unless the slot is beyond the faces of its caster or no light reaches the caster.
+// The face in a slot, unless the slot is beyond the faces of its caster or no light of the caster is taken.
 fn face_in_slot(slot: u32) -> Item {
   take_caster(caster_of(group.face_chunks_at, slot / CHUNK));
   let number = slot - of_faces.x;
   return Item(number < of_faces.y && matter != 0u, slot, of_faces.z + number);
 }
 
-// Whether faces that are not finite are counted here: in the first batch that has a light for the caster.
+// Whether faces that are not finite are counted here: in the first batch that takes a light of the caster.
 fn counts_non_finite() -> bool {
   for (var batch = 0u; batch < group.batch; batch++) {
-    if (lit[batch * group.casters + caster] != 0u) {
+    if (taken[batch * group.casters + caster] != 0u) {
       return false;
     }
   }
@@ -94,7 +96,17 @@ fn live_lights() -> u32 {
   return matter;
 }
 
-// The places of the lights that matter.
+// A mask with new bits for the lights that are taken.
+fn renewed(mask: u32, bits: u32) -> u32 {
+  return (mask & ~matter) | bits;
+}
+
+// Whether masks of excluded faces are those of an earlier frame.
+fn excluded_are_old() -> bool {
+  return (flags & GIVEN) == 0u;
+}
+
+// The places of the lights that are taken.
 fn live_places() -> u32 {
   var places = 0u;
   var place = 0u;
@@ -105,7 +117,7 @@ fn live_places() -> u32 {
   return places;
 }
 
-// The bits of the lights at some places, as far as they matter.
+// The bits of the lights at some places, as far as they are taken.
 fn lights_at(places: u32) -> u32 {
   // As a rule a caster has the first lights.
   if ((lights.allowed & (lights.allowed + 1u)) == 0u) {

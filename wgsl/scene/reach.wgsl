@@ -1,8 +1,13 @@
 // Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have the box of a
-// rigid caster within their range.
+// rigid caster within their range. And of these the ones whose bits are to be computed, because caster or light changed
+// since.
 
 // For each batch and caster the bits of these lights.
 @group(0) @binding(3) var<storage, read_write> lit: array<u32>;
+@group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> taken: array<u32>;
+@group(0) @binding(6) var<storage, read_write> kept: array<u32>;
+@group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
 
 // Above this size squares may overflow, and nothing is said.
 const TOO_LARGE: f32 = 0x1p60;
@@ -46,9 +51,46 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   return matter;
 }
 
+// Those of some lights that did not change.
+fn unchanged(batch: u32, lights: u32) -> u32 {
+  var same = 0u;
+  for (var rest = lights; rest != 0u; rest &= rest - 1u) {
+    let light = firstTrailingBit(rest);
+    if (kept[kept_lights_at(batch) + light] == light_version(batch, light)) {
+      same |= 1u << light;
+    }
+  }
+  return same;
+}
+
+fn take_pair(pair: u32, caster: u32, batch: u32) {
+  let matter = lights_that_matter(caster, batch);
+  let last = caster_part(caster, 7u);
+  let at = kept_pair_at(pair);
+  // Lists of lights are made anew where the caster's bits are, and where it is no longer in them.
+  var keeps = 0u;
+  var anew = 0xffffffffu;
+  if (group.keeps != 0u && kept[0] == group.structure) {
+    let before = kept[at + 1u];
+    if (kept[at] == last.x && (caster_part(caster, 4u).w & (CHANGING | GIVEN)) == 0u) {
+      keeps = unchanged(batch, matter & before);
+    }
+    anew = (matter & ~keeps) | (before & ~matter);
+  }
+  lit[pair] = matter;
+  taken[pair] = matter & ~keeps;
+  kept[at] = last.x;
+  kept[at + 1u] = matter;
+  let words = 4u * (last.y * group.batches + batch);
+  atomicOr(&work[words + 2u], anew);
+  atomicOr(&work[words + 3u], keeps);
+  atomicAdd(&statistics.pairs, countOneBits(matter));
+  atomicAdd(&statistics.kept_pairs, countOneBits(keeps));
+}
+
 @compute @workgroup_size(64)
 fn reach(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   for (var pair = id.x; pair < group.casters * group.batches; pair += 64u * groups.x) {
-    lit[pair] = lights_that_matter(pair % group.casters, pair / group.casters);
+    take_pair(pair, pair % group.casters, pair / group.casters);
   }
 }

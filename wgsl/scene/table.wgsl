@@ -1,6 +1,5 @@
-// The scene table: casters, then for each batch and caster its lights, then the ranges of the lights, the lights
-// themselves, and the casters of all chunks. The CPU writes it for every frame.
-
+// The scene table: casters, then for each batch and caster its lights, then the ranges of the lights and their versions,
+// the lights themselves, and the casters of all chunks. The CPU writes it for every frame.
 
 // The lights of a caster in a batch.
 struct CasterLights {
@@ -10,6 +9,16 @@ struct CasterLights {
   first: u32,
   // The largest |x|, |y| or |z| of the scaled lights, and their largest |w| or inexact w.
   reach: vec2<f32>,
+}
+
+// What an encode of a scene computed.
+struct SceneStatistics {
+  // Pairs of caster and light that matter, and those of them whose bits were kept.
+  pairs: atomic<u32>,
+  kept_pairs: atomic<u32>,
+  // Faces that were decided, for each batch, and edge records.
+  faces: atomic<u32>,
+  edges: atomic<u32>,
 }
 
 // A dispatch over a group of casters for a batch of lights.
@@ -29,16 +38,21 @@ struct SceneDispatch {
   // Chunks of the group.
   face_chunks: u32,
   edge_chunks: u32,
-  // The words of the work lists where the group and batch have the number of face chunks (that of edge chunks is next),
-  // the face chunks and the edge chunks.
+  // The words of the work lists where the group and batch have four words, the face chunks and the edge chunks. The words
+  // are the number of face chunks, that of edge chunks, the lights whose lists are made anew, and those of which bits are
+  // kept.
   work_count: u32,
   face_work: u32,
   edge_work: u32,
   // Entries that the list of each light has room for.
   capacity: u32,
-  reserved_0: u32,
-  reserved_1: u32,
+  // The number of this layout, which tells what was computed for another, and whether bits are kept at all.
+  structure: u32,
+  keeps: u32,
 }
+
+// The word of the counts of lists that tells whether a light was in the plane of a face whose bits are kept.
+const ZEROS: u32 = 32u;
 
 @group(0) @binding(0) var<uniform> group: SceneDispatch;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
@@ -46,6 +60,26 @@ struct SceneDispatch {
 // Part `part` of a caster, four words, in the order of SceneCaster.
 fn caster_part(caster: u32, part: u32) -> vec4<u32> {
   return table[8u * caster + part];
+}
+
+// Positions may have changed.
+const CHANGING: u32 = 32u;
+// The masks of the group's excluded faces are copied anew from those that the caller gives.
+const GIVEN: u32 = 64u;
+
+fn light_version(batch: u32, light: u32) -> u32 {
+  return table[group.ranges_at + 8u * (group.batches + batch) + light / 4u][light % 4u];
+}
+
+// What was computed is told by words that lie beside it: the number of the layout, and from the fourth word on for each
+// batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
+// right for these versions.
+fn kept_lights_at(batch: u32) -> u32 {
+  return 4u + 32u * batch;
+}
+
+fn kept_pair_at(pair: u32) -> u32 {
+  return 4u + 32u * group.batches + 2u * pair;
 }
 
 fn caster_lights(caster: u32, batch: u32) -> CasterLights {

@@ -15,6 +15,9 @@
 // `ExtractionStatistics` of the same silhouettes.
 @group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 4>;
 
+// The word of a scene's counts that tells whether a light was in the plane of a face whose bits are kept.
+const KEPT_ZEROS: u32 = 32u;
+
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
   let run = edge_run(caster);
@@ -43,7 +46,9 @@ fn silhouettes_of(bit: u32) -> u32 {
 fn silhouettes_suffice(bit: u32) -> bool {
   let more = choice_part(0u, draw.first_light / 32u, draw.view, 1u);
   // Lights that are in a caster exclude nothing if no light is in the plane of a face.
-  let any = more[DOES_EXCLUDE - 4u] | select(0u, more[MAY_EXCLUDE - 4u], extraction_statistics[3] != 0u);
+  // Bits that a scene keeps are in no statistics.
+  let in_planes = extraction_statistics[3] != 0u || (MANY && silhouette_counts[KEPT_ZEROS] != 0u);
+  let any = more[DOES_EXCLUDE - 4u] | select(0u, more[MAY_EXCLUDE - 4u], in_planes);
   return silhouettes_of(bit) <= shape.capacity && ((any >> bit) & 1u) == 0u;
 }
 

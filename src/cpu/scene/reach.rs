@@ -1,9 +1,11 @@
-//! Reach: finds the lights that matter to each caster, for each batch.
+//! Reach: finds the lights that matter to each caster, for each batch, and those of them whose bits are to be computed.
 
 use super::table::SceneTable;
 use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
 
 const RIGID: u32 = 4;
+/// Positions may have changed, or the masks of excluded faces are copied anew.
+const NOT_KEPT: u32 = 32 | 64;
 /// Above this size squares may overflow, and nothing is said.
 const TOO_LARGE: f32 = f32::from_bits((127 + 60) << 23);
 /// 32 units in the last place. Rounding, division and root add fewer to a distance, relative to the largest coordinate.
@@ -16,6 +18,56 @@ const TINY_W: f32 = f32::from_bits((127 - 30) << 23);
 pub fn reach(table: SceneTable<'_>, group: &SceneDispatch) -> Vec<u32> {
     let pairs = (0..group.batches).flat_map(|batch| (0..group.casters).map(move |caster| (caster, batch)));
     pairs.map(|(caster, batch)| lights_that_matter(table, group, caster, batch)).collect()
+}
+
+/// What is computed anew, and what of it is noted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Taken {
+    /// For each batch and caster the bits of the lights whose bits are computed.
+    pub taken: Vec<u32>,
+    /// What the bits are computed from: the number of the layout, three zeros, for each batch the versions of 32 lights, and
+    /// for each batch and caster the caster's version and the lights that matter.
+    pub kept: Vec<u32>,
+    /// For each group of casters and batch the lights whose lists are made anew.
+    pub anew: Vec<u32>,
+    /// For each group and batch the lights of which bits are kept.
+    pub keeps: Vec<u32>,
+}
+
+/// What is taken of the pairs that matter, which [`reach`] returns. `kept` is that of the encode before, and empty before the
+/// first.
+pub fn take(table: SceneTable<'_>, group: &SceneDispatch, lit: &[u32], kept: &[u32]) -> Taken {
+    let SceneDispatch { casters, batches, structure, ranges_at, keeps, .. } = *group;
+    let word = |at: u32| kept.get(at as usize).copied().unwrap_or(0);
+    let versions: Vec<u32> = (0..32 * batches).map(|bit| table.word(ranges_at + 8 * batches, bit)).collect();
+    let is_same = keeps != 0 && word(0) == structure;
+    let same_lights = |batch: u32| {
+        let same = |bit: &u32| word(4 + 32 * batch + bit) == versions[(32 * batch + bit) as usize];
+        (0..32).filter(same).fold(0_u32, |bits, bit| bits | 1 << bit)
+    };
+    let mut found = Taken { kept: vec![structure, 0, 0, 0], ..Taken::default() };
+    found.kept.extend(&versions);
+    for batch in 0..batches {
+        let same_lights = same_lights(batch);
+        for index in 0..casters {
+            let caster = table.caster(index);
+            let pair = batch * casters + index;
+            let matter = lit.get(pair as usize).copied().unwrap_or(0);
+            let at = 4 + 32 * batches + 2 * pair;
+            let before = if is_same { word(at + 1) } else { 0 };
+            let is_kept = word(at) == caster.version && caster.flags & NOT_KEPT == 0;
+            let keeps = if is_kept { matter & before & same_lights } else { 0 };
+            let part = (caster.group * batches + batch) as usize;
+            for words in [&mut found.anew, &mut found.keeps] {
+                words.resize(words.len().max(part + 1), 0);
+            }
+            found.anew[part] |= if is_same { matter & !keeps | before & !matter } else { u32::MAX };
+            found.keeps[part] |= keeps;
+            found.taken.push(matter & !keeps);
+            found.kept.extend([caster.version, matter]);
+        }
+    }
+    found
 }
 
 fn lights_that_matter(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, batch: u32) -> u32 {

@@ -5,7 +5,7 @@ use super::options::SceneOptions;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::extract::buffers::RECORD_HEAD;
-use crate::layout::{CHUNK, DrawArguments};
+use crate::layout::{CHUNK, DrawArguments, SceneStatistics};
 use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
@@ -38,6 +38,7 @@ pub(crate) struct GroupSizes {
 }
 
 const DRAWS_LABEL: &str = "draw arguments";
+const STATISTICS: u64 = size_of::<SceneStatistics>() as u64;
 const DRAWS: u64 = 32 * size_of::<DrawArguments>() as u64;
 
 impl GroupSizes {
@@ -79,8 +80,15 @@ pub(crate) struct Buffers {
     pub(crate) groups: Vec<Vec<GroupBuffers>>,
     /// For each batch and caster the lights that matter.
     pub(crate) lit: wgpu::Buffer,
-    /// The counts of listed chunks, then the lists.
+    /// For each batch and caster those of them whose bits are computed.
+    pub(crate) taken: wgpu::Buffer,
+    /// What the bits in the masks were computed from: `wgsl/scene/table.wgsl`. It goes with the masks and lists: where it is
+    /// made anew, they are.
+    pub(crate) kept: wgpu::Buffer,
+    /// For each group and batch four words, then the lists of chunks.
     pub(crate) work: wgpu::Buffer,
+    /// [`SceneStatistics`].
+    pub(crate) statistics: wgpu::Buffer,
 }
 
 /// What buffers are wanted for.
@@ -90,6 +98,7 @@ pub(crate) struct Wanted<'a> {
     pub(crate) groups: &'a [Vec<GroupSizes>],
     /// Words for the lights of casters.
     pub(crate) lit: u64,
+    pub(crate) batches: usize,
     /// Words of work lists.
     pub(crate) work: u64,
     /// Bytes of the rest of the scene.
@@ -100,6 +109,8 @@ pub(crate) struct Wanted<'a> {
 /// Makes buffers, or takes old ones that are large enough.
 struct Maker<'a> {
     device: &'a wgpu::Device,
+    /// Whether old buffers are taken. If not, they only tell what may be needed soon.
+    takes_old: bool,
     wanted: Vec<Allocation>,
     /// The largest size that a buffer may take beyond its need, when it replaces one that became too small: a scene that
     /// grows caster by caster does not make its buffers anew in each frame.
@@ -107,15 +118,15 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn is_kept(old: Option<&wgpu::Buffer>, bytes: u64) -> bool {
+    fn fits(old: &wgpu::Buffer, bytes: u64) -> bool {
         // What is far too large is given back.
-        old.is_some_and(|old| old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16))
+        old.size() >= padded(bytes) && old.size() <= 4 * padded(bytes).max(1 << 16)
     }
 
     /// The size of the buffer that is kept or made.
     fn size(&self, bytes: u64, old: Option<&wgpu::Buffer>) -> u64 {
         match old {
-            Some(old) if Self::is_kept(Some(old), bytes) => old.size(),
+            Some(old) if Self::fits(old, bytes) => old.size(),
             Some(old) if old.size() < bytes => padded(bytes + bytes / 4).min(self.headroom).max(padded(bytes)),
             _ => padded(bytes),
         }
@@ -127,7 +138,7 @@ impl Maker<'_> {
     }
 
     fn take(&self, label: &'static str, bytes: u64, old: Option<&wgpu::Buffer>) -> wgpu::Buffer {
-        if let Some(old) = old.filter(|old| Self::is_kept(Some(old), bytes)) {
+        if let Some(old) = old.filter(|old| self.takes_old && Self::fits(old, bytes)) {
             return old.clone();
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
@@ -146,7 +157,7 @@ impl Buffers {
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
         let Wanted { lit, work, .. } = *wanted;
-        for (what, bytes) in [("lights of casters", 4 * lit), ("lists of chunks", 4 * work)] {
+        for (what, bytes) in [("versions of casters", 8 * lit), ("lists of chunks", 4 * work)] {
             if bytes > limits.binding {
                 return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
             }
@@ -162,8 +173,10 @@ impl Buffers {
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, MemoryError> {
-        let Wanted { groups, lit, work, others, memory_limit } = *wanted;
-        let mut maker = Maker { device, wanted: Vec::new(), headroom };
+        let Wanted { groups, lit, batches, work, others, memory_limit } = *wanted;
+        let kept = 4 * (4 + 32 * batches as u64 + 2 * lit);
+        let takes_old = old.is_some_and(|old| Maker::fits(&old.kept, kept));
+        let mut maker = Maker { device, takes_old, wanted: Vec::new(), headroom };
         let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
         for (group, batches) in groups.iter().enumerate() {
             for (batch, sizes) in batches.iter().enumerate() {
@@ -176,7 +189,10 @@ impl Buffers {
             }
         }
         maker.want("lights of casters", 4 * lit, old.map(|old| &old.lit));
+        maker.want("taken lights of casters", 4 * lit, old.map(|old| &old.taken));
+        maker.want("versions of casters", kept, old.map(|old| &old.kept));
         maker.want("lists of chunks", 4 * work, old.map(|old| &old.work));
+        maker.want("scene statistics", STATISTICS, old.map(|old| &old.statistics));
         maker.wanted.push(Allocation { label: "pages and table", bytes: others });
         let own = maker.wanted.len() - 1;
         check(maker.wanted.get(..own).unwrap_or_default(), limits.buffer, None)?;
@@ -191,7 +207,10 @@ impl Buffers {
                 })
                 .collect(),
             lit: maker.take("lights of casters", 4 * lit, old.map(|old| &old.lit)),
+            taken: maker.take("taken lights of casters", 4 * lit, old.map(|old| &old.taken)),
+            kept: maker.take("versions of casters", kept, old.map(|old| &old.kept)),
             work: maker.take("lists of chunks", 4 * work, old.map(|old| &old.work)),
+            statistics: maker.take("scene statistics", STATISTICS, old.map(|old| &old.statistics)),
         })
     }
 
@@ -201,7 +220,9 @@ impl Buffers {
             let GroupBuffers { facing, excluded, record, lists, draws } = group;
             [facing, excluded, record, lists, draws].map(wgpu::Buffer::size).iter().sum::<u64>()
         };
-        self.groups.iter().flatten().map(of_group).sum::<u64>() + self.lit.size() + self.work.size()
+        let Self { groups, lit, taken, kept, work, statistics } = self;
+        let shared = [lit, taken, kept, work, statistics].map(wgpu::Buffer::size);
+        groups.iter().flatten().map(of_group).chain(shared).sum::<u64>()
     }
 }
 
@@ -217,8 +238,7 @@ impl Maker<'_> {
     }
 }
 
-/// The words of the work lists where a group and batch have their parts: the count of face chunks, which the count of
-/// edge chunks follows, and the two lists.
+/// The words of the work lists where a group and batch have their parts: four words, and the two lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WorkPlace {
     pub(crate) count: u64,
@@ -226,16 +246,20 @@ pub(crate) struct WorkPlace {
     pub(crate) edges: u64,
 }
 
+/// Words of a group and batch before the lists: the numbers of face chunks and edge chunks, the lights whose lists are made
+/// anew, and those of which bits are kept.
+pub(crate) const WORK_WORDS: u64 = 4;
+
 /// The places of all groups and batches, and the number of words. Counts come first, so that they are cleared together.
 pub(crate) fn work_places(groups: &[Group], batches: usize) -> (Vec<Vec<WorkPlace>>, u64) {
-    let mut next = 2 * (groups.len() * batches) as u64;
+    let mut next = WORK_WORDS * (groups.len() * batches) as u64;
     let mut count = 0;
     let mut place = |group: &Group| {
         let faces = next;
         let edges = faces + u64::from(group.face_slots() / CHUNK);
         next = edges + u64::from(group.edge_slots() / CHUNK);
-        count += 2;
-        WorkPlace { count: count - 2, faces, edges }
+        count += WORK_WORDS;
+        WorkPlace { count: count - WORK_WORDS, faces, edges }
     };
     let places = groups.iter().map(|group| (0..batches).map(|_| place(group)).collect()).collect();
     (places, next)

@@ -124,9 +124,20 @@ pub(crate) struct CasterEntry {
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.
     pub(crate) is_moved: bool,
+    /// The encode that was the first to have the caster as it is.
+    pub(crate) version: u32,
+    /// What the caller says of the positions in its buffer. `None`: they may change at any time.
+    pub(crate) positions_version: Option<u64>,
     /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
     pub(crate) index: u32,
     pub(crate) first_light: u32,
+}
+
+impl CasterEntry {
+    /// Whether its positions may change without a word.
+    pub(crate) fn is_changing(&self) -> bool {
+        matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()
+    }
 }
 
 /// Where a caster's positions are.

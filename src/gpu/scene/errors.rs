@@ -68,6 +68,9 @@ pub enum SceneError {
         "the caster has positions in a buffer, in world space, and no transform; insert it as `CasterPositions::Rigid`"
     )]
     NotRigid,
+    /// A version of positions is given for a rigid caster.
+    #[error("the caster is rigid, so there is no version of its positions; move it by `set_transform`")]
+    NoBuffer,
     /// A camera is refused.
     #[error("view {view}: {error}")]
     Camera {

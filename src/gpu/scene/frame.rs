@@ -44,8 +44,7 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// One `u32` a face slot: the lights that the face faces. Slots of casters that no light of the batch reaches have
-    /// no meaning.
+    /// One `u32` a face slot: the lights that the face faces. Bits of lights that do not reach the caster have no meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
@@ -70,6 +69,12 @@ pub struct SceneResults<'a> {
     pub table: &'a wgpu::Buffer,
     /// For each batch and caster the bits of the lights that matter.
     pub lit: &'a wgpu::Buffer,
+    /// For each batch and caster those of them whose bits were computed.
+    pub taken: &'a wgpu::Buffer,
+    /// The [`SceneStatistics`](crate::gpu::SceneStatistics).
+    pub statistics: &'a wgpu::Buffer,
+    /// What the bits were computed from, as `reference::cpu::keep` makes it.
+    pub kept: &'a wgpu::Buffer,
     /// The counts of listed chunks, then the lists.
     pub work: &'a wgpu::Buffer,
     /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
@@ -155,6 +160,12 @@ impl SceneFrame {
         self.volumes.as_ref().map(|volumes| &volumes.buffers.statistics)
     }
 
+    /// The [`SceneStatistics`](crate::gpu::SceneStatistics) of the encode, once its encoder was submitted: what was computed,
+    /// and what was kept. Usage `COPY_SRC`. Without casters or lights nothing is written.
+    pub fn statistics(&self) -> &wgpu::Buffer {
+        &self.structure.buffers.statistics
+    }
+
     /// Refuses a frame whose results a later encode overwrites.
     ///
     /// # Errors
@@ -195,6 +206,9 @@ impl SceneFrame {
             shadow_draws,
             table,
             lit: &buffers.lit,
+            taken: &buffers.taken,
+            kept: &buffers.kept,
+            statistics: &buffers.statistics,
             work: &buffers.work,
             groups: groups.collect(),
             bytes,

@@ -29,6 +29,8 @@ pub(crate) struct Group {
     /// Where the casters of its chunks begin in the table.
     pub(crate) face_chunks_at: usize,
     pub(crate) edge_chunks_at: usize,
+    /// The caller excludes faces of a caster.
+    pub(crate) is_given: bool,
 }
 
 /// What changes only when casters or lights come and go.
@@ -50,13 +52,24 @@ fn smooth_edges(consistent: usize) -> usize {
 impl Group {
     fn new(source: DefaultKey, first: u32) -> Self {
         let counts = EdgeCounts::default();
-        let (face_chunks_at, edge_chunks_at) = (0, 0);
-        Self { source, first, face_chunks: 0, edge_chunks: 0, counts, smooth: 0, face_chunks_at, edge_chunks_at }
+        let (face_chunks_at, edge_chunks_at, is_given) = (0, 0, false);
+        Self {
+            source,
+            first,
+            face_chunks: 0,
+            edge_chunks: 0,
+            counts,
+            smooth: 0,
+            face_chunks_at,
+            edge_chunks_at,
+            is_given,
+        }
     }
 
     /// Adds a caster and returns its slots.
     fn add(&mut self, mesh: &MeshEntry) -> Slots {
-        let slots = Slots { first_face: CHUNK * self.face_chunks, first_edge: CHUNK * self.edge_chunks };
+        let (first_face, first_edge) = (CHUNK * self.face_chunks, CHUNK * self.edge_chunks);
+        let slots = Slots { first_face, first_edge, ..Slots::default() };
         self.face_chunks += mesh.faces.div_ceil(CHUNK);
         self.edge_chunks += mesh.edges().div_ceil(CHUNK);
         self.counts.consistent += mesh.counts.consistent;
@@ -90,6 +103,7 @@ impl Layout {
         casters: &mut SlotMap<DefaultKey, CasterEntry>,
         meshes: &SlotMap<DefaultKey, MeshEntry>,
         lights: &Lights,
+        encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
@@ -115,14 +129,28 @@ impl Layout {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
-                slots.push(group.add(mesh));
+                slots.push(Slots { group: layout.groups.len() as u32, ..group.add(mesh) });
                 layout.order.push(key);
             }
             layout.groups.push(group);
         }
+        layout.find_given(casters, &mut slots);
         layout.find_places(table, casters, lights, limits)?;
-        layout.write(table, casters, meshes, lights, &slots);
+        layout.write(table, casters, meshes, lights, &slots, encode);
         Ok(layout)
+    }
+
+    /// Marks the casters of groups in which the caller excludes faces.
+    fn find_given(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, slots: &mut [Slots]) {
+        let excluding = |key: DefaultKey| casters.get(key).is_some_and(|caster| !caster.excluded.is_empty());
+        for (slots, _) in slots.iter().zip(&self.order).filter(|(_, key)| excluding(**key)) {
+            if let Some(group) = self.groups.get_mut(slots.group as usize) {
+                group.is_given = true;
+            }
+        }
+        for slots in slots {
+            slots.is_given = self.groups.get(slots.group as usize).is_some_and(|group| group.is_given);
+        }
     }
 
     /// Finds the place of everything in the table.
@@ -175,10 +203,12 @@ impl Layout {
         meshes: &SlotMap<DefaultKey, MeshEntry>,
         lights: &Lights,
         slots: &[Slots],
+        encode: u32,
     ) {
         for (&key, &slots) in self.order.iter().zip(slots) {
             let Some(caster) = casters.get_mut(key) else { continue };
             caster.is_moved = false;
+            caster.version = encode;
             if let Some(mesh) = meshes.get(caster.mesh) {
                 table.put_caster(caster, mesh, slots);
             }

@@ -13,6 +13,8 @@ use crate::light::{MAX_LIGHTS, check_lights, check_room};
 struct Bit {
     light: Option<Light>,
     generation: u64,
+    /// The encode that was the first to have the light as it is.
+    version: u32,
 }
 
 /// The lights of a scene, by their bits. A new light takes the lowest free bit, so that few lights take few batches.
@@ -84,6 +86,19 @@ impl Lights {
         self.listed = None;
     }
 
+    /// Gives the lights that changed the version of this encode.
+    pub(crate) fn renew(&mut self, encode: u32) {
+        let Self { bits, moved, .. } = self;
+        for (_, bit) in (0..).zip(bits).filter(|(bit, _)| moved.has(*bit)) {
+            bit.version = encode;
+        }
+        *moved = LightMask::NONE;
+    }
+
+    pub(crate) fn version(&self, bit: u32) -> u32 {
+        self.bits.get(bit as usize).map_or(0, |bit| bit.version)
+    }
+
     pub(crate) fn get(&self, bit: u32) -> Option<Light> {
         self.bits.get(bit as usize).and_then(|bit| bit.light)
     }
@@ -97,7 +112,7 @@ impl Lights {
     pub(crate) fn listed(&mut self) -> Arc<[(LightHandle, Light)]> {
         let Self { scene, bits, listed, .. } = self;
         let list = || {
-            let with_light = (0..).zip(bits.iter()).filter_map(|(bit, Bit { light, generation })| {
+            let with_light = (0..).zip(bits.iter()).filter_map(|(bit, Bit { light, generation, .. })| {
                 light.map(|light| (LightHandle { scene: *scene, bit, generation: *generation }, light))
             });
             with_light.collect()

@@ -57,6 +57,10 @@ impl LightMask {
         both
     }
 
+    pub(crate) fn has(&self, bit: u32) -> bool {
+        self.word(bit as usize / 32) >> (bit % 32) & 1 != 0
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::NONE
     }

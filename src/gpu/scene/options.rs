@@ -30,6 +30,10 @@ pub struct SceneOptions {
     ///
     /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
     pub count_batches: u32,
+    /// Keep the facing bits of each caster and light that did not change since an earlier encode, and the lists of lights of
+    /// which no caster changed. See [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) for casters with
+    /// buffers.
+    pub keep_bits: bool,
     /// Compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
     /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
@@ -63,8 +67,7 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unseen shadows
-    /// skipped, infinite volumes, one batch of casters, no bound on
-    /// counts, no memory limit.
+    /// skipped, infinite volumes, one batch of casters, bits kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -75,6 +78,7 @@ impl Default for SceneOptions {
             skip_unseen: true,
             end_at_range: false,
             count_batches: 1,
+            keep_bits: true,
             bound_counts: false,
             cap_capacity: None,
             memory_limit: None,

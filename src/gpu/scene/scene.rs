@@ -16,7 +16,7 @@ use super::options::SceneOptions;
 use super::pages::Pages;
 use super::sources::{Sources, bind};
 use super::stages::Passes;
-use super::structure::{Making, Structure};
+use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::volumes::Volumes;
 use crate::gpu::common::pipelines::Pipelines;
@@ -61,6 +61,8 @@ pub struct Scene {
     volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
     views: usize,
+    /// Structures so far.
+    structures: u32,
     encodes: Arc<AtomicU64>,
 }
 
@@ -95,6 +97,7 @@ impl Scene {
             passes: Passes::default(),
             volumes: None,
             views: 0,
+            structures: 0,
             encodes: Arc::default(),
         })
     }
@@ -177,9 +180,19 @@ impl Scene {
             entry.casters += 1;
         }
         self.structure = None;
-        let (is_moved, index, first_light) = (false, 0, 0);
-        let excluded = Vec::new();
-        let entry = CasterEntry { mesh, source, lights, in_depth, excluded, placement, is_moved, index, first_light };
+        let entry = CasterEntry {
+            mesh,
+            source,
+            lights,
+            in_depth,
+            excluded: Vec::new(),
+            placement,
+            is_moved: false,
+            version: 0,
+            positions_version: None,
+            index: 0,
+            first_light: 0,
+        };
         Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
     }
 
@@ -193,11 +206,35 @@ impl Scene {
         let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
         *rigid = Rigid::new(mesh_to_world);
-        if !entry.is_moved {
+        self.note_change(key);
+        Ok(())
+    }
+
+    /// Says which version of a caster's positions is in its buffer. While the version stays the same, the positions are the
+    /// same, and what was computed from them is kept. `None`, as after [`Self::insert`] and [`Self::set_positions`]: they may
+    /// be others in each encode.
+    ///
+    /// # Errors
+    /// [`SceneError::NoBuffer`] for a rigid caster, or an error of the handle.
+    pub fn set_position_version(&mut self, caster: CasterHandle, version: Option<u64>) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        if matches!(entry.placement, Placement::Rigid(_)) {
+            return Err(SceneError::NoBuffer);
+        }
+        if entry.positions_version != version {
+            entry.positions_version = version;
+            self.note_change(key);
+        }
+        Ok(())
+    }
+
+    /// Notes that a caster is to be written to the table.
+    fn note_change(&mut self, key: DefaultKey) {
+        if let Some(entry) = self.casters.get_mut(key).filter(|entry| !entry.is_moved) {
             entry.is_moved = true;
             self.moved.push(key);
         }
-        Ok(())
     }
 
     /// Gives a caster other positions, for example of another buffer. It keeps its handle. Moving a rigid caster by
@@ -215,6 +252,7 @@ impl Scene {
         let (placement, source) = self.place(mesh, positions.into())?;
         if let Some(entry) = self.casters.get_mut(key) {
             entry.placement = placement;
+            entry.positions_version = None;
             self.sources.give_back(std::mem::replace(&mut entry.source, source));
         }
         self.structure = None;
@@ -395,14 +433,21 @@ impl Scene {
             None => self.lay_out()?,
         };
         self.moved.clear();
-        self.lights.moved = LightMask::NONE;
         Ok(structure)
     }
 
+    /// The number of the encode at hand.
+    fn encode_number(&self) -> u32 {
+        (self.encodes.load(Ordering::Relaxed) + 1) as u32
+    }
+
     fn lay_out(&mut self) -> Result<Arc<Structure>, SceneError> {
+        self.structures = self.structures.wrapping_add(1).max(1);
+        let number = Number { structure: self.structures, encode: self.encode_number() };
+        self.lights.renew(number.encode);
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options, views: self.views };
-        let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref())?);
+        let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
         self.passes = Passes::new(&making, &made)?;
         self.volumes = None;
         self.last = Some(Arc::clone(&made));
@@ -412,32 +457,35 @@ impl Scene {
 
     /// Writes what moved to the table.
     fn update(&mut self, structure: &Structure) {
+        let encode = self.encode_number();
         let Self { casters, lights, table, moved, .. } = self;
-        if lights.moved.is_empty() {
+        let lights_moved = lights.moved;
+        if lights_moved.is_empty() {
             for &key in &*moved {
                 let Some(caster) = casters.get_mut(key) else { continue };
-                put_transform(table, caster);
+                put_change(table, caster, encode);
                 put_lights(table, caster, lights);
             }
             return;
         }
+        lights.renew(encode);
         table.put_ranges(lights);
         for &key in &structure.layout.order {
             let Some(caster) = casters.get_mut(key) else { continue };
             let is_moved = caster.is_moved;
             if is_moved {
-                put_transform(table, caster);
+                put_change(table, caster, encode);
             }
-            if is_moved || !caster.lights.and(&lights.moved).is_empty() {
+            if is_moved || !caster.lights.and(&lights_moved).is_empty() {
                 put_lights(table, caster, lights);
             }
         }
     }
 }
 
-fn put_transform(table: &mut Table, caster: &mut CasterEntry) {
+/// Writes what changed of a caster to the table.
+fn put_change(table: &mut Table, caster: &mut CasterEntry, encode: u32) {
     caster.is_moved = false;
-    if let Placement::Rigid(rigid) = &caster.placement {
-        table.put_transform(caster.index, rigid);
-    }
+    caster.version = encode;
+    table.put_change(caster);
 }

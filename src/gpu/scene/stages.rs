@@ -2,7 +2,7 @@
 
 use wgpu::BindingResource;
 
-use super::buffers::{GroupBuffers, LISTS_HEAD};
+use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
 use crate::gpu::common::pass::{Dispatch, Pass};
@@ -51,13 +51,20 @@ impl Passes {
         if parts.is_empty() {
             return;
         }
-        encoder.clear_buffer(&buffers.work, 0, Some(2 * 4 * parts.len() as u64));
+        encoder.clear_buffer(&buffers.work, 0, Some(4 * WORK_WORDS * parts.len() as u64));
+        encoder.clear_buffer(&buffers.statistics, 0, None);
         for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
-            encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
-            encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
+            // Where anything is dispatched, `chunks` does this.
+            if part.dispatches.is_empty() {
+                encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
+                encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
+            }
+            // Elsewhere `facing` begins with none.
+            let is_given = structure.layout.groups.get(part.group).is_some_and(|group| group.is_given);
             match given {
                 Some(given) => encoder.copy_buffer_to_buffer(given, 0, &buffers.excluded, 0, part.sizes.masks),
-                None => encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks)),
+                None if is_given => encoder.clear_buffer(&buffers.excluded, 0, Some(part.sizes.masks)),
+                None => {}
             }
         }
         Pass::record_all(&self.0, encoder, 0..structure.batches, timer);
@@ -93,7 +100,7 @@ impl<'a> Binder<'a> {
         let facing = self.pipelines.compute(&SCENE_FACING, SCENE_FACING.name, &[plane, exact]);
         let mut passes = vec![
             self.reach(),
-            self.walk(self.stage(&CHUNKS), Items::Chunks, |_| Some(self.with_work(self.common()))),
+            self.walk(self.stage(&CHUNKS), Items::Chunks, |part| self.chunks(part)),
             self.walk(facing, Items::Faces, |part| self.facing(part)),
         ];
         if predicate == Predicate::Exact {
@@ -118,7 +125,7 @@ impl<'a> Binder<'a> {
     fn reach(&self) -> Pass {
         let pipeline = self.stage(&REACH);
         let pairs = self.structure.layout.order.len() * self.structure.batches;
-        let resources = self.common();
+        let resources = self.versions();
         let dispatches = vec![self.dispatch(&pipeline, &resources, 0, (pairs as u64).div_ceil(SMALL_WORKGROUP))];
         Pass { pipeline, dispatches }
     }
@@ -177,12 +184,27 @@ impl<'a> Binder<'a> {
 
     /// What all stages of the scene but `arguments` bind.
     fn common(&self) -> Resources<'a> {
-        let Structure { table, uniforms, buffers, .. } = self.structure;
-        vec![
-            ("group", entry::<SceneDispatch>(uniforms)),
-            ("table", table.as_entire_binding()),
-            ("lit", buffers.lit.as_entire_binding()),
-        ]
+        let Structure { table, uniforms, .. } = self.structure;
+        vec![("group", entry::<SceneDispatch>(uniforms)), ("table", table.as_entire_binding())]
+    }
+
+    /// What is bound by those that find what changed.
+    fn versions(&self) -> Resources<'a> {
+        let mut resources = self.with_work(self.common());
+        let Buffers { lit, taken, kept, statistics, .. } = &self.structure.buffers;
+        let named = [("lit", lit), ("taken", taken), ("kept", kept), ("statistics", statistics)];
+        resources.extend(named.map(|(name, buffer)| (name, buffer.as_entire_binding())));
+        resources
+    }
+
+    fn chunks(&self, part: &GroupBatch) -> Option<Resources<'a>> {
+        let buffers = self.of(part)?;
+        let mut resources = self.versions();
+        resources.extend([
+            ("list_counts", binding(&buffers.lists, 0..LISTS_HEAD)),
+            ("record", binding(&buffers.record, 0..part.sizes.record)),
+        ]);
+        Some(resources)
     }
 
     /// What is bound by those that write or read the lists of chunks.
@@ -201,6 +223,7 @@ impl<'a> Binder<'a> {
             None => page.positions.as_entire_binding(),
         };
         resources.extend([
+            ("taken", self.structure.buffers.taken.as_entire_binding()),
             ("positions", positions),
             ("faces", page.faces.as_entire_binding()),
             ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
@@ -219,6 +242,8 @@ impl<'a> Binder<'a> {
         let buffers = self.of(part)?;
         let mut resources = self.with_work(self.common());
         resources.extend([
+            // Lists that are made anew have all casters.
+            ("taken", self.structure.buffers.lit.as_entire_binding()),
             ("facing_masks", binding(&buffers.facing, 0..part.sizes.masks)),
             ("edge_faces", page.edge_faces.as_entire_binding()),
             ("lists", binding(&buffers.lists, 0..part.sizes.lists)),

@@ -52,6 +52,14 @@ pub(crate) struct Structure {
     pub(crate) given: Vec<Option<wgpu::Buffer>>,
 }
 
+/// Numbers of a structure and of the encode that lays it out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Number {
+    /// No other structure of the scene has the same.
+    pub(crate) structure: u32,
+    pub(crate) encode: u32,
+}
+
 /// All that a structure is made from.
 pub(crate) struct Making<'a> {
     pub(crate) pipelines: &'a Pipelines,
@@ -71,11 +79,12 @@ impl Structure {
         casters: &mut SlotMap<DefaultKey, CasterEntry>,
         table: &mut Table,
         old: Option<&Self>,
+        number: Number,
     ) -> Result<Self, SceneError> {
         let Making { pipelines, meshes, pages, lights, options, views, .. } = *making;
         let device = pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let layout = Layout::new(table, casters, meshes, lights, &limits)?;
+        let layout = Layout::new(table, casters, meshes, lights, number.encode, &limits)?;
         let batches = table.batches;
         let sizes: Vec<Vec<GroupSizes>> = layout
             .groups
@@ -97,11 +106,12 @@ impl Structure {
         let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
-        let wanted = Wanted { groups: &sizes, lit, work: words, others, memory_limit };
+        let wanted = Wanted { groups: &sizes, lit, batches, work: words, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
-        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, &limits);
+        let ids = [number.structure, u32::from(options.keep_bits)];
+        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, ids, &limits);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
         let choices_at = table.parts.len();
@@ -174,6 +184,7 @@ fn parts(
     sizes: &[Vec<GroupSizes>],
     places: &[Vec<WorkPlace>],
     room: impl Fn(usize) -> u32,
+    [structure, keeps]: [u32; 2],
     limits: &DispatchLimits,
 ) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
     let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
@@ -197,8 +208,8 @@ fn parts(
                 face_work: place.faces as u32,
                 edge_work: place.edges as u32,
                 capacity: sizes.capacity,
-                reserved_0: 0,
-                reserved_1: 0,
+                structure,
+                keeps,
             };
             let invocations = LANES * group.face_chunks.max(group.edge_chunks);
             let mut dispatch = |first: u32| {

@@ -1,6 +1,6 @@
 //! The CPU's copy of the scene table. It is changed where something moved, and uploaded by each encode.
 
-use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
+use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
 use crate::layout::{CasterLights, ScaledLight, SceneCaster};
@@ -14,6 +14,10 @@ const RIGID: u32 = 4;
 const HOLED: u32 = 8;
 /// The caller excludes faces.
 const EXCLUDING: u32 = 16;
+/// Positions may have changed.
+const CHANGING: u32 = 32;
+/// The caller excludes faces of a caster of the group.
+const GIVEN: u32 = 64;
 
 /// Words of the table, in fours.
 pub(crate) type Part = [u32; 4];
@@ -21,7 +25,7 @@ pub(crate) type Part = [u32; 4];
 pub(crate) const CASTER_PARTS: usize = size_of::<SceneCaster>() / size_of::<Part>();
 /// Parts of a light: as given, and scaled.
 pub(crate) const LIGHT_PARTS: u32 = 2;
-/// Parts of the ranges of a batch.
+/// Parts of the ranges of a batch, and of the versions of its lights.
 pub(crate) const RANGE_PARTS: usize = 8;
 
 /// The table, and where its sections begin. Casters are first.
@@ -37,6 +41,10 @@ pub(crate) struct Table {
 pub(crate) struct Slots {
     pub(crate) first_face: u32,
     pub(crate) first_edge: u32,
+    /// The group of casters.
+    pub(crate) group: u32,
+    /// The caller excludes faces of a caster of the group.
+    pub(crate) is_given: bool,
 }
 
 impl Table {
@@ -52,7 +60,7 @@ impl Table {
 
     /// Where the lights begin.
     pub(crate) fn pairs_at(&self) -> usize {
-        self.ranges_at() + RANGE_PARTS * self.batches
+        self.ranges_at() + 2 * RANGE_PARTS * self.batches
     }
 
     fn put(&mut self, at: usize, parts: &[Part]) {
@@ -83,7 +91,9 @@ impl Table {
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
                 | flag(rigid.is_some() && mesh.is_holed, HOLED)
-                | flag(!entry.excluded.is_empty(), EXCLUDING),
+                | flag(!entry.excluded.is_empty(), EXCLUDING)
+                | flag(entry.is_changing(), CHANGING)
+                | flag(slots.is_given, GIVEN),
             first_face_slot: slots.first_face,
             faces: mesh.faces,
             first_face: faces,
@@ -92,7 +102,9 @@ impl Table {
             edges: mesh.edges(),
             first_edge: edges,
             position_stride: stride,
-            reserved: [0; 4],
+            version: entry.version,
+            group: slots.group,
+            reserved: [0; 2],
         };
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }
@@ -102,13 +114,21 @@ impl Table {
         self.parts.get(CASTER_PARTS * index as usize + 5).map_or(0, |part| part[0])
     }
 
-    /// Writes a new transform of a rigid caster.
-    pub(crate) fn put_transform(&mut self, index: u32, rigid: &Rigid) {
-        let at = CASTER_PARTS * index as usize;
-        self.put(at, bytemuck::cast_slice(&finite(rigid.rows)));
-        if let Some([low, high]) = self.parts.get_mut(at + 3..at + 5) {
-            low[3] = rigid.scale.to_bits();
-            high[3] = high[3] & !MIRRORED | if rigid.is_mirrored { MIRRORED } else { 0 };
+    /// Writes what changed of a caster: the transform if it is rigid, and its version.
+    pub(crate) fn put_change(&mut self, entry: &CasterEntry) {
+        let at = CASTER_PARTS * entry.index as usize;
+        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+        let mut flags = flag(entry.is_changing(), CHANGING);
+        if let Placement::Rigid(rigid) = &entry.placement {
+            self.put(at, bytemuck::cast_slice(&finite(rigid.rows)));
+            flags |= flag(rigid.is_mirrored, MIRRORED);
+            if let Some(low) = self.parts.get_mut(at + 3) {
+                low[3] = rigid.scale.to_bits();
+            }
+        }
+        if let Some([high, .., last]) = self.parts.get_mut(at + 4..at + 8) {
+            high[3] = high[3] & !(MIRRORED | CHANGING) | flags;
+            last[0] = entry.version;
         }
     }
 
@@ -142,7 +162,7 @@ impl Table {
         }
     }
 
-    /// Writes the ranges of all lights. 0: no limit.
+    /// Writes the ranges of all lights, 0 for no limit, and their versions.
     pub(crate) fn put_ranges(&mut self, lights: &Lights) {
         let range = |bit| match lights.get(bit) {
             Some(Light { range, w, .. }) if range.is_finite() && w != 0.0 => range.to_bits(),
@@ -150,7 +170,10 @@ impl Table {
         };
         for part in 0..RANGE_PARTS * self.batches {
             let first = 4 * part as u32;
-            self.put(self.ranges_at() + part, &[[first, first + 1, first + 2, first + 3].map(range)]);
+            let of_part = [first, first + 1, first + 2, first + 3];
+            self.put(self.ranges_at() + part, &[of_part.map(range)]);
+            let versions_at = self.ranges_at() + RANGE_PARTS * self.batches;
+            self.put(versions_at + part, &[of_part.map(|bit| lights.version(bit))]);
         }
     }
 }

@@ -284,7 +284,9 @@ fn caster(source: &extraction::Shared, positions: &BoundPositions) -> SceneCaste
         edges: source.shape.edges as u32,
         first_edge: 0,
         position_stride: positions.stride_words,
-        reserved: [0; 4],
+        version: 0,
+        group: 0,
+        reserved: [0; 2],
     }
 }
 

@@ -1,0 +1,359 @@
+//! Bits and lists that are kept from frame to frame: they are right, and no more is computed than what changed.
+
+use std::collections::HashMap;
+
+use rimline::gpu::{CasterHandle, CasterPositions, SceneError, SceneFrame, SceneOptions, SceneStatistics};
+use rimline::reference::cpu::{self, SceneTable};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+
+use crate::found::{Found, check_frame};
+use crate::random_scene::{Content, Placed, RandomScene};
+use crate::scenes::roomy;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("bits_are_kept_where_nothing_changed", random_frames),
+    ("what_is_taken_equals_the_twin", twins),
+    ("a_still_frame_tests_nothing", still),
+    ("buffers_with_a_version_are_kept", versions),
+    ("faces_that_callers_exclude_are_not_kept", excluded),
+    ("lights_in_planes_of_kept_faces_are_known", zeros),
+];
+
+/// What each caster and light was when the GPU last computed it: how often it had changed.
+#[derive(Clone, Default)]
+struct Memory {
+    casters: HashMap<CasterHandle, u64>,
+    lights: HashMap<u32, u64>,
+    /// The lights that mattered to each caster, by batches.
+    lit: HashMap<CasterHandle, Vec<u32>>,
+}
+
+/// Compares a frame with the casters alone, and what it kept with `before`. Returns what is right to keep from here on.
+fn check(
+    content: &Content,
+    frame: &SceneFrame,
+    found: &Found,
+    before: &Memory,
+    now: &Memory,
+) -> Result<Memory, String> {
+    check_frame(content, frame, found)?;
+    let mut after = now.clone();
+    let batches = frame.batches();
+    for own in &content.casters {
+        let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+        let at = |batch: usize| batch * content.casters.len() + index as usize;
+        let lit: Vec<u32> = (0..batches).map(|batch| found.lit[at(batch)]).collect();
+        let is_same = before.casters.get(&own.handle) == now.casters.get(&own.handle) && is_rigid(&own.placed);
+        let expected: Vec<u32> = lit
+            .iter()
+            .enumerate()
+            .map(|(batch, lit)| {
+                let was_lit = before.lit.get(&own.handle).and_then(|lit| lit.get(batch)).copied().unwrap_or(0);
+                let same = |bit: &u32| {
+                    let number = 32 * batch as u32 + bit;
+                    before.lights.get(&number) == now.lights.get(&number)
+                };
+                let same_lights = (0..32).filter(same).fold(0_u32, |bits, bit| bits | 1 << bit);
+                lit & !(if is_same { was_lit & same_lights } else { 0 })
+            })
+            .collect();
+        let taken: Vec<u32> = (0..batches).map(|batch| found.taken[at(batch)]).collect();
+        same(&format!("lights taken for caster {index}"), &taken, &expected)?;
+        after.lit.insert(own.handle, lit);
+    }
+    Ok(after)
+}
+
+fn is_rigid(placed: &Placed) -> bool {
+    matches!(placed, Placed::Rigid(_))
+}
+
+/// Changes that leave the layout as it is. `now` counts them.
+fn change(scene: &mut RandomScene, now: &mut Memory, number: u64) -> Result<(), String> {
+    match scene.random.below(6) {
+        // Nothing.
+        0 => {}
+        1 | 2 => {
+            for (handle, light) in scene.move_lights()? {
+                println!("light {} to {light:?}", handle.bit());
+                now.lights.insert(handle.bit(), number);
+            }
+        }
+        _ => {
+            for handle in scene.move_casters()? {
+                now.casters.insert(handle, number);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn filled(gpu: &Gpu, seed: u64, options: SceneOptions) -> Result<RandomScene, String> {
+    println!("seed {seed}");
+    let mut scene = RandomScene::new(gpu, seed, options)?;
+    for _ in 0..[3, 9, 40][scene.random.below(3)] {
+        scene.add_light()?;
+    }
+    for _ in 0..=scene.random.below(14) {
+        scene.insert(gpu)?;
+    }
+    Ok(scene)
+}
+
+/// Frames are dropped, swapped, or two in an encoder, and some are laid out anew.
+fn random_frames() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let (mut pairs, mut kept, mut noticed) = (0, 0, 0);
+    for seed in 2501..2541 {
+        let mut scene = filled(gpu, seed, roomy(40))?;
+        let (mut now, mut memory) = (Memory::default(), Memory::default());
+        for number in 1..9 {
+            let what = |error: String| format!("frame {number}: {error}");
+            match scene.random.below(8) {
+                0 => drop(scene.encode(&mut encoder())?),
+                1 => {
+                    // The frame at hand comes after a later one.
+                    let mut first = encoder();
+                    let frame = scene.encode(&mut first)?;
+                    let (results, content, then) = (frame.results().map_err(text)?, scene.content.clone(), now.clone());
+                    change(&mut scene, &mut now, 100 + number)?;
+                    let mut second = encoder();
+                    let later = scene.encode(&mut second)?;
+                    gpu.queue.submit([second.finish()]);
+                    let found = Found::read(gpu, &later)?;
+                    memory = check(&scene.content, &later, &found, &memory, &now).map_err(what)?;
+                    gpu.queue.submit([first.finish()]);
+                    memory = check(&content, &frame, &Found::of(gpu, &results)?, &memory, &then).map_err(what)?;
+                }
+                2 => {
+                    // All is laid out anew.
+                    scene.insert(gpu)?;
+                    memory = Memory::default();
+                }
+                _ => {}
+            }
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            let found = Found::read(gpu, &frame)?;
+            let last = memory.clone();
+            memory = check(&scene.content, &frame, &found, &memory, &now).map_err(what)?;
+            pairs += found.statistics.pairs;
+            kept += found.statistics.kept_pairs;
+            // Negative control: nothing was there before.
+            let has_kept = found.statistics.kept_pairs > 0;
+            let other = check(&scene.content, &frame, &found, &Memory::default(), &now);
+            if has_kept && !last.lit.is_empty() {
+                must_fail("pairs that are taken without need", &other.map(drop))?;
+                noticed += 1;
+            }
+            change(&mut scene, &mut now, number)?;
+        }
+    }
+    println!("{kept} of {pairs} pairs kept, {noticed} controls");
+    if 4 * kept < pairs || kept == pairs || noticed == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
+}
+
+fn twins() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut kept_pairs = 0;
+    for seed in 2601..2621 {
+        let mut scene = filled(gpu, seed, roomy(40))?;
+        let mut before = Vec::new();
+        for _ in 0..5 {
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            let results = frame.results().map_err(text)?;
+            let first = results.groups.first().ok_or("no group")?.dispatch;
+            let table: Vec<[u32; 4]> = gpu.read(results.table, usize::MAX)?;
+            let pairs = (first.casters * first.batches) as usize;
+            let words = 4 + 32 * first.batches as usize + 2 * pairs;
+            let [lit, taken] = [results.lit, results.taken].map(|buffer| gpu.read::<u32>(buffer, pairs));
+            let (lit, taken) = (lit?, taken?);
+            let kept: Vec<u32> = gpu.read(results.kept, words)?;
+            let twin = cpu::take(SceneTable(&table), &first, &lit, &before);
+            same("pairs taken", &taken, &twin.taken)?;
+            same("what is noted", &kept, &twin.kept)?;
+            kept_pairs += lit.iter().zip(&taken).map(|(lit, taken)| (lit & !taken).count_ones()).sum::<u32>();
+            let work: Vec<u32> = gpu.read(results.work, usize::MAX)?;
+            let mut tested = [0_u32; 2];
+            for group in &results.groups {
+                let dispatch = group.dispatch;
+                let part = group.group * first.batches as usize + group.batch;
+                let [faces, edges, anew, keeps] = [0, 1, 2, 3].map(|word| work[dispatch.work_count as usize + word]);
+                same("lists made anew, and bits kept", &[anew, keeps], &[twin.anew[part], twin.keeps[part]])?;
+                let expected = cpu::chunks(SceneTable(&table), &dispatch, &lit, &twin.taken, twin.anew[part]);
+                for (kind, count, from, expected, at) in [
+                    (0, faces, dispatch.face_work, &expected[0], dispatch.face_chunks_at),
+                    (1, edges, dispatch.edge_work, &expected[1], dispatch.edge_chunks_at),
+                ] {
+                    let mut listed = work[from as usize..][..count as usize].to_vec();
+                    listed.sort_unstable();
+                    same("chunks", &listed, expected)?;
+                    for chunk in listed {
+                        let caster = SceneTable(&table).word(at, chunk);
+                        let [slot, slots, ..] = table[8 * caster as usize + 5 + kind];
+                        tested[kind] += (slot + slots - 64 * chunk).min(64);
+                    }
+                }
+            }
+            let SceneStatistics { faces, edges, .. } = gpu.read(results.statistics, 1)?[0];
+            same("faces and edges tested", &[faces, edges], &tested)?;
+            before = kept;
+            change(&mut scene, &mut Memory::default(), 0)?;
+        }
+    }
+    if kept_pairs == 0 { Err("nothing was kept".to_owned()) } else { Ok(()) }
+}
+
+/// A second frame of the same computes nothing, unless bits are not kept; then it is the first again.
+fn still() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    for seed in 2701..2711 {
+        for keep_bits in [true, false] {
+            let mut scene = RandomScene::new(gpu, seed, SceneOptions { keep_bits, ..roomy(40) })?;
+            for _ in 0..6 {
+                scene.add_light()?;
+            }
+            for _ in 0..8 {
+                scene.insert_rigid()?;
+            }
+            let mut frames = Vec::new();
+            for _ in 0..3 {
+                let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+                let found = Found::read(gpu, &frame)?;
+                check_frame(&scene.content, &frame, &found)?;
+                frames.push(found.statistics);
+            }
+            let all = frames[0];
+            let none = SceneStatistics { kept_pairs: all.pairs, faces: 0, edges: 0, ..all };
+            same("the first frame", &[all.kept_pairs, u32::from(all.faces > 0)], &[0, 1])?;
+            let expected = if keep_bits { none } else { all };
+            same(&format!("later frames, kept {keep_bits}"), &frames[1..], &[expected; 2])?;
+            must_fail(
+                "a frame that is computed",
+                &same("later", &frames[1..2], &[if keep_bits { all } else { none }]),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Positions in a buffer are computed anew, unless their version is the same.
+fn versions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 2801, roomy(8))?;
+    for _ in 0..4 {
+        scene.add_light()?;
+    }
+    let mut random = Random::new(2802);
+    let rest = scene.content.meshes[0].0.1.clone();
+    let mut moved = || -> Vec<[f32; 3]> {
+        let by = random.direction();
+        rest.iter().map(|p| [p[0] + 3.0 * by[0], p[1] + 3.0 * by[1], p[2] + 3.0 * by[2]]).collect()
+    };
+    let mut world = moved();
+    let buffer = gpu.storage(&world);
+    let positions = CasterPositions::Buffer { buffer: buffer.clone(), offset: 0, stride: 12 };
+    let handle = scene.insert_as(0, Placed::World(world.clone()), positions)?;
+    let frame = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let found = Found::read(gpu, &frame)?;
+        check_frame(&scene.content, &frame, &found).map(|_| found.statistics.kept_pairs == found.statistics.pairs)
+    };
+    let write = |scene: &mut RandomScene, world: &[[f32; 3]]| {
+        gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(world));
+        scene.content.casters[0].placed = Placed::World(world.to_vec());
+    };
+    // What is done to the buffer and the version, and whether the frame keeps all.
+    let steps: [(bool, Option<u64>, bool); 9] = [
+        (false, None, false),
+        (true, None, false),
+        (false, Some(7), false),
+        (false, Some(7), true),
+        (true, Some(8), false),
+        (false, Some(8), true),
+        (true, Some(7), false),
+        (true, None, false),
+        (false, None, false),
+    ];
+    for (step, (writes, version, keeps)) in steps.into_iter().enumerate() {
+        if writes {
+            world = moved();
+            write(&mut scene, &world);
+        }
+        scene.scene.set_position_version(handle, version).map_err(text)?;
+        same(&format!("step {step}, all kept"), &[frame(&mut scene)?], &[keeps])?;
+    }
+    // Negative control: a version that is not true leaves old bits.
+    scene.scene.set_position_version(handle, Some(9)).map_err(text)?;
+    frame(&mut scene)?;
+    write(&mut scene, &rest.iter().map(|p| [-p[2] - 9.0, p[0], 2.0 * p[1]]).collect::<Vec<_>>());
+    must_fail("old bits", &frame(&mut scene).map(drop))?;
+    scene.insert_rigid()?;
+    let rigid = scene.content.casters[1].handle;
+    let refused = scene.scene.set_position_version(rigid, Some(1));
+    same("a version for a rigid caster", &[refused], &[Err(SceneError::NoBuffer)])
+}
+
+/// Masks of callers are copied for each frame, and nothing of their group is kept.
+fn excluded() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 2901, roomy(8))?;
+    for _ in 0..4 {
+        scene.add_light()?;
+    }
+    for _ in 0..5 {
+        scene.insert_rigid()?;
+    }
+    let (caster, light) = (scene.content.casters[2].handle, scene.content.lights[1].0);
+    let frame = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        Found::read(gpu, &frame)
+    };
+    frame(&mut scene)?;
+    scene.scene.set_excluded(caster, light, &[0]).map_err(text)?;
+    let first = frame(&mut scene)?;
+    let second = frame(&mut scene)?;
+    same("pairs kept", &[second.statistics.kept_pairs], &[0])?;
+    let masks = |found: &Found| found.groups.iter().flat_map(|group| group.excluded.clone()).collect::<Vec<_>>();
+    same("masks", &masks(&second), &masks(&first))?;
+    scene.scene.set_excluded(caster, light, &[]).map_err(text)?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+    check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?)?;
+    let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+    let found = Found::read(gpu, &frame)?;
+    check_frame(&scene.content, &frame, &found)?;
+    same("pairs kept again", &[found.statistics.kept_pairs], &[found.statistics.pairs])
+}
+
+/// The counts of lists tell that a light was in the plane of a face, until nothing is left of that.
+fn zeros() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 3001, roomy(8))?;
+    let cube = scene.content.meshes.iter().position(|(case, _)| case.0 == "cube");
+    let mesh = cube.unwrap_or(0);
+    let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    scene.insert_as(mesh, Placed::Rigid(rows), CasterPositions::Rigid(rows))?;
+    // A corner of a face lies in its plane.
+    let (_, corner, shape) = &*scene.content.meshes[mesh].0.clone();
+    let at = corner[shape.faces()[0][0] as usize];
+    let light = rimline::Light::point(at);
+    let handle = scene.scene.add_light(light).map_err(text)?;
+    scene.content.lights.push((handle, light));
+    scene.set_all_lights()?;
+    let flag = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let results = frame.results().map_err(text)?;
+        let group = results.groups.first().ok_or("no group")?;
+        let counts: Vec<u32> = gpu.read(group.lists, 64)?;
+        let record: Vec<u32> = gpu.read(group.record, 4)?;
+        Ok::<_, String>([u32::from(record[3] != 0), u32::from(counts[32] != 0)])
+    };
+    same("computed, and kept", &[flag(&mut scene)?, flag(&mut scene)?, flag(&mut scene)?], &[[1, 0], [0, 1], [0, 1]])?;
+    let away = rimline::Light::point([at[0] + 7.3, at[1] + 5.1, at[2] + 9.7]);
+    scene.scene.set_light(handle, away).map_err(text)?;
+    same("moved away", &[flag(&mut scene)?, flag(&mut scene)?], &[[0, 0], [0, 0]])
+}
