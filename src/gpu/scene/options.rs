@@ -6,6 +6,7 @@ use crate::shadow::Counting;
 
 /// The room that a [`Scene`](crate::gpu::Scene) has for lights and results.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct SceneOptions {
     /// The largest number of lights at a time, 1 to [`MAX_LIGHTS`](crate::MAX_LIGHTS).
     pub max_lights: usize,

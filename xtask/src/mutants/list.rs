@@ -12,6 +12,7 @@ pub(super) struct Mutation {
 }
 
 const DEFORM: &[&str] = &["--test deform_gpu", "--test deform_cpu"];
+const SCENES: &[&str] = &["--test scene_gpu", "--test shadow_gpu"];
 const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -122,6 +123,52 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             ("src/cpu/shadow/stencil_pencil.rs", "place.clamp(low, high) - place", "0.5 * (low + high) - place"),
         ],
         tests: MARGINS,
+    },
+    Mutation {
+        name: "reach: bits of lights that moved are kept",
+        changes: &[
+            (
+                "wgsl/scene/reach.wgsl",
+                "kept[kept_lights_at(batch) + light] == light_version(batch, light)",
+                "light < 32u",
+            ),
+            (
+                "src/cpu/scene/reach.rs",
+                "word(4 + 32 * batch + bit) == versions[(32 * batch + bit) as usize]",
+                "*bit < 32",
+            ),
+        ],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "reach: lights that cease to matter leave their lists as they are",
+        changes: &[
+            ("wgsl/scene/reach.wgsl", "(matter & ~keeps) | (before & ~matter)", "(matter & ~keeps)"),
+            ("src/cpu/scene/reach.rs", "matter & !keeps | before & !matter", "matter & !keeps"),
+        ],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "reach: bits of another layout are kept",
+        changes: &[
+            ("wgsl/scene/reach.wgsl", "group.keeps != 0u && kept[0] == group.structure", "group.keeps != 0u"),
+            ("src/cpu/scene/reach.rs", "keeps != 0 && word(0) == structure", "keeps != 0"),
+        ],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "list sides: lights in planes of kept faces are forgotten",
+        changes: &[("wgsl/shadow/list_sides.wgsl", " || (MANY && silhouette_counts[KEPT_ZEROS] != 0u)", "")],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "scene: masks are kept where what describes them is made anew",
+        changes: &[(
+            "src/gpu/scene/buffers.rs",
+            "old.is_some_and(|old| Maker::fits(&old.kept, kept))",
+            "old.is_some()",
+        )],
+        tests: SCENES,
     },
     Mutation {
         name: "choose: volumes end 20 % early",
