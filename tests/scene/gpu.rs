@@ -3,6 +3,7 @@
 mod exact;
 mod found;
 mod frames;
+mod histories;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -11,6 +12,6 @@ mod stages;
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, refusals::TESTS];
+    let tests = [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, histories::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

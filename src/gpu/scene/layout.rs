@@ -179,6 +179,8 @@ impl Layout {
         for (&key, &slots) in self.order.iter().zip(slots) {
             let Some(caster) = casters.get_mut(key) else { continue };
             caster.is_moved = false;
+            // What was excluded for a light went with it.
+            caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
             if let Some(mesh) = meshes.get(caster.mesh) {
                 table.put_caster(caster, mesh, slots);
             }

@@ -92,7 +92,7 @@ impl Structure {
             let limit = limits.binding;
             return Err(MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit }.into());
         }
-        let given = given_masks(&layout, table, casters, lights);
+        let given = given_masks(&layout, table, casters);
         let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
         let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
@@ -125,7 +125,6 @@ fn given_masks(
     layout: &Layout,
     table: &Table,
     casters: &SlotMap<DefaultKey, CasterEntry>,
-    lights: &Lights,
 ) -> Vec<Option<Vec<u32>>> {
     let batches = table.batches;
     let mut given = vec![None; layout.groups.len() * batches];
@@ -133,7 +132,7 @@ fn given_masks(
         let Some(caster) = casters.get(key).filter(|caster| !caster.excluded.is_empty()) else { continue };
         let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
         let room = layout.groups.get(number).map_or(0, Group::face_slots);
-        for (light, faces) in caster.excluded.iter().filter(|(light, _)| lights.check(*light).is_ok()) {
+        for (light, faces) in &caster.excluded {
             let bit = light.bit as usize;
             let Some(masks) = given.get_mut(number * batches + bit / 32) else { continue };
             let masks = masks.get_or_insert_with(|| vec![0; room as usize]);
