@@ -112,6 +112,12 @@ impl Structure {
         Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes, given })
     }
 
+    /// The size of all buffers in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let given = self.given.iter().flatten().map(wgpu::Buffer::size).sum::<u64>();
+        self.buffers.bytes() + self.table.size() + given
+    }
+
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
     /// page's.
     pub(crate) fn source<'a>(&self, making: &Making<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
@@ -121,11 +127,7 @@ impl Structure {
 }
 
 /// For each group and batch the masks of faces that callers exclude, by slots. `None`: there are none.
-fn given_masks(
-    layout: &Layout,
-    table: &Table,
-    casters: &SlotMap<DefaultKey, CasterEntry>,
-) -> Vec<Option<Vec<u32>>> {
+fn given_masks(layout: &Layout, table: &Table, casters: &SlotMap<DefaultKey, CasterEntry>) -> Vec<Option<Vec<u32>>> {
     let batches = table.batches;
     let mut given = vec![None; layout.groups.len() * batches];
     for (&key, index) in layout.order.iter().zip(0_u32..) {
