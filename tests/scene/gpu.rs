@@ -3,6 +3,7 @@
 mod exact;
 mod found;
 mod frames;
+mod histories;
 mod kept;
 mod random_scene;
 mod refusals;
@@ -12,6 +13,7 @@ mod stages;
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, kept::TESTS, refusals::TESTS];
+    let tests =
+        [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, histories::TESTS, kept::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }

@@ -1,7 +1,7 @@
 //! What a scene refuses, as typed errors.
 
 use rimline::gpu::{Caster, CasterPositions, LightMask, MemoryError, PositionError, Scene, SceneError, SceneOptions};
-use rimline::{Light, LightError, Mesh, mesh::Weld};
+use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
@@ -13,6 +13,8 @@ pub(crate) const TESTS: &[Test] = &[
     ("lights_without_room_are_typed_errors", lights),
     ("position_buffers_that_do_not_fit_are_typed_errors", positions),
     ("what_does_not_fit_the_memory_is_a_typed_error", memory),
+    ("views_that_do_not_fit_are_refused_once", views),
+    ("what_fits_a_new_scene_fits_one_that_grew", grown),
 ];
 
 const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -155,4 +157,74 @@ fn memory() -> Result<(), String> {
         Err(SceneError::Memory(MemoryError::Binding { what: "faces", .. })) => Ok(()),
         other => Err(format!("a large mesh: {other:?}")),
     }
+}
+
+/// At the origin, looking along x.
+fn camera() -> ShadowCamera {
+    let view_projection = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0]];
+    ShadowCamera { view_projection, origin: [-5.0, 0.0, 0.0], depth: DepthDirection::Reversed }
+}
+
+/// The memory and the bindings have no room for so many views, and still have room for one.
+fn views() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (positions, mesh) = cube()?;
+    let options = SceneOptions { memory_limit: Some(4_000_000), ..Default::default() };
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+    let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
+    scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
+    scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
+    let mut encode = |views| gpu.submit(|encoder| Ok(scene.encode(encoder, &vec![camera(); views], None)));
+    for (views, is_memory) in [(1000, true), (100_000, false)] {
+        match encode(views)? {
+            Err(SceneError::Memory(MemoryError::Total { .. })) if is_memory => {}
+            Err(SceneError::Memory(MemoryError::Binding { .. })) if !is_memory => {}
+            other => return Err(format!("{views} views: {other:?}")),
+        }
+        for views in [1, 0, 2] {
+            encode(views)?.map_err(text)?;
+        }
+    }
+    Ok(())
+}
+
+/// The smallest limit at which some casters and a view fit a new scene.
+fn least_limit(casters: usize) -> Result<u64, String> {
+    let (mut least, mut most) = (0, 1 << 24);
+    while most - least > 1 {
+        let limit = (least + most) / 2;
+        let fits = grow(Some(limit), 0, casters)?;
+        *(if fits { &mut most } else { &mut least }) = limit;
+    }
+    Ok(most)
+}
+
+/// Whether casters fit that are inserted one by one, with an encode after each but the first few.
+fn grow(memory_limit: Option<u64>, one_by_one: usize, casters: usize) -> Result<bool, String> {
+    let gpu = &*Gpu::shared()?;
+    let (positions, mesh) = cube()?;
+    let options = SceneOptions { memory_limit, ..Default::default() };
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+    let Ok(cube) = scene.add_mesh(&mesh, &positions) else { return Ok(false) };
+    scene.add_light(Light::point([1.0, 2.0, 3.0])).map_err(text)?;
+    for number in 1..=casters {
+        scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;
+        if number + one_by_one >= casters {
+            match gpu.submit(|encoder| Ok(scene.encode(encoder, &[camera()], None)))? {
+                Ok(_) => {}
+                Err(SceneError::Memory(MemoryError::Total { .. })) => return Ok(false),
+                Err(error) => return Err(error.to_string()),
+            }
+        }
+    }
+    Ok(true)
+}
+
+fn grown() -> Result<(), String> {
+    let limit = least_limit(200)?;
+    println!("{limit} bytes");
+    if grow(Some(limit - 1), 0, 200)? {
+        return Err("the limit is not the smallest".to_owned());
+    }
+    if grow(Some(limit), 100, 200)? { Ok(()) } else { Err("a scene that grew does not fit".to_owned()) }
 }

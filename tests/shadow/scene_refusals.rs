@@ -3,7 +3,7 @@
 use rimline::gpu::{
     Caster, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines, ShadowDrawError, ShadowFormat,
 };
-use rimline::{CameraError, Counting, DepthDirection, Light, ShadowCamera};
+use rimline::{CameraError, Counting, DepthDirection, Light, LightError, ShadowCamera};
 
 use crate::scene::Eye;
 use crate::trials::Test;
@@ -49,10 +49,14 @@ fn recording() -> Result<(), String> {
     // A light that extraction takes and shadows do not.
     let light = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
     same("no camera", &[refused(encode(gpu, &mut own, &[]))], &[None])?;
-    match encode(gpu, &mut own, &[good]) {
-        Err(SceneError::Light(_)) => {}
-        other => return Err(format!("a negative w: {other:?}")),
-    }
+    let negative = |index| SceneError::Light(LightError::NegativeWeight { index, w: -1.0 });
+    same("a negative w", &[refused(encode(gpu, &mut own, &[good]))], &[Some(negative(0))])?;
+    // The error names the light's bit, whatever other lights there are.
+    let second = own.add_light(Light::homogeneous([1.0, 2.0, 3.0, -1.0])).map_err(text)?;
+    own.remove_light(light).map_err(text)?;
+    same("a light of bit 1", &[refused(encode(gpu, &mut own, &[good]))], &[Some(negative(1))])?;
+    let light = own.add_light(Light::point([1.0, 5.0, 3.0])).map_err(text)?;
+    own.remove_light(second).map_err(text)?;
     own.set_light(light, Light::point([1.0, 5.0, 3.0])).map_err(text)?;
     same("all good", &[refused(encode(gpu, &mut own, &[good]))], &[None])?;
     let caster = own.insert(caster).map_err(text)?;

@@ -196,7 +196,7 @@ impl SceneFrame {
             })
         });
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
-        let bytes = buffers.bytes() + table.size() + volumes;
+        let bytes = self.structure.bytes() + volumes;
         let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
         let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
         let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());

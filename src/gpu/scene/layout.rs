@@ -106,6 +106,10 @@ impl Layout {
         encode: u32,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
+        // What was excluded for a light goes with it.
+        for caster in casters.values_mut() {
+            caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
+        }
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
         let mut sources = Vec::new();
         for (key, caster) in &*casters {

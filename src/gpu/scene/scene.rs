@@ -19,6 +19,7 @@ use super::stages::Passes;
 use super::structure::{Making, Number, Structure};
 use super::table::{Part, Table};
 use super::volumes::Volumes;
+use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::{Subject, check_timer};
@@ -113,7 +114,8 @@ impl Scene {
         let Some(own) = positions.get(..needed as usize) else {
             return Err(SceneError::TooFewPositions { given: positions.len(), needed });
         };
-        let used = self.last.as_ref().map_or(0, |last| last.buffers.bytes() + last.table.size());
+        let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
+        let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
         let device = self.pipelines.device();
         let run = self.pages.add(device, mesh, used, self.options.memory_limit)?;
         if let Err(error) = self.pages.upload(device, &self.queue, &run, mesh, own) {
@@ -345,12 +347,7 @@ impl Scene {
     ) -> Result<SceneFrame, SceneError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
-        if cameras.len() > self.views {
-            self.views = cameras.len();
-            self.structure = None;
-        }
-        let structure = self.prepare()?;
-        let volumes = if cameras.is_empty() { None } else { Some(self.volumes(&structure)?) };
+        let (structure, volumes) = self.prepare_views(cameras.len())?;
         let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views));
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
@@ -380,8 +377,10 @@ impl Scene {
         if self.options.counting.is_zp_plus_2005() {
             return Err(SceneError::Counting(self.options.counting));
         }
-        let lights: Vec<Light> =
-            (0..32 * self.lights.batches() as u32).filter_map(|bit| self.lights.get(bit)).collect();
+        // Errors name the bit of a light.
+        let none = Light::directional([0.0, 0.0, 1.0]);
+        let bits = 0..32 * self.lights.batches() as u32;
+        let lights: Vec<Light> = bits.map(|bit| self.lights.get(bit).unwrap_or(none)).collect();
         check_shadow_lights(&lights, lights.len())?;
         let view =
             |(view, camera): (usize, &ShadowCamera)| camera.view().map_err(|error| SceneError::Camera { view, error });
@@ -402,7 +401,7 @@ impl Scene {
         }
         let Self { pipelines, options, meshes, sources, lights, pages, views, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views };
-        let others = pages.bytes + structure.table.size() + structure.buffers.bytes();
+        let others = pages.bytes + structure.bytes();
         let made = Arc::new(Volumes::new(&making, structure, *views, others)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
@@ -420,6 +419,34 @@ impl Scene {
         }
         seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());
         seen
+    }
+
+    /// Brings everything up to date, with room for so many views.
+    fn prepare_views(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+        let before = self.views;
+        if views > before {
+            self.views = views;
+            self.structure = None;
+        }
+        let made = match self.prepare_all(views) {
+            Err(SceneError::Memory(MemoryError::Total { .. } | MemoryError::OutOfMemory { .. })) => {
+                // Buffers that are kept may be larger than what is needed.
+                (self.structure, self.last, self.volumes) = (None, None, None);
+                self.prepare_all(views)
+            }
+            made => made,
+        };
+        if made.is_err() && views > before {
+            self.views = before;
+            self.structure = None;
+        }
+        made
+    }
+
+    fn prepare_all(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+        let structure = self.prepare()?;
+        let volumes = if views == 0 { None } else { Some(self.volumes(&structure)?) };
+        Ok((structure, volumes))
     }
 
     /// Brings the table up to date.

@@ -101,7 +101,7 @@ impl Structure {
             let limit = limits.binding;
             return Err(MemoryError::Binding { what: "the scene table", bytes: table_bytes, limit }.into());
         }
-        let given = given_masks(&layout, table, casters, lights);
+        let given = given_masks(&layout, table, casters);
         let given_bytes: u64 = given.iter().flatten().map(|masks| 4 * masks.len() as u64).sum();
         let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
@@ -122,6 +122,12 @@ impl Structure {
         Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes, given })
     }
 
+    /// The size of all buffers in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let given = self.given.iter().flatten().map(wgpu::Buffer::size).sum::<u64>();
+        self.buffers.bytes() + self.table.size() + given
+    }
+
     /// The page of a group, and the part of a caller's buffer that its positions are read from, unless they are the
     /// page's.
     pub(crate) fn source<'a>(&self, making: &Making<'a>, group: usize) -> Option<(&'a Page, &'a Source)> {
@@ -131,19 +137,14 @@ impl Structure {
 }
 
 /// For each group and batch the masks of faces that callers exclude, by slots. `None`: there are none.
-fn given_masks(
-    layout: &Layout,
-    table: &Table,
-    casters: &SlotMap<DefaultKey, CasterEntry>,
-    lights: &Lights,
-) -> Vec<Option<Vec<u32>>> {
+fn given_masks(layout: &Layout, table: &Table, casters: &SlotMap<DefaultKey, CasterEntry>) -> Vec<Option<Vec<u32>>> {
     let batches = table.batches;
     let mut given = vec![None; layout.groups.len() * batches];
     for (&key, index) in layout.order.iter().zip(0_u32..) {
         let Some(caster) = casters.get(key).filter(|caster| !caster.excluded.is_empty()) else { continue };
         let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
         let room = layout.groups.get(number).map_or(0, Group::face_slots);
-        for (light, faces) in caster.excluded.iter().filter(|(light, _)| lights.check(*light).is_ok()) {
+        for (light, faces) in &caster.excluded {
             let bit = light.bit as usize;
             let Some(masks) = given.get_mut(number * batches + bit / 32) else { continue };
             let masks = masks.get_or_insert_with(|| vec![0; room as usize]);

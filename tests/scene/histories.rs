@@ -1,0 +1,221 @@
+//! What a scene was before does not show in its frames: shadow volumes of scenes that changed, whose encoders were dropped
+//! or submitted in any order, against those of a scene made anew.
+
+use glam::Vec3;
+use rimline::gpu::{
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneFrame, SceneOptions, ShadowStatistics,
+};
+use rimline::reference::layout::ShadowDraws;
+use rimline::{Counting, DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, same};
+
+use crate::random_scene::{Content, Placed, RandomScene};
+
+pub(crate) const TESTS: &[Test] = &[("volumes_do_not_depend_on_what_a_scene_was_before", histories)];
+
+/// Faces that are excluded for a light.
+type Excluded = Vec<(CasterHandle, LightHandle, Vec<u32>)>;
+
+/// What was recorded, and what it must come to: the content, the cameras and the excluded faces of that moment.
+struct Recorded {
+    encoder: wgpu::CommandEncoder,
+    draws: Vec<wgpu::Buffer>,
+    statistics: wgpu::Buffer,
+    views: usize,
+    batches: usize,
+    content: Content,
+    cameras: Vec<ShadowCamera>,
+    excluded: Excluded,
+}
+
+/// The instances of each draw over all groups, for each view and light; and the statistics.
+#[derive(Debug, PartialEq)]
+struct Volumes {
+    instances: Vec<[u32; 6]>,
+    statistics: Vec<u32>,
+}
+
+fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+}
+
+/// Near 0.1, without a far plane.
+fn camera(random: &mut Random) -> ShadowCamera {
+    let far = [1.5, 8.0, 60.0][random.below(3)];
+    let origin = random.direction().map(|c| c * far);
+    let forward = (Vec3::from(random.direction()) - Vec3::from(origin)).normalize();
+    let right = forward.any_orthonormal_vector();
+    let up = right.cross(forward);
+    let columns = [0, 1, 2].map(|axis| [2.0 * right[axis], 2.0 * up[axis], 0.0, forward[axis]]);
+    let [x, y, z] = columns;
+    ShadowCamera { view_projection: [x, y, z, [0.0, 0.0, 0.1, 0.0]], origin, depth: DepthDirection::Reversed }
+}
+
+fn volumes(
+    gpu: &Gpu,
+    (draws, statistics): (&[wgpu::Buffer], &wgpu::Buffer),
+    (views, batches): (usize, usize),
+    bits: &[u32],
+) -> Result<Volumes, String> {
+    let mut instances = vec![[0; 6]; views * bits.len()];
+    for buffer in draws {
+        let of_group: Vec<ShadowDraws> = gpu.read(buffer, usize::MAX)?;
+        let places = (0..views).flat_map(|view| bits.iter().map(move |&bit| view * 32 * batches + bit as usize));
+        for (sum, place) in instances.iter_mut().zip(places) {
+            let ShadowDraws { plain, clipped, near_front, near_back, far_front, far_back, .. } = of_group[place];
+            let kinds = [plain, clipped, near_front, near_back, far_front, far_back];
+            sum.iter_mut().zip(kinds).for_each(|(sum, draw)| *sum += draw.instance_count);
+        }
+    }
+    let statistics: Vec<ShadowStatistics> = gpu.read(statistics, 1)?;
+    Ok(Volumes { instances, statistics: bytemuck::cast_slice(&statistics).to_vec() })
+}
+
+fn bits(content: &Content) -> Vec<u32> {
+    content.lights.iter().map(|(light, _)| light.bit()).collect()
+}
+
+impl Recorded {
+    fn new(
+        mut encoder: wgpu::CommandEncoder,
+        scene: &mut RandomScene,
+        cameras: Vec<ShadowCamera>,
+        excluded: &Excluded,
+    ) -> Result<Self, String> {
+        let frame = scene.scene.encode(&mut encoder, &cameras, None).map_err(text)?;
+        let (draws, statistics) = buffers(&frame)?;
+        let (content, excluded) = (scene.content.clone(), excluded.clone());
+        let (views, batches) = (cameras.len(), frame.batches());
+        Ok(Self { encoder, draws, statistics, views, batches, content, cameras, excluded })
+    }
+
+    /// Submits it, and compares with a scene made anew.
+    fn check(self, gpu: &Gpu, options: SceneOptions) -> Result<u32, String> {
+        gpu.queue.submit([self.encoder.finish()]);
+        let sizes = (self.views, self.batches);
+        let found = volumes(gpu, (&self.draws, &self.statistics), sizes, &bits(&self.content))?;
+        let fresh = fresh(gpu, options, &self.content, &self.cameras, &self.excluded)?;
+        same("volumes", &[&found], &[&fresh])?;
+        Ok(found.instances.iter().flatten().sum())
+    }
+}
+
+fn buffers(frame: &SceneFrame) -> Result<(Vec<wgpu::Buffer>, wgpu::Buffer), String> {
+    let draws = frame.results().map_err(text)?.shadow_draws.to_vec();
+    Ok((draws, frame.shadow_statistics().ok_or("no view")?.clone()))
+}
+
+/// The volumes of the same content in a scene without a past.
+fn fresh(
+    gpu: &Gpu,
+    options: SceneOptions,
+    content: &Content,
+    cameras: &[ShadowCamera],
+    excluded: &Excluded,
+) -> Result<Volumes, String> {
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+    let meshes = content.meshes.iter().map(|(case, _)| scene.add_mesh(&case.2, &case.1).map_err(text));
+    let meshes = meshes.collect::<Result<Vec<_>, _>>()?;
+    let lights = content.lights.iter().map(|(old, light)| Ok((*old, scene.add_light(*light).map_err(text)?)));
+    let lights: Vec<(LightHandle, LightHandle)> = lights.collect::<Result<_, String>>()?;
+    for own in &content.casters {
+        let positions = match &own.placed {
+            Placed::Rigid(rows) => CasterPositions::Rigid(*rows),
+            Placed::World(world) => CasterPositions::Buffer { buffer: gpu.storage(world), offset: 0, stride: 12 },
+        };
+        let allowed = lights.iter().filter(|(old, _)| own.lights.contains(*old)).map(|(_, new)| *new);
+        let caster =
+            Caster { mesh: meshes[own.mesh], positions, lights: LightMask::only(allowed), in_depth: own.in_depth };
+        let caster = scene.insert(caster).map_err(text)?;
+        for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == own.handle) {
+            if let Some((_, light)) = lights.iter().find(|(old, _)| old == light) {
+                scene.set_excluded(caster, *light, faces).map_err(text)?;
+            }
+        }
+    }
+    let frame = gpu.submit(|encoder| scene.encode(encoder, cameras, None).map_err(text))?;
+    let (draws, statistics) = buffers(&frame)?;
+    let bits: Vec<u32> = lights.iter().map(|(_, light)| light.bit()).collect();
+    volumes(gpu, (&draws, &statistics), (cameras.len(), frame.batches()), &bits)
+}
+
+/// Excludes faces of a caster for a light.
+fn exclude(scene: &mut RandomScene, excluded: &mut Excluded) -> Result<(), String> {
+    let Content { casters, lights, meshes } = &scene.content;
+    if casters.is_empty() || lights.is_empty() {
+        return Ok(());
+    }
+    let own = &casters[scene.random.below(casters.len())];
+    let (light, _) = lights[scene.random.below(lights.len())];
+    let faces = meshes[own.mesh].0.2.faces().len() as u32;
+    let faces: Vec<u32> = (0..faces).filter(|_| scene.random.below(4) == 0).collect();
+    scene.scene.set_excluded(own.handle, light, &faces).map_err(text)?;
+    excluded.retain(|(of, by, _)| (*of, *by) != (own.handle, light));
+    excluded.push((own.handle, light, faces));
+    Ok(())
+}
+
+fn histories() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut instances, mut late, mut noticed) = (0_u64, 0, 0);
+    for seed in 3001..if is_long() { 3301 } else { 3021 } {
+        println!("seed {seed}");
+        let mut random = Random::new(seed);
+        let options = SceneOptions {
+            max_lights: 40,
+            list_capacity: Some(u32::MAX),
+            cap_capacity: Some(u32::MAX),
+            counting: [Counting::Auto, Counting::ZpPlus, Counting::ZFail, Counting::ZPass][random.below(4)],
+            skip_unseen: random.below(2) == 0,
+            end_at_range: random.below(2) == 0,
+            ..SceneOptions::default()
+        };
+        let mut scene = RandomScene::new(gpu, seed, options)?;
+        let mut excluded = Excluded::new();
+        for _ in 0..[3, 36][random.below(2)] {
+            scene.add_light()?;
+        }
+        for _ in 0..8 {
+            scene.insert(gpu)?;
+        }
+        let mut kept: Vec<Recorded> = Vec::new();
+        for step in 0..8 {
+            let what = |error| format!("step {step}: {error}");
+            let cameras = (0..=random.below(3)).map(|_| camera(&mut random)).collect();
+            let recorded = Recorded::new(encoder(gpu), &mut scene, cameras, &excluded)?;
+            match random.below(4) {
+                // Dropped.
+                0 => {}
+                1 => kept.push(recorded),
+                _ => instances += u64::from(recorded.check(gpu, options).map_err(what)?),
+            }
+            if random.below(3) == 0 && !kept.is_empty() {
+                let recorded = kept.swap_remove(random.below(kept.len()));
+                recorded.check(gpu, options).map_err(|error| format!("late, {}", what(error)))?;
+                late += 1;
+            }
+            if random.below(3) == 0 {
+                exclude(&mut scene, &mut excluded)?;
+            }
+            if random.below(3) > 0 {
+                scene.change(gpu)?;
+            }
+            // A batch of lights becomes empty.
+            if step == 4 && scene.content.lights.len() > 33 {
+                for (light, _) in scene.content.lights.extract_if(.., |(light, _)| light.bit() < 32) {
+                    scene.scene.remove_light(light).map_err(text)?;
+                }
+            }
+        }
+        // The negative control: other cameras.
+        let mut recorded = Recorded::new(encoder(gpu), &mut scene, vec![camera(&mut random)], &excluded)?;
+        recorded.cameras = vec![camera(&mut random)];
+        noticed += u32::from(recorded.check(gpu, options).is_err());
+    }
+    println!("{instances} instances, {late} late frames, {noticed} other cameras noticed");
+    if instances < 100_000 || late < 10 || noticed < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
