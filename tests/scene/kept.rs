@@ -1,6 +1,7 @@
 //! Bits and lists that are kept from frame to frame: they are right, and no more is computed than what changed.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use rimline::gpu::{CasterHandle, CasterPositions, SceneError, SceneFrame, SceneOptions, SceneStatistics};
 use rimline::reference::cpu::{self, SceneTable};
@@ -8,7 +9,7 @@ use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_measure::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
 use crate::random_scene::{Content, Placed, RandomScene};
@@ -21,6 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("buffers_with_a_version_are_kept", versions),
     ("faces_that_callers_exclude_are_not_kept", excluded),
     ("lights_in_planes_of_kept_faces_are_known", zeros),
+    ("late_frames_of_another_layout_spoil_nothing", late),
 ];
 
 /// What each caster and light was when the GPU last computed it: how often it had changed.
@@ -356,4 +358,38 @@ fn zeros() -> Result<(), String> {
     let away = rimline::Light::point([at[0] + 7.3, at[1] + 5.1, at[2] + 9.7]);
     scene.scene.set_light(handle, away).map_err(text)?;
     same("moved away", &[flag(&mut scene)?, flag(&mut scene)?], &[[0, 0], [0, 0]])
+}
+
+/// The late frame has larger masks and fewer casters: what describes its bits does not fit the new layout, though its masks
+/// would.
+fn late() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 3101, roomy(8))?;
+    for _ in 0..4 {
+        scene.add_light()?;
+    }
+    let shape = shapes::torus(60, 40, 1.0, 0.4);
+    let mesh = shape.mesh().map_err(text)?;
+    let handle = scene.scene.add_mesh(&mesh, &shape.positions).map_err(text)?;
+    scene.content.meshes.push((Arc::new(("large".to_owned(), shape.positions, mesh)), handle));
+    scene.insert_rigid_of(scene.content.meshes.len() - 1)?;
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    scene.encode(&mut encoder)?;
+    let own = scene.content.casters.swap_remove(0);
+    scene.scene.remove(own.handle).map_err(text)?;
+    let faces = |mesh: &usize| scene.content.meshes[*mesh].0.2.faces().len();
+    let small = (0..scene.content.meshes.len()).min_by_key(faces).ok_or("no mesh")?;
+    for _ in 0..30 {
+        scene.insert_rigid_of(small)?;
+    }
+    scene.set_all_lights()?;
+    let check = |scene: &mut RandomScene| {
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        let found = Found::read(gpu, &frame)?;
+        check_frame(&scene.content, &frame, &found).map(|_| found.statistics)
+    };
+    let first = check(&mut scene)?;
+    gpu.queue.submit([encoder.finish()]);
+    let second = check(&mut scene)?;
+    same("pairs", &[second.pairs, u32::from(first.pairs > 0)], &[first.pairs, 1])
 }

@@ -117,13 +117,12 @@ fn measure_scene(
 ) -> Result<Option<CastersRow>, Failure> {
     let field = Field::new(mesh.shape(), casters);
     let stages = compare_stages(rounds, &mut devices.stages, &field, Until::Volumes)?;
-    let Some((stages, edges)) = stages else { return Ok(None) };
-    let mut compared = Compared { stages, ..Compared::default() };
+    let Some((mut compared, edges)) = stages else { return Ok(None) };
 
     let Devices { draws: stopwatch, depth, .. } = devices;
     let gpu = stopwatch.gpu;
     let before = allocated_bytes(gpu)?;
-    let (mut scene, handles) = SceneRecorder::new(gpu, &field)?;
+    let (mut scene, handles) = SceneRecorder::new(gpu, &field, false)?;
     stopwatch.stages_by_clock(&mut scene, Until::Volumes)?;
     let scene_device_bytes = taken(before, allocated_bytes(gpu)?);
     let scene_bytes = scene.bytes().map_err(|error| error.on(gpu))?;
@@ -225,9 +224,10 @@ fn compare_stages(
     stopwatch: &mut Stopwatch<'_>,
     field: &Field,
     until: Until,
-) -> Result<Option<(BothTimes<StageTimes>, Edges)>, Failure> {
+) -> Result<Option<(Compared, Edges)>, Failure> {
     let gpu = stopwatch.gpu;
-    let (mut scene, _) = SceneRecorder::new(gpu, field)?;
+    let (mut scene, _) = SceneRecorder::new(gpu, field, false)?;
+    let (mut still, _) = SceneRecorder::new(gpu, field, true)?;
     let mut merged = MeshRecorders::new(gpu, &stopwatch.pipelines, field, [field.merged()])?;
     let edges = |recorder: &mut dyn Recorder| {
         stopwatch.stages_by_clock(recorder, Until::Extraction)?;
@@ -235,12 +235,16 @@ fn compare_stages(
     };
     let edges = [edges(&mut scene)?, edges(&mut merged)?];
     let stopwatch = RefCell::new(stopwatch);
-    let times = in_turn(
-        rounds,
-        || stopwatch.borrow_mut().stages(&mut scene, until),
-        || stopwatch.borrow_mut().stages(&mut merged, until),
-    )?;
-    Ok(times.map(|times| (times, edges)))
+    let contenders: Vec<Contender<'_, StageTimes>> = vec![
+        Box::new(|| stopwatch.borrow_mut().stages(&mut scene, until)),
+        Box::new(|| stopwatch.borrow_mut().stages(&mut still, until)),
+        Box::new(|| stopwatch.borrow_mut().stages(&mut merged, until)),
+    ];
+    let Some(samples) = interleave(rounds, contenders, is_interrupted)? else { return Ok(None) };
+    let mut samples = samples.into_iter();
+    let [scene, still, other] = std::array::from_fn(|_| samples.next().unwrap_or_default());
+    let still = BothTimes { scene: still, other: other.clone() };
+    Ok(Some((Compared { stages: BothTimes { scene, other }, still, ..Compared::default() }, edges)))
 }
 
 /// GPU times of whole frames, likewise.
@@ -279,9 +283,5 @@ fn measure_one_mesh(
     let segments = ((faces as f64 / 4.0).sqrt().round() as u32).max(3);
     let field = Field::new(shapes::torus(2 * segments, segments, 1.0, 0.4), 1);
     let compared = compare_stages(rounds, stopwatch, &field, Until::Extraction)?;
-    Ok(compared.map(|(stages, edges)| OneMeshRow {
-        faces: field.shape.faces.len(),
-        compared: Compared { stages, ..Compared::default() },
-        edges,
-    }))
+    Ok(compared.map(|(compared, edges)| OneMeshRow { faces: field.shape.faces.len(), compared, edges }))
 }

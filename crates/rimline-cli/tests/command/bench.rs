@@ -93,8 +93,8 @@ fn check_casters(casters: &Value) -> Result<u64, String> {
         ];
         let methods = &methods[..if number > 100 { 5 } else { 6 }];
         ensure!(list(&row["recording"]).iter().map(|recorded| &recorded["method"]).eq(methods), "methods of {row}");
-        let timed = ["extraction", "stages", "draws", "frame"];
-        ensure!(parts(&row["gpu"]) == timed[..if number > 1000 { 2 } else { 4 }], "parts of {row}");
+        let timed = ["extraction", "extraction-still", "stages", "draws", "frame"];
+        ensure!(parts(&row["gpu"]) == timed[..if number > 1000 { 3 } else { 5 }], "parts of {row}");
     }
     for row in &one_mesh {
         ensure!(parts(&row["gpu"]) == ["extraction"], "parts of {row}");

@@ -69,10 +69,12 @@ pub(super) struct SceneRecorder {
 
 impl SceneRecorder {
     /// A scene with the casters of `field`, and their handles.
-    pub(super) fn new(gpu: &Gpu, field: &Field) -> Result<(Self, Vec<CasterHandle>), Failure> {
+    /// `keep_bits`: frames compute what changed only.
+    pub(super) fn new(gpu: &Gpu, field: &Field, keep_bits: bool) -> Result<(Self, Vec<CasterHandle>), Failure> {
         let mesh = field.shape.mesh().map_err(mesh_failure)?;
         let make = || -> Result<_, GpuError> {
-            let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default())?;
+            let mut scene =
+                Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions { keep_bits, ..SceneOptions::default() })?;
             let mesh = scene.add_mesh(&mesh, &field.shape.positions)?;
             let transforms = field.places.iter().map(Field::transform);
             let casters = transforms.map(|transform| scene.insert(Caster::rigid(mesh, transform)));

@@ -108,6 +108,8 @@ impl Change {
 #[derive(Default)]
 pub(crate) struct Compared {
     pub(crate) stages: BothTimes<StageTimes>,
+    /// Of a scene in which nothing changed since the frame before, and again of what it is held against.
+    pub(crate) still: BothTimes<StageTimes>,
     /// Empty where nothing is drawn.
     pub(crate) draws: BothTimes<DrawTimes>,
 }
@@ -123,18 +125,21 @@ pub(crate) struct BothTimes<T> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     Extraction,
+    /// Of a scene in which nothing changed.
+    Still,
     Stages,
     Draws,
     Frame,
 }
 
-pub(crate) const PARTS: [Part; 4] = [Part::Extraction, Part::Stages, Part::Draws, Part::Frame];
+pub(crate) const PARTS: [Part; 5] = [Part::Extraction, Part::Still, Part::Stages, Part::Draws, Part::Frame];
 
 impl Part {
     /// What the data call it.
     fn id(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
+            Self::Still => "extraction-still",
             Self::Stages => "stages",
             Self::Draws => "draws",
             Self::Frame => "frame",
@@ -144,6 +149,7 @@ impl Part {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Extraction => "extraction",
+            Self::Still => "extraction, nothing moved",
             Self::Stages => "all stages",
             Self::Draws => "stencil passes",
             Self::Frame => "whole frame",
@@ -159,6 +165,7 @@ impl Compared {
         }
         match part {
             Part::Extraction => pairs(&self.stages, |times| times.extraction_ms),
+            Part::Still => pairs(&self.still, |times| times.extraction_ms),
             Part::Stages => pairs(&self.stages, |times| times.all_ms),
             Part::Draws => pairs(&self.draws, |times| times.stencil_ms),
             Part::Frame => pairs(&self.draws, |times| times.frame_ms),
