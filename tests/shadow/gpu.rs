@@ -11,6 +11,7 @@ mod hairlines;
 mod in_scene;
 mod nested;
 mod overflow;
+mod proxies;
 mod query;
 mod range;
 mod rays;
@@ -43,6 +44,7 @@ fn main() {
         in_scene::TESTS,
         thousands::TESTS,
         scene_refusals::TESTS,
+        proxies::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,
