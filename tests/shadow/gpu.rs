@@ -11,6 +11,7 @@ mod hairlines;
 mod in_scene;
 mod nested;
 mod overflow;
+mod passing;
 mod proxies;
 mod query;
 mod range;
@@ -44,6 +45,7 @@ fn main() {
         in_scene::TESTS,
         thousands::TESTS,
         scene_refusals::TESTS,
+        passing::TESTS,
         proxies::TESTS,
         query::TESTS,
         cameras::TESTS,
