@@ -192,7 +192,7 @@ fn views() -> Result<(), String> {
 fn least_limit(casters: usize) -> Result<u64, String> {
     let (mut least, mut most) = (0, 1 << 24);
     while most - least > 1 {
-        let limit = (least + most) / 2;
+        let limit = u64::midpoint(least, most);
         let fits = grow(Some(limit), 0, casters)?;
         *(if fits { &mut most } else { &mut least }) = limit;
     }

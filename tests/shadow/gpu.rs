@@ -11,6 +11,8 @@ mod hairlines;
 mod in_scene;
 mod nested;
 mod overflow;
+mod passing;
+mod proxies;
 mod query;
 mod range;
 mod rays;
@@ -43,6 +45,8 @@ fn main() {
         in_scene::TESTS,
         thousands::TESTS,
         scene_refusals::TESTS,
+        passing::TESTS,
+        proxies::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

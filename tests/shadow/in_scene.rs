@@ -190,7 +190,12 @@ impl InScene {
                 }
             };
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
-            let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: !renderer.options.every_face };
+            let caster = Caster {
+                mesh,
+                positions,
+                lights: LightMask::ALL,
+                in_depth: body.in_depth && !renderer.options.every_face,
+            };
             // Some are elsewhere at first.
             let caster = if is_busy && random.below(2) == 0 {
                 let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]));

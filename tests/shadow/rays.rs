@@ -17,6 +17,8 @@ pub(crate) struct Face {
     pub(crate) sides: Vec<i32>,
     /// The body's number among the casters.
     pub(crate) caster: Option<usize>,
+    /// Whether eyes see it.
+    pub(crate) is_drawn: bool,
 }
 
 /// Casters that a frame may have.
@@ -74,7 +76,7 @@ impl Tracer {
                 let exact = oracle::ExactFace::new(&body.shape.positions, face);
                 let side = |light: &Light| exact.as_ref().map_or(0, |face| face.sign(*light));
                 let sides = frame.lights.iter().map(side).collect();
-                triangles.push((corners, Face { sides, caster }));
+                triangles.push((corners, Face { sides, caster, is_drawn: body.is_drawn }));
             }
         }
         Self(rimline_measure::rays::Tracer::build(triangles))
@@ -82,7 +84,9 @@ impl Tracer {
 
     /// Where a ray first meets a triangle, and which.
     pub(crate) fn first(&self, ray: (DVec3, DVec3)) -> Option<(DVec3, &Triangle)> {
-        self.0.first(ray)
+        let seen = self.0.meetings(ray).filter(|(t, triangle)| *t > 0.0 && triangle.of.is_drawn);
+        let (t, triangle) = seen.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((ray.0 + ray.1 * t, triangle))
     }
 
     /// Casting faces but `own` on a part of a ray, by how they are turned to a light.
@@ -122,7 +126,7 @@ impl Tracer {
 
     /// What a pixel's ray sees, for each light.
     pub(crate) fn pixel(&self, ray: (DVec3, DVec3), lights: &[Light]) -> Vec<Truth> {
-        let Some((point, own)) = self.0.first(ray) else { return vec![Truth::Background; lights.len()] };
+        let Some((point, own)) = self.first(ray) else { return vec![Truth::Background; lights.len()] };
         let is_front = own.is_front(ray.1);
         let truth = |(number, light): (usize, &Light)| {
             let side = own.of.sides[number];

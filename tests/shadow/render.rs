@@ -334,6 +334,7 @@ impl<'a> Renderer<'a> {
         let corners: Vec<[f32; 3]> = frame
             .bodies
             .iter()
+            .filter(|body| body.is_drawn)
             .flat_map(|body| {
                 // In the order that caps are drawn in, which the last bits of depth depend on.
                 let faces = Body::caster(frame.placed(body).shape).finite_faces();

@@ -10,6 +10,10 @@ pub(crate) struct Body {
     /// In world space.
     pub(crate) shape: Shape,
     pub(crate) casts: bool,
+    /// Whether it is in the depth buffer. A proxy is not.
+    pub(crate) is_drawn: bool,
+    /// Whether a scene is told that it is. Others are never told.
+    pub(crate) in_depth: bool,
     /// The GPU gets a mesh in its own space, which is placed by a scale of 1 or -1 along each axis, of a negative
     /// determinant. So nothing is rounded.
     pub(crate) mirror: Option<Vec3>,
@@ -28,7 +32,7 @@ pub(crate) struct Placed {
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self { shape, casts: true, mirror: None, left_out: Vec::new(), instead: None }
+        Self { shape, casts: true, is_drawn: true, in_depth: true, mirror: None, left_out: Vec::new(), instead: None }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {

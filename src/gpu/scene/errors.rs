@@ -65,7 +65,7 @@ pub enum SceneError {
     },
     /// A transform was given for a caster whose positions lie in a buffer in world space.
     #[error(
-        "the caster has positions in a buffer, in world space, and no transform; insert it as `CasterPositions::Rigid`"
+        "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by `Scene::set_positions`"
     )]
     NotRigid,
     /// A version of positions is given for a rigid caster.

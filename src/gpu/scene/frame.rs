@@ -101,7 +101,8 @@ impl SceneFrame {
         self.structure.batches
     }
 
-    /// The number of groups of casters. A group has one page of topology and one source of positions.
+    /// The number of groups of casters. A group has one page of topology and one source of positions. Casters of more
+    /// slots than a binding holds are several groups.
     pub fn groups(&self) -> usize {
         self.structure.layout.groups.len()
     }

@@ -25,7 +25,7 @@ pub struct SceneOptions {
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
-    /// Casters are counted in so many batches, each of which is then one bit of darkness. At least 1. With several, 127 casters
+    /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127 casters
     /// of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit. Each
     /// batch takes a draw of all lists and a full-screen draw. Draw with [`ScenePipelines::in_batches`].
     ///

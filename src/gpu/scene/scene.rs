@@ -69,7 +69,8 @@ pub struct Scene {
 
 impl Scene {
     /// A scene without casters and lights. `pipelines` is the device, or the [`Pipelines`] that many scenes share.
-    /// `queue` is the queue of that device; topology is uploaded by it.
+    /// `queue` is the queue of that device; topology is uploaded by it. wgpu does not tell which device a queue is of. To a
+    /// queue of another one, [`Self::add_mesh`] causes a validation error on that other device.
     ///
     /// # Errors
     /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` is impossible.
@@ -126,7 +127,8 @@ impl Scene {
         Ok(MeshHandle { scene: self.id, key })
     }
 
-    /// Removes a mesh that no caster has.
+    /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may take its place in the
+    /// buffers. So submit or drop encoders that hold earlier encodes before you add a mesh then.
     ///
     /// # Errors
     /// [`SceneError::MeshInUse`], or an error of the handle.
@@ -198,8 +200,8 @@ impl Scene {
         Ok(CasterHandle { scene: self.id, key: self.casters.insert(entry) })
     }
 
-    /// Moves a rigid caster. A caster with a buffer moves by what is written to the buffer; for another buffer, remove it
-    /// and insert it anew.
+    /// Moves a rigid caster. A caster with a buffer moves by what is written to the buffer; another buffer is given by
+    /// [`Self::set_positions`].
     ///
     /// # Errors
     /// [`SceneError::NotRigid`], or an error of the handle.
@@ -333,12 +335,13 @@ impl Scene {
     /// of its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a
     /// later one.
     ///
-    /// `cameras` are the views that shadow volumes are prepared for. There may be none. `timer` takes a timestamp around
-    /// each stage.
+    /// `cameras` are the views that shadow volumes are prepared for. There may be none. Memory is kept for the most views of
+    /// an encode so far. `timer` takes a timestamp around each stage.
     ///
     /// # Errors
     /// [`SceneError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
-    /// not the timer's. With a camera, lights of negative `w` are refused. Nothing is recorded then.
+    /// not the timer's. With a camera, lights of negative `w` are refused; `index` is the bit of the light then. Nothing is
+    /// recorded then, and the next encode is not affected.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

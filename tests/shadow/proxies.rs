@@ -1,0 +1,82 @@
+//! Proxies: casters of a scene that are not in the depth buffer.
+
+use glam::DVec3;
+use rimline::{Counting, DepthDirection, Light};
+use rimline_measure::device::Gpu;
+use rimline_measure::is_long;
+use rimline_measure::random::Random;
+use rimline_measure::shapes;
+
+use crate::render::{Placing, Renderer};
+use crate::scene::{Body, Eye, Frame};
+use crate::trials::{RIGHT, Test, Traced};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("proxies_shadow_the_receivers_in_them_by_z_fail", around_receivers),
+    ("proxies_within_what_is_drawn_cast_by_every_method", within_hulls),
+];
+
+fn direction(random: &mut Random) -> DVec3 {
+    DVec3::from(random.direction().map(f64::from))
+}
+
+fn proxy(random: &mut Random) -> Body {
+    let shape = [shapes::cube(), shapes::blob(6, 0.2, 3), shapes::torus(24, 12, 1.0, 0.5)][random.below(3)].clone();
+    Body { is_drawn: false, in_depth: false, ..Body::caster(shape) }
+}
+
+fn frame(random: &mut Random, mut bodies: Vec<Body>, [place, light, at]: [DVec3; 3]) -> Frame {
+    bodies.push(Body::caster(shapes::torus(24, 12, 1.0, 0.35)).moved([2.5, 0.5, 0.0]));
+    bodies.push(Body::room([0.0; 3], 8.0));
+    let forward = direction(random) * 0.3 + at - place;
+    let (near, depth) = (f64::from(random.between(0.02, 0.3)), DepthDirection::Reversed);
+    let eye = Eye { place, forward, near, is_relative: true, depth, far: None, half_width: None };
+    Frame { bodies, eye, lights: vec![Light::point(light.as_vec3().to_array())], size: 64 }
+}
+
+/// A receiver in a proxy, which may itself cast; and the eye or the light in the proxy, or outside.
+fn around(random: &mut Random) -> Frame {
+    let proxy = proxy(random);
+    let place = direction(random).as_vec3().to_array().map(|c| 0.3 * c);
+    let within = Body::caster(shapes::blob(6, 0.3, 5)).scaled(0.3).moved(place);
+    let within = Body { casts: random.below(2) == 0, ..within };
+    let far = |random: &mut Random| direction(random) * [0.9, 3.5, 6.0][random.below(3)];
+    let (place, light) = (far(random), far(random));
+    frame(random, vec![proxy, within], [place, light, DVec3::ZERO])
+}
+
+/// A proxy in a body that is drawn and casts nothing. The eye is outside of both.
+fn within(random: &mut Random) -> Frame {
+    let proxy = proxy(random).scaled(0.55);
+    let hull = Body { casts: false, ..Body::caster(shapes::cube()) };
+    let far = |random: &mut Random| direction(random) * [3.5, 6.0][random.below(2)];
+    let (place, light) = (far(random), far(random));
+    // Looking at the shadow.
+    frame(random, vec![proxy, hull], [place, light, light.normalize() * -6.0])
+}
+
+fn check(first: u64, make: fn(&mut Random) -> Frame, methods: &[Counting]) -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut shadowed, mut noticed) = (0, 0);
+    for seed in first..first + if is_long() { 300 } else { 30 } {
+        let mut traced = Traced::of(make(&mut Random::new(seed)), seed);
+        shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(gpu) };
+        for &counting in methods {
+            traced.check(&renderer, counting, true)?;
+        }
+        // The negative control: a proxy that is not in the scene.
+        traced.frame.bodies.remove(0);
+        noticed += usize::from(traced.check(&renderer, methods[0], false).is_err());
+    }
+    println!("{shadowed} pixels in shadow, {noticed} missing proxies noticed");
+    if shadowed < 10_000 || noticed < 10 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+fn around_receivers() -> Result<(), String> {
+    check(4001, around, &[Counting::ZFail])
+}
+
+fn within_hulls() -> Result<(), String> {
+    check(4501, within, &RIGHT)
+}
