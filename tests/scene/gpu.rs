@@ -1,5 +1,6 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod closure;
 mod exact;
 mod found;
 mod frames;
@@ -13,7 +14,15 @@ mod stages;
 use rimline_measure::harness;
 
 fn main() {
-    let tests =
-        [scenes::TESTS, exact::TESTS, stages::TESTS, frames::TESTS, histories::TESTS, kept::TESTS, refusals::TESTS];
+    let tests = [
+        scenes::TESTS,
+        closure::TESTS,
+        exact::TESTS,
+        stages::TESTS,
+        frames::TESTS,
+        histories::TESTS,
+        kept::TESTS,
+        refusals::TESTS,
+    ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

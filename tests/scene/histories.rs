@@ -44,7 +44,7 @@ fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
 }
 
 /// Near 0.1, without a far plane.
-fn camera(random: &mut Random) -> ShadowCamera {
+pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     let far = [1.5, 8.0, 60.0][random.below(3)];
     let origin = random.direction().map(|c| c * far);
     let forward = (Vec3::from(random.direction()) - Vec3::from(origin)).normalize();

@@ -38,7 +38,7 @@ pub struct SceneFrame {
 /// The results of a group of casters for a batch of lights. A group has one page of topology and one source of
 /// positions.
 #[cfg(feature = "reference")]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SceneGroupResults<'a> {
     /// The group and the batch.
     pub group: usize,
@@ -53,6 +53,11 @@ pub struct SceneGroupResults<'a> {
     pub lists: &'a wgpu::Buffer,
     /// Entries that the list of each light has room for.
     pub capacity: u32,
+    /// For each view the sides that are drawn: for each of 32 lights two counts, then [`Self::side_capacity`] entries for each
+    /// light, plain sides from the front and clipped ones from the back. An entry is as in [`Self::lists`].
+    pub sides: Vec<&'a wgpu::Buffer>,
+    /// Entries that the sides of each light have room for.
+    pub side_capacity: u32,
     /// A [`DrawArguments`](crate::gpu::DrawArguments) for each of 32 lights.
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
@@ -183,8 +188,13 @@ impl SceneFrame {
     pub fn results(&self) -> Result<SceneResults<'_>, SceneError> {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
-        let groups = parts.iter().zip(buffers.groups.iter().flatten()).filter_map(|(part, buffers)| {
+        let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
+        let groups = of_part.filter_map(|(number, (part, buffers))| {
+            let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.lists.get(number));
+            let room = self.volumes.as_ref().and_then(|volumes| volumes.buffers.sizes.rooms.get(number));
             Some(SceneGroupResults {
+                sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
+                side_capacity: room.map_or(0, |room| room.sides),
                 group: part.group,
                 batch: part.batch,
                 facing: &buffers.facing,

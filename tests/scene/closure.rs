@@ -1,0 +1,175 @@
+//! Sides of volumes close what casts, also where faces are excluded at random.
+
+use std::collections::HashMap;
+
+use rimline::ShadowCamera;
+use rimline::reference::cpu::{self, SceneTable};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::{must_fail, same};
+
+use crate::found::Found;
+use crate::histories::camera;
+use crate::random_scene::{Own, RandomScene};
+use crate::scenes::roomy;
+
+pub(crate) const TESTS: &[Test] = &[("sides_are_the_boundary_of_what_casts", boundary)];
+
+/// How often each edge is traversed from its lower to its higher vertex, less the other way.
+type Chain = HashMap<[u32; 2], i32>;
+
+fn add(chain: &mut Chain, [from, to]: [u32; 2], times: i32) {
+    // A face that is none may have an edge that is none.
+    if from == to {
+        return;
+    }
+    let (edge, times) = if from < to { ([from, to], times) } else { ([to, from], -times) };
+    let sum = chain.entry(edge).or_default();
+    *sum += times;
+    if *sum == 0 {
+        chain.remove(&edge);
+    }
+}
+
+/// The boundary of the faces that cast for a light: facing ones count once, averted ones negatively. Excluded faces count
+/// nowhere.
+fn of_faces(faces: &[[u32; 3]], facing: &[bool], excluded: impl Fn(usize) -> bool, every: bool) -> Chain {
+    let mut chain = Chain::new();
+    for (number, (&[a, b, c], &faces_light)) in faces.iter().zip(facing).enumerate() {
+        if !excluded(number) && (every || !faces_light) {
+            let sign = if faces_light { 1 } else { -1 };
+            for edge in [[a, b], [b, c], [c, a]] {
+                add(&mut chain, edge, sign);
+            }
+        }
+    }
+    chain
+}
+
+/// What is excluded, by casters and lights, beside what the scene has of it.
+type Excluded = HashMap<(usize, u32), Vec<u32>>;
+
+fn boundary() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let [mut every, mut averted, mut in_planes] = [0; 3];
+    for seed in 3201..3241 {
+        println!("seed {seed}");
+        let mut scene = RandomScene::new(gpu, seed, roomy(40))?;
+        for _ in 0..4 + scene.random.below(5) {
+            scene.add_light()?;
+        }
+        for _ in 0..8 {
+            scene.insert(gpu)?;
+        }
+        let mut given = Excluded::new();
+        for index in 0..scene.content.casters.len() {
+            for light in 0..scene.content.lights.len() {
+                let own = &scene.content.casters[index];
+                let faces = scene.content.meshes[own.mesh].0.2.faces().len() as u32;
+                if scene.random.below(3) == 0 {
+                    let some: Vec<u32> = (0..faces).filter(|_| scene.random.below(3) == 0).collect();
+                    let handle = scene.content.lights[light].0;
+                    scene.scene.set_excluded(own.handle, handle, &some).map_err(text)?;
+                    given.insert((index, handle.bit()), some);
+                }
+            }
+        }
+        let camera: ShadowCamera = camera(&mut scene.random);
+        // The second frame keeps what it may.
+        for _ in 0..2 {
+            let frame = gpu.submit(|encoder| scene.scene.encode(encoder, &[camera], None).map_err(text))?;
+            let found = Found::read(gpu, &frame)?;
+            let results = frame.results().map_err(text)?;
+            let words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, usize::MAX)?;
+            let casters = scene.content.casters.len();
+            for (number, own) in scene.content.casters.iter().enumerate() {
+                let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+                for batch in 0..frame.batches() {
+                    let of_group = results.groups.iter().find(|of| (of.group, of.batch) == (group, batch));
+                    let of_group = of_group.ok_or("no group")?;
+                    let sides: Vec<u32> = gpu.read(of_group.sides[0], usize::MAX)?;
+                    let chosen = &words[8 * (batch * casters + index as usize)..][..8];
+                    for bit in (0..32).filter(|bit| chosen[0] >> bit & 1 != 0) {
+                        let [is_every, heeds] = [1, 4].map(|word| chosen[word] >> bit & 1 != 0);
+                        let light = 32 * batch as u32 + bit;
+                        let is_given = |face: usize| {
+                            given.get(&(number, light)).is_some_and(|faces| faces.contains(&(face as u32)))
+                        };
+                        if given.get(&(number, light)).is_some_and(|faces| !faces.is_empty()) && !heeds {
+                            return Err(format!("caster {number}: what the caller excludes is not heeded"));
+                        }
+                        let (expected, zeros) = expected(&scene, own, light, is_given, [is_every, heeds])?;
+                        let listed = sides_of(&found, own, &scene, index, of_group.side_capacity, (&sides, bit))?;
+                        let what = format!("caster {number}, light {light}, every face {is_every}");
+                        compare(&what, &listed, &expected)?;
+                        *(if is_every { &mut every } else { &mut averted }) += 1;
+                        in_planes += zeros;
+                        if let Some((&edge, _)) = expected.iter().next() {
+                            let mut wrong = listed;
+                            add(&mut wrong, edge, 1);
+                            must_fail("a side too many", &compare(&what, &wrong, &expected))?;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{every} pairs by every face, {averted} by averted ones, {in_planes} faces with the light in their plane");
+    if every.min(averted) < 50 || in_planes == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+fn compare(what: &str, listed: &Chain, expected: &Chain) -> Result<(), String> {
+    let sorted = |chain: &Chain| {
+        let mut edges: Vec<_> = chain.iter().map(|(edge, times)| (*edge, *times)).collect();
+        edges.sort_unstable();
+        edges
+    };
+    same(what, &sorted(listed), &sorted(expected))
+}
+
+/// The boundary by the faces, and how many have the light in their plane.
+fn expected(
+    scene: &RandomScene,
+    own: &Own,
+    light: u32,
+    is_given: impl Fn(usize) -> bool,
+    [every, heeds]: [bool; 2],
+) -> Result<(Chain, usize), String> {
+    let (mesh, positions) = scene.content.mesh_and_positions(own);
+    let light = scene.content.own_light(own, light).ok_or("a light that is not allowed")?;
+    let facing = cpu::facing(positions, mesh.faces(), &[light], rimline::Predicate::Exact, cpu::Threads::ONE);
+    let facing: Vec<bool> = facing.iter().map(|mask| mask & 1 != 0).collect();
+    let excluded = cpu::excluded(positions, mesh.faces(), &[light]);
+    let zeros = excluded.iter().filter(|mask| **mask & 1 != 0).count();
+    // A face in whose plane the light is, and far away, counts as averted.
+    let is_excluded = |face: usize| is_given(face) || (heeds && excluded[face] & 1 != 0);
+    Ok((of_faces(mesh.faces(), &facing, is_excluded, every), zeros))
+}
+
+/// The sides of a caster for a light of the batch, as a chain.
+fn sides_of(
+    found: &Found,
+    own: &Own,
+    scene: &RandomScene,
+    index: u32,
+    capacity: u32,
+    (words, bit): (&[u32], u32),
+) -> Result<Chain, String> {
+    let (mesh, _) = scene.content.mesh_and_positions(own);
+    let caster = SceneTable(&found.table).caster(index);
+    let [plain, clipped] = [0, 1].map(|kind| words[(2 * bit + kind) as usize] as usize);
+    let run = words[64 + (bit * capacity) as usize..].get(..capacity as usize).ok_or("sides end early")?;
+    if plain + clipped > run.len() {
+        return Err("sides overflow".to_owned());
+    }
+    let mut chain = Chain::new();
+    for entry in run[..plain].iter().chain(&run[run.len() - clipped..]) {
+        let edge = (entry & !cpu::WINDING).wrapping_sub(caster.first_edge_slot);
+        if edge < caster.edges {
+            let times = if entry & cpu::WINDING != 0 { 1 } else { -1 };
+            add(&mut chain, mesh.edges().vertices()[edge as usize], times);
+        }
+    }
+    Ok(chain)
+}
