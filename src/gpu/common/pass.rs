@@ -87,19 +87,20 @@ impl Pass {
 
     /// Records the dispatches of the batches `words` of several passes. Without a timer they share one compute pass, which
     /// costs less.
-    pub(crate) fn record_all(
-        passes: &[Self],
+    pub(crate) fn record_all<'p>(
+        passes: impl IntoIterator<Item = &'p Self>,
         encoder: &mut wgpu::CommandEncoder,
         batches: Range<usize>,
         timer: Option<&mut StageTimer>,
     ) {
+        let mut passes = passes.into_iter().peekable();
         if let Some(timer) = timer {
             for pass in passes {
                 pass.record(encoder, batches.clone(), Some(&mut *timer));
             }
             return;
         }
-        let label = passes.first().map(|pass| pass.pipeline.label);
+        let label = passes.peek().map(|pass| pass.pipeline.label);
         let mut shared = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
         for pass in passes {
             shared.set_pipeline(&pass.pipeline.compute);

@@ -166,6 +166,13 @@ impl Extractor {
         };
         let (per_light, at_last): (Vec<_>, Vec<_>) =
             self.from_facing.iter().partition(|pass| pass.pipeline.label != ARGUMENTS.name);
+        let is_whole = runs.len() <= 1 && self.dispatches_of(0..used) <= 1;
+        if is_whole && used > 0 {
+            // Nothing comes between the stages.
+            let passes = [&self.from_positions].into_iter().chain(&self.exact).chain(per_light).chain(at_last);
+            Pass::record_all(passes, encoder, 0..used, timer);
+            return Ok(self.finish(encoder, place, lights));
+        }
         for run in runs {
             match &self.exact {
                 None => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
@@ -179,9 +186,19 @@ impl Extractor {
             // For all lights that there is room for, so that unused lights draw nothing.
             pass.record(encoder, 0..used.max(1), timer.as_deref_mut());
         }
-        encoder.copy_buffer_to_buffer(&buffers.record, 0, &buffers.statistics, 0, buffers.statistics.size());
+        Ok(self.finish(encoder, place, lights))
+    }
+
+    /// Dispatches over faces for some batches.
+    fn dispatches_of(&self, batches: Range<usize>) -> usize {
+        self.from_positions.dispatches.iter().filter(|dispatch| batches.contains(&dispatch.batch)).count()
+    }
+
+    fn finish(&self, encoder: &mut wgpu::CommandEncoder, place: Place, lights: &[Light]) -> Extraction {
+        let Buffers { record, statistics, .. } = &self.shared.buffers;
+        encoder.copy_buffer_to_buffer(record, 0, statistics, 0, statistics.size());
         let encode = self.shared.begin_encode();
-        Ok(Extraction::new(Arc::clone(&self.shared), place, lights, encode))
+        Extraction::new(Arc::clone(&self.shared), place, lights, encode)
     }
 
     /// Facing and exact facing in turn, because all chunks and batches share the list of undecided faces.
