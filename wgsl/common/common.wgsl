@@ -179,6 +179,8 @@ const MIRRORED: u32 = 2u;
 const RIGID: u32 = 4u;
 const HOLED: u32 = 8u;
 const EXCLUDING: u32 = 16u;
+// The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
+const KEPT_ZEROS: u32 = 32u;
 
 // A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the buffers
 // of the mesh.

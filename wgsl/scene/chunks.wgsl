@@ -20,8 +20,8 @@ fn prepare(light: u32) {
   kept[kept_lights_at(group.batch) + light] = light_version(group.batch, light);
   if (light == 0u) {
     kept[0] = group.structure;
-    let zeros = list_counts[ZEROS] | atomicLoad(&record.statistics.exact_zeros);
-    list_counts[ZEROS] = select(0u, zeros, atomicLoad(&work[group.work_count + 3u]) != 0u);
+    let zeros = list_counts[KEPT_ZEROS] | atomicLoad(&record.statistics.exact_zeros);
+    list_counts[KEPT_ZEROS] = select(0u, zeros, atomicLoad(&work[group.work_count + 3u]) != 0u);
     atomicStore(&record.statistics.non_finite_faces, 0u);
     atomicStore(&record.statistics.overflowed_lists, 0u);
     atomicStore(&record.statistics.undecided_pairs, 0u);

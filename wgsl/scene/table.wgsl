@@ -51,9 +51,6 @@ struct SceneDispatch {
   keeps: u32,
 }
 
-// The word of the counts of lists that tells whether a light was in the plane of a face whose bits are kept.
-const ZEROS: u32 = 32u;
-
 @group(0) @binding(0) var<uniform> group: SceneDispatch;
 @group(0) @binding(1) var<storage, read> table: array<vec4<u32>>;
 

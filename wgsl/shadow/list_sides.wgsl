@@ -15,9 +15,6 @@
 // `ExtractionStatistics` of the same silhouettes.
 @group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 4>;
 
-// The word of a scene's counts that tells whether a light was in the plane of a face whose bits are kept.
-const KEPT_ZEROS: u32 = 32u;
-
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);
   let run = edge_run(caster);

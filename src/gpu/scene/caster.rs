@@ -59,7 +59,8 @@ pub enum CasterPositions {
     /// A vertex less the camera's origin is at `row.xyz · position + (row.w − origin)` for each axis, with products added
     /// from x to z. With z-fail a depth pass must compute the same bits; see [`Counting`](crate::Counting).
     Rigid(Matrix3x4),
-    /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode.
+    /// In a buffer of the caller's, in world space, for each source vertex of the mesh. It is read anew in each encode,
+    /// unless [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) says that nothing changed.
     /// Casters with the same buffer are drawn together, so keep many in one buffer. For example a
     /// [`Deformer`](crate::gpu::Deformer) writes instance after instance; see
     /// [`Deformer::instance_positions`](crate::gpu::Deformer::instance_positions).

@@ -3,6 +3,7 @@
 
 pub(crate) mod buffers;
 pub(crate) mod caster;
+mod encode;
 pub(crate) mod errors;
 pub(crate) mod frame;
 pub(crate) mod handles;

@@ -7,64 +7,56 @@ use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
 use super::errors::SceneError;
-use super::frame::SceneFrame;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
-use super::layout::put_lights;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::options::SceneOptions;
 use super::pages::Pages;
 use super::sources::{Sources, bind};
 use super::stages::Passes;
-use super::structure::{Making, Number, Structure};
-use super::table::{Part, Table};
+use super::structure::Structure;
+use super::table::Table;
 use super::volumes::Volumes;
-use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{Subject, check_timer};
-use crate::gpu::common::timer::StageTimer;
-use crate::gpu::common::uniforms::upload;
-use crate::gpu::shadow::pipelines::Convention;
-use crate::layout::{SeenLight, ShadowView};
-use crate::light::check_shadow_lights;
-use crate::{Light, Matrix3x4, Mesh, ShadowCamera};
+use crate::gpu::common::requirements::Subject;
+use crate::{Light, Matrix3x4, Mesh};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
 /// it. The work of recording an encode does not depend on the number of casters, but for those that moved.
 ///
 /// Once: add meshes, lights and casters. Each frame: change what moved, call [`Scene::encode`], draw the depths of what is
-/// seen, and for each light draw its shadows by [`SceneFrame::draw`] and add its light. The README has this in short; the
+/// seen, and for each light draw its shadows by [`SceneFrame::draw`](crate::gpu::SceneFrame::draw) and add its light. The README has this in short; the
 /// example `scene` is a whole program.
 ///
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
 pub struct Scene {
-    id: SceneId,
-    pipelines: Pipelines,
-    queue: wgpu::Queue,
-    options: SceneOptions,
-    meshes: SlotMap<DefaultKey, MeshEntry>,
-    casters: SlotMap<DefaultKey, CasterEntry>,
-    sources: Sources,
-    lights: Lights,
-    pages: Pages,
-    table: Table,
+    pub(super) id: SceneId,
+    pub(super) pipelines: Pipelines,
+    pub(super) queue: wgpu::Queue,
+    pub(super) options: SceneOptions,
+    pub(super) meshes: SlotMap<DefaultKey, MeshEntry>,
+    pub(super) casters: SlotMap<DefaultKey, CasterEntry>,
+    pub(super) sources: Sources,
+    pub(super) lights: Lights,
+    pub(super) pages: Pages,
+    pub(super) table: Table,
     /// Casters whose transform is not in the table yet. Some may have been removed.
-    moved: Vec<DefaultKey>,
+    pub(super) moved: Vec<DefaultKey>,
     /// `None`: casters or lights came or went.
-    structure: Option<Arc<Structure>>,
+    pub(super) structure: Option<Arc<Structure>>,
     /// The structure before, whose buffers are taken where they are large enough.
-    last: Option<Arc<Structure>>,
+    pub(super) last: Option<Arc<Structure>>,
     /// The passes of the structure.
-    passes: Passes,
+    pub(super) passes: Passes,
     /// Shadow volumes of the structure, if any view was asked for.
-    volumes: Option<Arc<Volumes>>,
+    pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
-    views: usize,
+    pub(super) views: usize,
     /// Structures so far.
-    structures: u32,
-    encodes: Arc<AtomicU64>,
+    pub(super) structures: u32,
+    pub(super) encodes: Arc<AtomicU64>,
 }
 
 impl Scene {
@@ -330,192 +322,4 @@ impl Scene {
         self.structure = None;
         Ok(())
     }
-
-    /// Records the extraction of all casters for all lights. One encoder may hold several encodes. Each sees the scene
-    /// of its moment, and overwrites the results of the one before. An encoder may be dropped, or submitted after a
-    /// later one.
-    ///
-    /// `cameras` are the views that shadow volumes are prepared for. There may be none. Memory is kept for the most views of
-    /// an encode so far. `timer` takes a timestamp around each stage.
-    ///
-    /// # Errors
-    /// [`SceneError`] if a camera is refused, the scene does not fit the device or the memory limit, or the device is lost or
-    /// not the timer's. With a camera, lights of negative `w` are refused; `index` is the bit of the light then. Nothing is
-    /// recorded then, and the next encode is not affected.
-    pub fn encode(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cameras: &[ShadowCamera],
-        mut timer: Option<&mut StageTimer>,
-    ) -> Result<SceneFrame, SceneError> {
-        check_timer(timer.as_deref(), self.pipelines.device())?;
-        let views = self.check_views(cameras)?;
-        let (structure, volumes) = self.prepare_views(cameras.len())?;
-        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views));
-        let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
-        let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
-        if !structure.parts.is_empty() {
-            uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
-            uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.seen, bytemuck::cast_slice(&seen[..]))));
-            upload(self.pipelines.device(), encoder, &uploads)?;
-        }
-        self.passes.record(&structure, encoder, timer.as_deref_mut());
-        if let Some(volumes) = &volumes {
-            volumes.record(encoder, timer);
-        }
-        let encode = self.encodes.fetch_add(1, Ordering::Relaxed) + 1;
-        self.pages.reclaim(encode);
-        let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
-        let views = cameras.iter().map(|camera| self.convention(camera)).collect();
-        let count_batches = self.options.count_batches.max(1);
-        let device = self.pipelines.device().clone();
-        Ok(SceneFrame { structure, volumes, views, count_batches, device, scene: self.id, lights, encodes, encode })
-    }
-
-    /// The cameras as stages see them.
-    fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, SceneError> {
-        if cameras.is_empty() {
-            return Ok(Vec::new());
-        }
-        if self.options.counting.is_zp_plus_2005() {
-            return Err(SceneError::Counting(self.options.counting));
-        }
-        // Errors name the bit of a light.
-        let none = Light::directional([0.0, 0.0, 1.0]);
-        let bits = 0..32 * self.lights.batches() as u32;
-        let lights: Vec<Light> = bits.map(|bit| self.lights.get(bit).unwrap_or(none)).collect();
-        check_shadow_lights(&lights, lights.len())?;
-        let view =
-            |(view, camera): (usize, &ShadowCamera)| camera.view().map_err(|error| SceneError::Camera { view, error });
-        cameras.iter().enumerate().map(view).collect()
-    }
-
-    /// What pipelines must be to draw a camera's volumes.
-    fn convention(&self, camera: &ShadowCamera) -> Convention {
-        let counting = self.options.counting;
-        let is_unclipped = counting.may_fail() && camera.has_far_plane();
-        Convention { counting, depth: camera.depth, is_unclipped }
-    }
-
-    /// The volumes of the structure.
-    fn volumes(&mut self, structure: &Structure) -> Result<Arc<Volumes>, SceneError> {
-        if let Some(volumes) = &self.volumes {
-            return Ok(Arc::clone(volumes));
-        }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views };
-        let others = pages.bytes + structure.bytes();
-        let made = Arc::new(Volumes::new(&making, structure, *views, others)?);
-        self.volumes = Some(Arc::clone(&made));
-        Ok(made)
-    }
-
-    /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
-    fn seen(&self, volumes: &Volumes, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
-        let mut seen = Vec::with_capacity(volumes.seen());
-        for (camera, &view) in cameras.iter().zip(views) {
-            for bit in 0..volumes.lights() as u32 {
-                let light = self.lights.get(bit).map(|light| camera.light(&view, light));
-                let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, reserved: [[0; 4]; 15] });
-            }
-        }
-        seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());
-        seen
-    }
-
-    /// Brings everything up to date, with room for so many views.
-    fn prepare_views(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
-        let before = self.views;
-        if views > before {
-            self.views = views;
-            self.structure = None;
-        }
-        let made = match self.prepare_all(views) {
-            Err(SceneError::Memory(MemoryError::Total { .. } | MemoryError::OutOfMemory { .. })) => {
-                // Buffers that are kept may be larger than what is needed.
-                (self.structure, self.last, self.volumes) = (None, None, None);
-                self.prepare_all(views)
-            }
-            made => made,
-        };
-        if made.is_err() && views > before {
-            self.views = before;
-            self.structure = None;
-        }
-        made
-    }
-
-    fn prepare_all(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
-        let structure = self.prepare()?;
-        let volumes = if views == 0 { None } else { Some(self.volumes(&structure)?) };
-        Ok((structure, volumes))
-    }
-
-    /// Brings the table up to date.
-    fn prepare(&mut self) -> Result<Arc<Structure>, SceneError> {
-        let structure = match &self.structure {
-            Some(structure) => {
-                let structure = Arc::clone(structure);
-                self.update(&structure);
-                structure
-            }
-            None => self.lay_out()?,
-        };
-        self.moved.clear();
-        Ok(structure)
-    }
-
-    /// The number of the encode at hand.
-    fn encode_number(&self) -> u32 {
-        (self.encodes.load(Ordering::Relaxed) + 1) as u32
-    }
-
-    fn lay_out(&mut self) -> Result<Arc<Structure>, SceneError> {
-        self.structures = self.structures.wrapping_add(1).max(1);
-        let number = Number { structure: self.structures, encode: self.encode_number() };
-        self.lights.renew(number.encode);
-        let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: self.views };
-        let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
-        self.passes = Passes::new(&making, &made)?;
-        self.volumes = None;
-        self.last = Some(Arc::clone(&made));
-        self.structure = Some(Arc::clone(&made));
-        Ok(made)
-    }
-
-    /// Writes what moved to the table.
-    fn update(&mut self, structure: &Structure) {
-        let encode = self.encode_number();
-        let Self { casters, lights, table, moved, .. } = self;
-        let lights_moved = lights.moved;
-        if lights_moved.is_empty() {
-            for &key in &*moved {
-                let Some(caster) = casters.get_mut(key) else { continue };
-                put_change(table, caster, encode);
-                put_lights(table, caster, lights);
-            }
-            return;
-        }
-        lights.renew(encode);
-        table.put_ranges(lights);
-        for &key in &structure.layout.order {
-            let Some(caster) = casters.get_mut(key) else { continue };
-            let is_moved = caster.is_moved;
-            if is_moved {
-                put_change(table, caster, encode);
-            }
-            if is_moved || !caster.lights.and(&lights_moved).is_empty() {
-                put_lights(table, caster, lights);
-            }
-        }
-    }
-}
-
-/// Writes what changed of a caster to the table.
-fn put_change(table: &mut Table, caster: &mut CasterEntry, encode: u32) {
-    caster.is_moved = false;
-    caster.version = encode;
-    table.put_change(caster);
 }
