@@ -33,6 +33,24 @@ pub const CHUNK: u32 = 64;
 /// ends where the caster ends.
 pub const LANES: u32 = 8;
 
+/// Flags of a [`SceneCaster`].
+pub(crate) mod caster_flags {
+    /// The caster is closed and consistently oriented.
+    pub(crate) const CLOSED: u32 = 1;
+    pub(crate) const MIRRORED: u32 = 2;
+    pub(crate) const RIGID: u32 = 4;
+    /// A face has a corner that is not finite.
+    pub(crate) const HOLED: u32 = 8;
+    /// The caller excludes faces.
+    pub(crate) const EXCLUDING: u32 = 16;
+    /// Positions may have changed.
+    pub(crate) const CHANGING: u32 = 32;
+    /// The caller excludes faces of a caster of the group.
+    pub(crate) const GIVEN: u32 = 64;
+    /// The caster is not in the depth buffer.
+    pub(crate) const PROXY: u32 = 128;
+}
+
 /// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`].
 macro_rules! shared_structs {
     ($($(#[$doc:meta])* struct $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })*) => {
@@ -265,9 +283,9 @@ shared_structs! {
         scale: f32,
         /// Highest corner of the box.
         high: [f32; 3],
-        /// Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its
-        /// mesh space and the box is known; 8 a face is not finite; 16 the caller excludes faces; 32 positions may have
-        /// changed; 64 the caller excludes faces of a caster of the group.
+        /// Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not
+        /// finite; 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of
+        /// the group; 128 not in the depth buffer.
         flags: u32,
         /// First face slot, a multiple of [`CHUNK`].
         first_face_slot: u32,
@@ -454,6 +472,8 @@ shared_structs! {
         views: u32,
         /// Batches in which casters are counted, one after the other.
         count_batches: u32,
+        /// 1: some casters are not in the depth buffer.
+        proxies: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -483,6 +503,10 @@ shared_structs! {
         far_front: DrawArguments,
         /// The same of faces that count up on their back.
         far_back: DrawArguments,
+        /// With z-pass and ZP+, the light caps of casters that are not in the depth buffer, likewise.
+        light_front: DrawArguments,
+        /// Likewise.
+        light_back: DrawArguments,
     }
 
     /// A pencil of half planes that bounds the stencil counts of a light.

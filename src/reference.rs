@@ -95,9 +95,9 @@ pub mod cpu {
     pub use crate::cpu::scene::reach::{Taken, reach, take};
     pub use crate::cpu::scene::table::SceneTable;
     pub use crate::cpu::shadow::bounds::bounds;
-    pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, zp_plus_2005_cap};
+    pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, seen_light_cap, zp_plus_2005_cap};
     pub use crate::cpu::shadow::caps::caps;
-    pub use crate::cpu::shadow::casting::{LISTS, cap_class, cap_kind, casts};
+    pub use crate::cpu::shadow::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
     pub use crate::cpu::shadow::choose::choose;
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
     pub use crate::cpu::shadow::list_sides::list_sides;

@@ -331,7 +331,7 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/chosen",
         "shadow/cap_faces"
     ],
-    entry_points: &["light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],
+    entry_points: &["light_cap", "seen_light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],
 };
 
 /// WGSL that is not a stage: files that callers include or replace.

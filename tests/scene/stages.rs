@@ -93,16 +93,17 @@ fn check_caster(content: &Content, own: &Own, found: &SceneCaster, random: &mut 
     let (mesh, positions) = content.mesh_and_positions(own);
     let counts = [found.faces as usize, found.edges as usize];
     same("faces and edges", &counts, &[mesh.faces().len(), mesh.edges().len()])?;
-    let is_closed = mesh.is_closed() && own.in_depth;
+    let is_closed = mesh.is_closed();
+    let proxy = if own.in_depth { 0 } else { 128 };
     let Placed::Rigid(rows) = &own.placed else {
         // Positions in a buffer may change.
-        return same("flags in world space", &[found.flags], &[u32::from(is_closed) | 32]);
+        return same("flags in world space", &[found.flags], &[u32::from(is_closed) | 32 | proxy]);
     };
     let is_finite = |face: &[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
     let is_degenerate = |[a, b, c]: [u32; 3]| a == b || b == c || c == a;
     let is_holed = mesh.faces().iter().any(|face| !is_finite(face) && !is_degenerate(*face));
     let matrix = DMat3::from_cols_array_2d(&[0, 1, 2].map(|column| rows.map(|row| f64::from(row[column]))));
-    let flags = [(is_closed, 1), (matrix.determinant() < 0.0, 2), (true, 4), (is_holed, 8)];
+    let flags = [(is_closed, 1), (matrix.determinant() < 0.0, 2), (true, 4), (is_holed, 8), (!own.in_depth, 128)];
     let flags = flags.iter().filter(|(is_set, _)| *is_set).map(|(_, flag)| flag).sum();
     same("flags", &[found.flags], &[flags])?;
     let is_regular = rows.iter().flatten().all(|c| c.is_finite());

@@ -139,7 +139,7 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
             switched += 1;
         }
     }
-    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights, shape.proxies == 0);
     let capped: Vec<bool> = caps.iter().map(|lists| !lists[0].is_empty() || !lists[1].is_empty()).collect();
     let caps: Vec<_> = caps.iter().map(|lists| [0, 1, 2, 3].map(|list| lists[list].len() as u32)).collect();
     let packed = mesh.edges().packed_faces();
@@ -193,6 +193,7 @@ fn chain() -> Result<(), String> {
             let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
             let options = ShadowOptions {
                 every_face: number == 3,
+                in_depth: !matches!(number, 1 | 5),
                 cap_capacity: [None, Some(9)][number / 2 % 2],
                 skip_unseen: number != 4,
                 end_at_range: number % 3 == 2,
@@ -216,10 +217,12 @@ fn chain() -> Result<(), String> {
                 Counting::ZpPlus2005 => shape.faces,
                 _ => some.min(shape.faces),
             };
+            let lists_all = lists_all || !options.in_depth;
             let far = if lists_all { shape.faces } else { 1 };
             let asked = |default: u32| if default == 1 { 1 } else { options.cap_capacity.unwrap_or(default) };
             let shape = ShadowShape {
                 averted: if options.every_face { 0 } else { shape.averted },
+                proxies: u32::from(!options.in_depth),
                 near_capacity: asked(near),
                 far_capacity: asked(far),
                 counting: code,

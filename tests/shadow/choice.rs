@@ -160,7 +160,7 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
     cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
     let plain = &scene.lights;
     let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+    let caps = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights, true);
     let caps = caps.into_iter().map(|[near_front, near_back, far_front, far_back]| {
         [[near_front, far_front].concat(), [near_back, far_back].concat()]
     });

@@ -4,10 +4,10 @@ use glam::Vec4;
 use rimline::Predicate;
 use rimline::reference::cpu::{self, End, Threads};
 use rimline::reference::layout::{SceneCaster, SeenLight, ShadowDraw, ShadowLight, ShadowShape, ShadowView};
-use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_ZP_PLUS};
+use rimline::reference::shadow::{self, CAST_NOTHING, COUNT_AUTO, COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS};
 use rimline::reference::stages::{CAP_FACES, SIDES};
 
-use crate::stages::table;
+use crate::stages::{table, with_depth};
 use rimline_measure::device::Gpu;
 use rimline_measure::dispatch::{Dispatch, uniform};
 use rimline_measure::harness::Test;
@@ -61,6 +61,7 @@ pub(crate) type Twin = fn(&ShadowView, &ShadowLight, [End; 3]) -> Vec<[u32; 4]>;
 /// A kind of cap.
 pub(crate) struct Cap {
     stage: Dispatch,
+    entry_point: &'static str,
     /// The list that is drawn.
     kind: u32,
     /// Of an instance.
@@ -69,14 +70,20 @@ pub(crate) struct Cap {
 }
 
 impl Cap {
-    pub(crate) fn new(gpu: &Gpu, entry_point: &str, kind: u32, vertices: usize, twin: Twin) -> Self {
+    pub(crate) fn new(gpu: &Gpu, entry_point: &'static str, kind: u32, vertices: usize, twin: Twin) -> Self {
         let source = probe(&CAP_FACES.wgsl(), entry_point, vertices);
         let source = source.replace("CAP_KIND: u32 = 0u", &format!("CAP_KIND: u32 = {kind}u"));
-        Self { stage: Dispatch::new(gpu, &source, "probe"), kind, vertices, twin }
+        Self { stage: Dispatch::new(gpu, &source, "probe"), entry_point, kind, vertices, twin }
     }
 
     fn near(gpu: &Gpu) -> Self {
         Self::new(gpu, "near_cap", 0, 5, |view, light, face| strip(&cpu::near_cap(view, light, face)).to_vec())
+    }
+
+    /// Light caps of casters that are not in the depth buffer.
+    fn seen_light(gpu: &Gpu) -> Self {
+        let twin: Twin = |view, light, face| strip(&cpu::seen_light_cap(view, light, face))[..4].to_vec();
+        Self::new(gpu, "seen_light_cap", 2, 4, twin)
     }
 }
 
@@ -109,12 +116,37 @@ impl Drawn<'_> {
         self.light().excludes != 0 && self.excluded[face] >> (self.index % 32) & 1 != 0
     }
 
+    /// The light. It is z-pass that counts where ZP+ found no near cap.
+    fn drawn_light(&self) -> ShadowLight {
+        let light = *self.light();
+        let is_plain = light.counting == COUNT_ZP_PLUS && !self.capped[self.index];
+        ShadowLight { counting: if is_plain { COUNT_Z_PASS } else { light.counting }, ..light }
+    }
+
+    /// Whether a face that casts is in a list of caps.
+    fn has_cap(&self, facing: bool, kind: usize) -> bool {
+        let light = self.light();
+        if kind < 2 {
+            return light.counting == COUNT_ZP_PLUS && cpu::near_kind(light, facing) == kind;
+        }
+        cpu::has_far_caps(light, self.shape.proxies == 0) && cpu::far_kind(facing) == kind
+    }
+
+    /// Whether the light has caps of a kind at all.
+    fn is_seen(&self, cap: &Cap) -> bool {
+        match cap.entry_point {
+            "seen_light_cap" => self.shape.proxies != 0,
+            "dark_cap" => self.light().counting == COUNT_Z_FAIL || self.light().end > 0.0,
+            _ => true,
+        }
+    }
+
     /// Bind group 0, for lists with this room.
     fn frame(&self, gpu: &Gpu, shape: ShadowShape) -> [wgpu::Buffer; 4] {
         let light = self.index as u32;
         let (_, _, mesh) = &self.scene.caster;
         let draw = ShadowDraw { light, first_light: light / 32 * 32, view: 0, count_batch: 0 };
-        let table = table(mesh, (0, 3), self.lights, self.capped);
+        let table = with_depth(table(mesh, (0, 3), self.lights, self.capped), shape.proxies == 0);
         let choices_at = size_of::<SceneCaster>() as u32 / 16;
         let batches = self.lights.len().div_ceil(32) as u32;
         let shape = ShadowShape {
@@ -229,9 +261,10 @@ impl Drawn<'_> {
                     && c != a
                     && cpu::casts(self.light(), faces_light)
                     && !self.excludes(index)
-                    && cpu::cap_kind(self.light(), faces_light) == kind);
+                    && self.has_cap(faces_light, kind));
+            let is_drawn = is_drawn && self.is_seen(cap);
             if is_drawn {
-                expected.extend((cap.twin)(&self.view, self.light(), face.map(|vertex| self.end(vertex))));
+                expected.extend((cap.twin)(&self.view, &self.drawn_light(), face.map(|vertex| self.end(vertex))));
             } else {
                 expected.extend((0..cap.vertices).map(|_| bits(None)));
             }
@@ -247,7 +280,8 @@ fn clipped() -> Result<(), String> {
     let mut random = Random::new(seed);
     let side = Dispatch::new(gpu, &probe(&SIDES.wgsl(), "side_clipped", 5), "probe");
     let cap = Cap::near(gpu);
-    let (mut sides, mut caps) = (0, 0);
+    let light_cap = Cap::seen_light(gpu);
+    let (mut sides, mut caps, mut light_caps, mut clipped_light_caps) = (0, 0, 0, 0);
     for number in 0..if is_long() { 600 } else { 24 } {
         let scene = scene(&mut random, number, 36);
         let (_, positions, mesh) = &scene.caster;
@@ -258,7 +292,9 @@ fn clipped() -> Result<(), String> {
             faces: mesh.faces().len() as u32,
             edges: mesh.edges().len() as u32,
             averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
-            counting: COUNT_ZP_PLUS,
+            counting: [COUNT_ZP_PLUS, COUNT_AUTO, COUNT_Z_PASS][number % 3],
+            proxies: u32::from(number / 3 % 2 == 0),
+            end_at_range: u32::from(number % 5 == 0),
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
@@ -267,7 +303,7 @@ fn clipped() -> Result<(), String> {
         let excluded: Vec<u32> = (0..2 * mesh.faces().len()).map(|_| 1 << random.below(64).min(31)).collect();
         let plain = &scene.lights;
         let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+        let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights, shape.proxies == 0);
         // Some casters have near caps without a face.
         let capped: Vec<bool> = lists.iter().map(|lists| !lists[0].is_empty() || !lists[1].is_empty()).collect();
         for _ in 0..6 {
@@ -287,7 +323,15 @@ fn clipped() -> Result<(), String> {
                     vertex[0] ^= 1;
                     must_fail("a moved vertex", &same(&what, &vertices[0], &vertices[1]))?;
                 }
-                let [front, ..] = &lists[index];
+                let [front, _, far, _] = &lists[index];
+                if !far.is_empty() {
+                    let vertices = drawn.caps(gpu, &light_cap, far, overflows)?;
+                    same(&format!("{what}, light caps"), &vertices[0], &vertices[1])?;
+                    light_caps += vertices[0].iter().filter(|&&vertex| vertex != bits(None)).count() / 4;
+                    // A fourth vertex of its own.
+                    let quads = vertices[0].chunks(4).filter(|quad| quad[2] != quad[3]).count();
+                    clipped_light_caps += if drawn.light().counting == COUNT_ZP_PLUS { quads } else { 0 };
+                }
                 if !front.is_empty() {
                     let vertices = drawn.caps(gpu, &cap, front, overflows)?;
                     caps += vertices[0].len() / 5;
@@ -296,6 +340,9 @@ fn clipped() -> Result<(), String> {
             }
         }
     }
-    println!("{sides} sides, {caps} caps");
-    if sides.min(caps) < 1000 { Err("too few".to_owned()) } else { Ok(()) }
+    println!("{sides} sides, {caps} near caps, {light_caps} light caps, {clipped_light_caps} of which are quads");
+    if clipped_light_caps < 100 {
+        return Err("too few light caps that the near plane cuts".to_owned());
+    }
+    if sides.min(caps).min(light_caps) < 1000 { Err("too few".to_owned()) } else { Ok(()) }
 }

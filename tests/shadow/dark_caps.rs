@@ -110,7 +110,7 @@ fn compare(
     cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
     let plain = &scene.lights;
     let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);
-    let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights);
+    let lists = cpu::caps(&view, positions, mesh.faces(), &facing, &excluded, &lights, true);
     for &index in indices {
         let plane = index / 32 * mesh.faces().len()..(index / 32 + 1) * mesh.faces().len();
         let (facing, excluded) = (&facing[plane.clone()], &excluded[plane]);

@@ -146,6 +146,7 @@ impl InScene {
             max_lights: frame.lights.len() + 3,
             list_capacity: renderer.list_capacity,
             counting,
+            every_face: renderer.options.every_face,
             skip_unseen,
             end_at_range,
             cap_capacity,
@@ -190,12 +191,7 @@ impl InScene {
                 }
             };
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
-            let caster = Caster {
-                mesh,
-                positions,
-                lights: LightMask::ALL,
-                in_depth: body.in_depth && !renderer.options.every_face,
-            };
+            let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: body.in_depth };
             // Some are elsewhere at first.
             let caster = if is_busy && random.below(2) == 0 {
                 let positions = CasterPositions::Rigid(rows([2.0, 1.0, 1.0]));

@@ -145,7 +145,8 @@ impl<'a> Renderer<'a> {
             let lights: Vec<Light> = lights.iter().map(|light| light.with_range(self.range)).collect();
             let extraction = extractor.encode(&mut encoder, positions, &lights, None).map_err(|error| text(&error))?;
             let pipelines = if body.mirror.is_some() { &mirroring } else { &plain };
-            let mut volumes = ShadowVolumes::new(pipelines, &extractor, self.options).map_err(|error| text(&error))?;
+            let options = ShadowOptions { in_depth: body.in_depth, ..self.options };
+            let mut volumes = ShadowVolumes::new(pipelines, &extractor, options).map_err(|error| text(&error))?;
             let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;
             casters.push((volumes, shadows, pipelines));
         }

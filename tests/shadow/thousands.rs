@@ -91,7 +91,7 @@ impl Model {
         let (positions, faces) = (&self.shape.positions, self.mesh.faces());
         let facing = cpu::facing(positions, faces, &[in_mesh_space], Predicate::Exact, Threads::ONE);
         let excluded = cpu::excluded(positions, faces, &[in_mesh_space]);
-        let caps = cpu::caps(view, positions, faces, &facing, &excluded, &lights);
+        let caps = cpu::caps(view, positions, faces, &facing, &excluded, &lights, true);
         let capped = !caps[0][0].is_empty() || !caps[0][1].is_empty();
         let packed = self.mesh.edges().packed_faces();
         let sides = cpu::list_sides(packed, &facing, &excluded, faces.len(), &lights, &[capped]);

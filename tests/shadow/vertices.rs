@@ -90,8 +90,9 @@ impl<'a> Cast<'a> {
         Err(format!("{clip} is no vertex of {edges:?} for {light:?}"))
     }
 
-    /// Polygons of a light by labels, with how often each counts; sides first, then caps.
-    fn polygons(&self, index: usize) -> Result<Vec<(Vec<Label>, i64)>, String> {
+    /// Polygons of a light by labels, with how often each counts; sides first, then near caps and, if the depth buffer does
+    /// not have the caster, light caps.
+    fn polygons(&self, index: usize, in_depth: bool) -> Result<Vec<(Vec<Label>, i64)>, String> {
         let (_, _, mesh) = &self.scene.caster;
         let light = &self.lights[index];
         let mut polygons = Vec::new();
@@ -114,8 +115,14 @@ impl<'a> Cast<'a> {
             let [a, b, c] = face;
             if a != b && b != c && c != a && cpu::casts(light, bit(mask)) {
                 let polygon = cpu::near_cap(&self.view, light, face.map(|vertex| self.end(vertex)));
-                let sign = if cpu::cap_class(light, bit(mask)) == 0 { 1 } else { -1 };
-                polygons.push((polygon, vec![[a, b], [b, c], [c, a]], sign));
+                let edges = vec![[a, b], [b, c], [c, a]];
+                let sign = if cpu::near_kind(light, bit(mask)) == 0 { 1 } else { -1 };
+                polygons.push((polygon, edges.clone(), sign));
+                if !in_depth {
+                    let polygon = cpu::seen_light_cap(&self.view, light, face.map(|vertex| self.end(vertex)));
+                    let sign = if cpu::far_kind(bit(mask)) == 2 { 1 } else { -1 };
+                    polygons.push((polygon, edges, sign));
+                }
             }
         }
         let labelled = polygons.into_iter().map(|(polygon, edges, count)| {
@@ -157,13 +164,19 @@ fn is_inner((a, _): Label, (b, _): Label) -> bool {
     }
 }
 
-/// Segments that do not cancel over all polygons.
-fn open_segments(polygons: &[(Vec<Label>, i64)]) -> Vec<((Label, Label), i64)> {
+/// Whether a segment must cancel where there are light caps, too: all but those of dark caps.
+fn is_before_dark_caps((a, _): Label, (b, _): Label) -> bool {
+    let is_dark = |kind| matches!(kind, Kind::Far | Kind::Turns);
+    !(is_dark(a) && is_dark(b))
+}
+
+/// Segments that must cancel over all polygons and do not.
+fn open_segments(polygons: &[(Vec<Label>, i64)], must_close: fn(Label, Label) -> bool) -> Vec<((Label, Label), i64)> {
     let mut sums = BTreeMap::new();
     for (polygon, count) in polygons {
         for (at, &a) in polygon.iter().enumerate() {
             let b = polygon[(at + 1) % polygon.len()];
-            if a != b && is_inner(a, b) {
+            if a != b && must_close(a, b) {
                 *sums.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { *count } else { -count };
             }
         }
@@ -173,7 +186,16 @@ fn open_segments(polygons: &[(Vec<Label>, i64)]) -> Vec<((Label, Label), i64)> {
 
 #[test]
 fn clipped_sides_and_near_caps_close() -> Outcome {
-    let seed = 92;
+    volumes_close(92, true)
+}
+
+#[test]
+fn light_caps_close_clipped_volumes() -> Outcome {
+    volumes_close(94, false)
+}
+
+fn volumes_close(seed: u64, in_depth: bool) -> Outcome {
+    let open_segments = |polygons: &[_]| open_segments(polygons, if in_depth { is_inner } else { is_before_dark_caps });
     println!("seed {seed}");
     let mut random = Random::new(seed);
     let (mut caps, mut sides, mut noticed) = (0, 0, 0);
@@ -184,7 +206,7 @@ fn clipped_sides_and_near_caps_close() -> Outcome {
             if cast.lights[index].casting == 0 {
                 continue;
             }
-            let mut polygons = cast.polygons(index)?;
+            let mut polygons = cast.polygons(index, in_depth)?;
             let open = open_segments(&polygons);
             if !open.is_empty() {
                 let light = cast.lights[index];

@@ -179,6 +179,7 @@ const MIRRORED: u32 = 2u;
 const RIGID: u32 = 4u;
 const HOLED: u32 = 8u;
 const EXCLUDING: u32 = 16u;
+const PROXY: u32 = 128u;
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
@@ -194,9 +195,9 @@ struct SceneCaster {
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
   high: vec3<f32>,
-  // Bits: 1 closed, and in the depth buffer, so averted faces may cast; 2 mirrored; 4 rigid, so lights are moved to its mesh
-  // space and the box is known; 8 a face is not finite; 16 the caller excludes faces; 32 positions may have changed; 64 the
-  // caller excludes faces of a caster of the group.
+  // Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not finite;
+  // 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of the group; 128
+  // not in the depth buffer.
   flags: u32,
   first_face_slot: u32,
   faces: u32,
@@ -225,6 +226,9 @@ struct ShadowDraws {
   // Light and dark caps of z-fail, likewise. With z-pass, the dark caps of volumes that end.
   far_front: DrawArguments,
   far_back: DrawArguments,
+  // With z-pass and ZP+, the light caps of casters that are not in the depth buffer.
+  light_front: DrawArguments,
+  light_back: DrawArguments,
 }
 
 struct ShadowStatistics {

@@ -1,6 +1,7 @@
 // Cap faces: computes the vertices of caps. A light cap is a face at its place. A dark cap is
 // the face at the far end of the volume. A near cap is the part of a face between the light and the near plane,
-// projected from the light onto that plane.
+// projected from the light onto that plane. z-fail has light and dark caps. z-pass and ZP+ have light caps of casters that
+// are not in the depth buffer, and dark caps where volumes end; their lists are the same.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 @group(0) @binding(1) var<uniform> draw: ShadowDraw;
@@ -46,17 +47,20 @@ fn cap_of(instance: u32) -> Cap {
   let run = face_run(own.caster);
   let face = run.z + slot - run.x;
   own.corners = vec3<u32>(faces[3u * face], faces[3u * face + 1u], faces[3u * face + 2u]);
-  if (overflowed || has_measures()) {
+  if (overflowed || has_measures() || shape.proxies != 0u) {
     own.light = chosen_light(own.caster, own.light, draw.light, draw.view);
   }
   if (overflowed) {
     let corners = own.corners;
     let facing = ((facing_masks[slot] >> bit) & 1u) != 0u;
-    let mirrored = (caster_flags(own.caster) & MIRRORED) != 0u;
+    let flags = caster_flags(own.caster);
+    let mirrored = (flags & MIRRORED) != 0u;
     let is_excluded = own.light.excludes != 0u && ((excluded_masks[slot] >> bit) & 1u) != 0u;
-    let has_cap = own.light.counting != COUNT_Z_PASS || own.light.end > 0.0;
-    own.valid = own.valid && slot - run.x < run.y && casts(own.light, facing) && has_cap && !is_excluded &&
-      cap_kind(own.light, facing, mirrored) == CAP_KIND &&
+    var is_of_kind = has_near_cap(own.light) && near_kind(own.light, facing, mirrored) == CAP_KIND;
+    if (CAP_KIND >= FAR) {
+      is_of_kind = has_far_caps(own.light, flags) && far_kind(facing, mirrored) == CAP_KIND;
+    }
+    own.valid = own.valid && slot - run.x < run.y && casts(own.light, facing) && !is_excluded && is_of_kind &&
       corners.x != corners.y && corners.y != corners.z && corners.z != corners.x &&
       is_finite(vertex_position(own.caster, corners.x)) && is_finite(vertex_position(own.caster, corners.y)) &&
       is_finite(vertex_position(own.caster, corners.z));
@@ -72,9 +76,48 @@ fn cap_of(instance: u32) -> Cap {
   return CapVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
 }
 
+// Offers the vertices from `a` on, up to where the edge to `b` meets the near plane.
+fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_ordered: bool) -> Picked {
+  var next = offer(picked, behind_near_plane(view, a.near), a.height >= 0.0);
+  let meets_plane = (a.height >= 0.0) != (b.height >= 0.0);
+  if (is_ordered) {
+    return offer(next, on_near_plane(view, a, b), meets_plane);
+  }
+  return offer(next, on_near_plane(view, b, a), meets_plane);
+}
+
+// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it ends on the near plane
+// with the bits of near cap and sides.
+@vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
+  let own = cap_of(instance);
+  if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {
+    return CapVertex(NOTHING);
+  }
+  let view = own.view;
+  let p = vertex_position(own.caster, own.corners.x);
+  let q = vertex_position(own.caster, own.corners.y);
+  let r = vertex_position(own.caster, own.corners.z);
+  var picked = pick(vertex);
+  if (has_near_cap(own.light)) {
+    let a = corner(view, own.light, p);
+    let b = corner(view, own.light, q);
+    let c = corner(view, own.light, r);
+    picked = offer_clipped(picked, view, a, b, own.corners.x < own.corners.y);
+    picked = offer_clipped(picked, view, b, c, own.corners.y < own.corners.z);
+    picked = offer_clipped(picked, view, c, a, own.corners.z < own.corners.x);
+  } else {
+    picked = offer(picked, to_clip(view, p), true);
+    picked = offer(picked, to_clip(view, q), true);
+    picked = offer(picked, to_clip(view, r), true);
+  }
+  return CapVertex(picked.clip);
+}
+
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let own = cap_of(instance);
-  if (!own.valid) {
+  // Of casters that are not in the depth buffer there are faces whose volume does not end.
+  let is_endless = shape.proxies != 0u && own.light.counting != COUNT_Z_FAIL && own.light.end == 0.0;
+  if (!own.valid || is_endless) {
     return CapVertex(NOTHING);
   }
   if (is_orthographic(own.view) && own.light.end == 0.0) {

@@ -1,6 +1,6 @@
 // Caps: lists of the faces that caps are drawn from. Near caps, which ZP+ needs, come from the faces between light and near
-// rectangle. With z-fail, the published ZP+, and where volumes end at the range, caps come from every face that casts.
-// Excluded faces have no caps.
+// rectangle. With z-fail, where volumes end at the range, and for casters that are not in the depth buffer, caps come from
+// every face that casts. Excluded faces have no caps.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
 // The first light of this batch, and the view.
@@ -30,6 +30,7 @@ struct Needs {
   first: vec4<u32>,
   excludes: u32,
   lights: u32,
+  flags: u32,
 }
 
 fn needs_of(caster: u32) -> Needs {
@@ -39,8 +40,10 @@ fn needs_of(caster: u32) -> Needs {
     needs.first[word] = atomicLoad(&choices[at + word]);
   }
   needs.excludes = atomicLoad(&choices[at + EXCLUDES]);
+  needs.flags = caster_flags(caster);
   // Where a volume ends, it has dark caps. Those of z-pass are asked for each light.
-  let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u;
+  let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u ||
+    (needs.flags & PROXY) != 0u;
   needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far);
   return needs;
 }
@@ -51,6 +54,13 @@ fn end_of(caster: u32, number: u32) -> f32 {
   }
   let before = CHOICE_WORDS * shape.views * shape.batches * shape.casters;
   return bitcast<f32>(atomicLoad(&choices[before + 2u * measures_of(caster, number, draw.view)]));
+}
+
+fn list_cap(bit: u32, kind: u32, slot: u32) {
+  let place = atomicAdd(&caps_listed[4u * bit + kind], 1u);
+  if (place < cap_capacity(kind)) {
+    atomicStore(&caps_listed[cap_place(bit, kind, place)], slot);
+  }
 }
 
 fn list_face(caster: u32, slot: u32, needs: Needs) {
@@ -65,29 +75,27 @@ fn list_face(caster: u32, slot: u32, needs: Needs) {
   }
   let facing_mask = facing_masks[slot];
   let excluded_mask = excluded_masks[slot] & needs.excludes;
-  let mirrored = (caster_flags(caster) & MIRRORED) != 0u;
+  let mirrored = (needs.flags & MIRRORED) != 0u;
   for (var rest = needs.lights & ~excluded_mask; rest != 0u; rest &= rest - 1u) {
     let bit = firstTrailingBit(rest);
     let number = draw.first_light + bit;
     let own = light_of(caster, seen[draw.view * shape.lights + number].light, number);
-    let light = with_choices(own, bit, needs.first, needs.excludes, needs.first[NEAR]);
+    var light = with_choices(own, bit, needs.first, needs.excludes, needs.first[NEAR]);
+    light.end = end_of(caster, number);
     let facing = ((facing_mask >> bit) & 1u) != 0u;
-    let ends = light.counting != COUNT_Z_PASS || end_of(caster, number) > 0.0;
-    if (!casts(light, facing) || !ends) {
+    if (!casts(light, facing)) {
       continue;
     }
+    if (has_far_caps(light, needs.flags)) {
+      list_cap(bit, far_kind(facing, mirrored), slot);
+    }
+    var is_near = has_near_cap(light);
     if (light.counting == COUNT_ZP_PLUS) {
       let view = view_of(caster, seen[draw.view * shape.lights + number].view);
-      if (misses_pyramid(view, light, a, b, c)) {
-        continue;
-      }
+      is_near = !misses_pyramid(view, light, a, b, c);
     }
-    let kind = cap_kind(light, facing, mirrored);
-    let place = atomicAdd(&caps_listed[4u * bit + kind], 1u);
-    if (place < cap_capacity(kind)) {
-      atomicStore(&caps_listed[cap_place(bit, kind, place)], slot);
-    }
-    if (has_near_cap(light)) {
+    if (is_near) {
+      list_cap(bit, near_kind(light, facing, mirrored), slot);
       atomicOr(&choices[CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view) + CAPPED], 1u << bit);
     }
   }

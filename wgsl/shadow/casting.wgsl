@@ -8,21 +8,26 @@ fn has_near_cap(light: ShadowLight) -> bool {
   return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
 }
 
-// 0 if the cap counts up where its front is seen, 1 if it does where its back is seen. Near caps lie on the near plane.
-// There the front of a face that faces the light is seen if the light is on the eye's side. A matrix that mirrors turns
-// all faces.
-fn cap_class(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
-  let turned = has_near_cap(light) && light_side(light) > 0.0;
-  return select(0u, 1u, (facing == turned) != mirrored);
+// Whether there are caps besides near caps: with z-fail, where the volume ends, and where the caster is not in the depth
+// buffer, so that the eye sees through its faces.
+fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
+  return light.counting == COUNT_Z_FAIL || light.end > 0.0 || (flags & PROXY) != 0u;
 }
 
 // A light has four lists of cap faces: near caps of both classes in one run, from the front and from the back, and other
-// caps of both classes in another run.
+// caps of both classes in another run. Caps of the first class count up where their front is seen, those of the second
+// where their back is. A matrix that mirrors turns all faces.
 const CAP_COUNTS: u32 = 128u;
 const FAR: u32 = 2u;
 
-fn cap_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
-  return cap_class(light, facing, mirrored) + select(FAR, 0u, has_near_cap(light));
+// On the near plane the front of a face that faces the light is seen if the light is on the eye's side.
+fn near_kind(light: ShadowLight, facing: bool, mirrored: bool) -> u32 {
+  let turned = light_side(light) > 0.0;
+  return select(0u, 1u, (facing == turned) != mirrored);
+}
+
+fn far_kind(facing: bool, mirrored: bool) -> u32 {
+  return FAR + select(0u, 1u, facing == mirrored);
 }
 
 fn cap_capacity(kind: u32) -> u32 {

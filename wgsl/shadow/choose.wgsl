@@ -138,7 +138,7 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
 
 // What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
-fn chosen(view: ShadowView, given: ShadowLight, scale: f32, is_closed: bool, low: vec3<f32>, high: vec3<f32>, has_holes: bool) -> ShadowLight {
+fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec3<f32>, high: vec3<f32>, has_holes: bool) -> ShadowLight {
   var light = given;
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
@@ -149,15 +149,16 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, is_closed: bool, low
   }
   let light_is_inside = light_meets(light, low, high);
   light.excludes = select(0u, 1u, has_holes || (light_is_inside && extraction_statistics[3] != 0u));
-  // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
-  // "Which faces cast".
+  // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
+  // see into it: NUMERICS.md, "Which faces cast".
+  let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
   light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
     light.frustum_near = frustum_near(view, light, low, high);
-    // What was published knows no excluded faces.
-    light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u);
+    // What was published knows no excluded faces, and no caster that is not in the depth buffer.
+    light.counting = select(COUNT_ZP_PLUS_2005, COUNT_Z_FAIL, light.excludes != 0u || (flags & PROXY) != 0u);
   }
   if (shape.counting == COUNT_AUTO) {
     light.counting = select(COUNT_ZP_PLUS, COUNT_Z_PASS, misses_pyramid(view, light, low, high));
@@ -187,8 +188,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
   if (!own.is_empty) {
-    let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u;
-    light = chosen(view, light, scale, is_closed, own.low, own.high, own.has_holes);
+    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes);
     light.excludes = select(light.excludes, 1u, is_excluding);
   }
   if (light.casting == CAST_NOTHING) {

@@ -85,6 +85,8 @@ struct ShadowShape {
   views: u32,
   // Casters are counted in so many batches, one after the other.
   count_batches: u32,
+  // 1: some casters are not in the depth buffer.
+  proxies: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.
@@ -220,6 +222,11 @@ fn project_to_near_plane(view: ShadowView, light: ShadowLight, v: Corner) -> vec
 fn on_near_plane(view: ShadowView, a: Corner, b: Corner) -> vec4<f32> {
   let t = a.height / (a.height - b.height);
   return vec4<f32>(a.near.xy + (b.near.xy - a.near.xy) * t, view.near_z * view.near_w, view.near_w);
+}
+
+// Corrects a depth that rounding may have put in front of the near plane.
+fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
+  return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
 }
 
 // The point of an edge whose far direction is parallel to the near plane. `a` is the vertex of lower index.

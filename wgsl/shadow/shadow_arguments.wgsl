@@ -49,6 +49,10 @@ fn write_arguments(bit: u32) {
   draws.near_back = arguments(select(5u, 3u, is_published), near.y);
   draws.far_front = arguments(3u, far.x);
   draws.far_back = arguments(3u, far.y);
+  if (shape.proxies != 0u) {
+    draws.light_front = arguments(4u, far.x);
+    draws.light_back = arguments(4u, far.y);
+  }
   shadow_draws[draw.view * shape.lights + draw.first_light + bit] = draws;
 }
 

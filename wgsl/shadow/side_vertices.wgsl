@@ -10,11 +10,6 @@ fn side_vertex(view: ShadowView, light: ShadowLight, first: vec3<f32>, second: v
   return far_end(view, light, position);
 }
 
-// Corrects a depth that rounding may have put in front of the near plane.
-fn behind_near_plane(view: ShadowView, clip: vec4<f32>) -> vec4<f32> {
-  return vec4<f32>(clip.xy, select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0), clip.w);
-}
-
 // A strip of five vertices. `is_ordered`: the first end has the lower vertex index.
 fn clipped_side_vertex(
   view: ShadowView,

@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec4, Vec4Swizzles};
 
+use super::casting::has_near_cap;
 use super::shadow::{
-    corner, direction_to_clip, dot_3, extrusion, far_end, is_orthographic, light_side, near_plane, on_near_plane,
-    parallel_to_near_plane, project_to_near_plane, to_clip,
+    behind_near_plane, corner, direction_to_clip, dot_3, extrusion, far_end, is_orthographic, light_side, near_plane,
+    on_near_plane, parallel_to_near_plane, project_to_near_plane, to_clip,
 };
 use super::sides::End;
 use super::zp_plus_2005::frustum_to_clip;
@@ -13,6 +14,23 @@ use crate::layout::{ShadowLight, ShadowView};
 /// The vertices of a face at its place, in clip space.
 pub fn light_cap(view: &ShadowView, face: [End; 3]) -> [Vec4; 3] {
     face.map(|(_, position)| to_clip(view, position))
+}
+
+/// What the eye sees of a face at its place, if the depth buffer does not have the caster, in clip space: as [`light_cap`], but
+/// with ZP+ it ends on the near plane. It has up to four vertices.
+pub fn seen_light_cap(view: &ShadowView, light: &ShadowLight, face: [End; 3]) -> Vec<Vec4> {
+    if !has_near_cap(light) {
+        return light_cap(view, face).to_vec();
+    }
+    let mut polygon = Vec::with_capacity(4);
+    let corners = face.map(|(index, position)| (index, corner(view, light, position)));
+    let [a, b, c] = corners;
+    for [(a_index, a), (b_index, b)] in [[a, b], [b, c], [c, a]] {
+        let (first, second) = if a_index < b_index { (&a, &b) } else { (&b, &a) };
+        polygon.extend((a.height >= 0.0).then(|| behind_near_plane(view, a.near)));
+        polygon.extend(((a.height >= 0.0) != (b.height >= 0.0)).then(|| on_near_plane(view, first, second)));
+    }
+    polygon
 }
 
 /// The vertices of a face at the far end of the volume, in clip space. `None` if the face is at infinity and out of

@@ -1,15 +1,15 @@
 //! Caps: lists of the faces that caps are drawn from.
 
-use super::casting::{LISTS, cap_kind, casts};
+use super::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
 use super::pyramid::misses_pyramid;
 use crate::cpu::common::positions::is_finite;
 use crate::layout::{ShadowLight, ShadowView};
-use crate::shadow::{COUNT_Z_PASS, COUNT_ZP_PLUS};
+use crate::shadow::{COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 
 /// Four lists of faces for each light, in the order of the faces: near caps that count up on their front and on their back,
 /// then other caps likewise. `facing` has ⌈N/32⌉ planes of facing masks. `excluded` has as many planes of
 /// [`excluded`](crate::cpu::extract::exact_facing::excluded) masks. The lists leave out excluded faces, and those that
-/// name a vertex twice, or have a missing corner or one that is not finite.
+/// name a vertex twice, or have a missing corner or one that is not finite. `in_depth`: the depth buffer has the caster.
 pub fn caps(
     view: &ShadowView,
     positions: &[[f32; 3]],
@@ -17,6 +17,7 @@ pub fn caps(
     facing: &[u32],
     excluded: &[u32],
     lights: &[ShadowLight],
+    in_depth: bool,
 ) -> Vec<[Vec<u32>; LISTS]> {
     let mut lists = vec![[const { Vec::new() }; LISTS]; lights.len()];
     for (number, &face) in (0..).zip(faces) {
@@ -31,14 +32,18 @@ pub fn caps(
             let (facing, excluded) = (mask(planes.0), mask(planes.1));
             for ((bit, light), lists) in (0..).zip(lights).zip(lists) {
                 let [facing, excluded] = [facing, excluded].map(|mask| mask >> bit & 1 != 0);
-                let is_needed = match light.counting {
-                    COUNT_Z_PASS => light.end != 0.0,
+                if !casts(light, facing) || (excluded && light.excludes != 0) {
+                    continue;
+                }
+                let is_near = match light.counting {
                     COUNT_ZP_PLUS => !misses_pyramid(view, light, &corners),
-                    _ => true,
+                    counting => counting == COUNT_ZP_PLUS_2005,
                 };
-                let casts = casts(light, facing) && !(excluded && light.excludes != 0);
-                if casts && is_needed {
-                    lists[cap_kind(light, facing)].push(number);
+                if is_near {
+                    lists[near_kind(light, facing)].push(number);
+                }
+                if has_far_caps(light, in_depth) {
+                    lists[far_kind(facing)].push(number);
                 }
             }
         }

@@ -52,7 +52,7 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(view, caster) && !light_is_inside;
-    let averted_suffice = shape.averted != 0 && has_holes == 0 && is_outside;
+    let averted_suffice = shape.averted != 0 && shape.proxies == 0 && has_holes == 0 && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
     if shape.counting == COUNT_ZP_PLUS_2005 {
         light.frustum_near = frustum_near(view, light, caster);
@@ -60,8 +60,8 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     light.counting = match shape.counting {
         COUNT_AUTO if misses_pyramid(view, light, &caster.corners()) => COUNT_Z_PASS,
         COUNT_AUTO => COUNT_ZP_PLUS,
-        // The published method knows no excluded faces.
-        COUNT_ZP_PLUS_2005 if light.excludes != 0 => COUNT_Z_FAIL,
+        // The published method knows no excluded faces, and no caster that is not in the depth buffer.
+        COUNT_ZP_PLUS_2005 if light.excludes != 0 || shape.proxies != 0 => COUNT_Z_FAIL,
         asked => asked,
     };
     let may_end = matches!(light.counting, COUNT_Z_PASS | COUNT_Z_FAIL);

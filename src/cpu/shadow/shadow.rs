@@ -136,3 +136,9 @@ pub fn parallel_to_near_plane(a: &Corner, b: &Corner) -> Vec4 {
     let xy = a.far + (b.far - a.far) * t;
     Vec4::new(xy.x, xy.y, 0.0, 0.0)
 }
+
+/// Corrects a depth that rounding may have put in front of the near plane.
+pub(super) fn behind_near_plane(view: &ShadowView, clip: Vec4) -> Vec4 {
+    let z = if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) };
+    Vec4::new(clip.x, clip.y, z, clip.w)
+}

@@ -37,6 +37,8 @@ pub fn shadow_arguments(
             near_back: arguments(cap_vertices, near_back),
             far_front: arguments(3, far_front),
             far_back: arguments(3, far_back),
+            light_front: arguments(4, if shape.proxies == 0 { 0 } else { far_front }),
+            light_back: arguments(4, if shape.proxies == 0 { 0 } else { far_back }),
         }
     });
     let draws = draws.collect();

@@ -3,8 +3,8 @@
 use glam::Vec4;
 
 use super::shadow::{
-    corner, direction_to_clip, extrusion, far_end, on_near_plane, parallel_to_near_plane, project_to_near_plane,
-    to_clip,
+    behind_near_plane, corner, direction_to_clip, extrusion, far_end, on_near_plane, parallel_to_near_plane,
+    project_to_near_plane, to_clip,
 };
 use super::zp_plus_2005::{counterpart, is_cut};
 use crate::layout::{ShadowLight, ShadowView};
@@ -16,12 +16,6 @@ pub type End = (u32, [f32; 3]);
 pub fn side(view: &ShadowView, light: &ShadowLight, [first, second]: [End; 2]) -> [Vec4; 4] {
     let far = |position| far_end(view, light, position);
     [to_clip(view, first.1), to_clip(view, second.1), far(first.1), far(second.1)]
-}
-
-/// Corrects a depth that rounding may have put in front of the near plane.
-fn behind_near_plane(view: &ShadowView, clip: Vec4) -> Vec4 {
-    let z = if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) };
-    Vec4::new(clip.x, clip.y, z, clip.w)
 }
 
 /// The polygon that remains of the side after clipping at the near plane, in clip space. It has up to five vertices, or

@@ -23,9 +23,8 @@ pub struct Caster {
     /// The lights for which it throws shadows.
     pub lights: LightMask,
     /// Whether the surface is in the depth buffer that shadows are drawn against. False for a proxy, a simpler mesh in
-    /// place of what is drawn: every face of it casts. [`Counting::ZFail`](crate::Counting::ZFail) counts proxies
-    /// right. z-pass and ZP+, and so [`Counting::Auto`](crate::Counting::Auto), do so only where no line of sight goes
-    /// through a face of the proxy, for example where the proxy lies within what is drawn.
+    /// place of what is drawn: every face of it casts, and z-pass and ZP+ draw its light caps, too, because the eye may see
+    /// through its faces. Receivers that lie in its faces exactly may be lit or not.
     pub in_depth: bool,
 }
 

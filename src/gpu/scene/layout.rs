@@ -22,6 +22,8 @@ pub(crate) struct Group {
     pub(crate) first: u32,
     pub(crate) face_chunks: u32,
     pub(crate) edge_chunks: u32,
+    /// Face chunks of casters that are not in the depth buffer.
+    pub(crate) proxy_chunks: u32,
     /// Edge records of all casters.
     pub(crate) counts: EdgeCounts,
     /// Consistent edges that silhouettes may take, see [`smooth_edges`].
@@ -58,6 +60,7 @@ impl Group {
             first,
             face_chunks: 0,
             edge_chunks: 0,
+            proxy_chunks: 0,
             counts,
             smooth: 0,
             face_chunks_at,
@@ -67,10 +70,11 @@ impl Group {
     }
 
     /// Adds a caster and returns its slots.
-    fn add(&mut self, mesh: &MeshEntry) -> Slots {
+    fn add(&mut self, mesh: &MeshEntry, in_depth: bool) -> Slots {
         let (first_face, first_edge) = (CHUNK * self.face_chunks, CHUNK * self.edge_chunks);
         let slots = Slots { first_face, first_edge, ..Slots::default() };
         self.face_chunks += mesh.faces.div_ceil(CHUNK);
+        self.proxy_chunks += if in_depth { 0 } else { mesh.faces.div_ceil(CHUNK) };
         self.edge_chunks += mesh.edges().div_ceil(CHUNK);
         self.counts.consistent += mesh.counts.consistent;
         self.counts.inconsistent += mesh.counts.inconsistent;
@@ -128,12 +132,13 @@ impl Layout {
         for source in sources {
             let mut group = Group::new(source, layout.order.len() as u32);
             for &key in by_source.get(source).into_iter().flatten() {
-                let Some(mesh) = casters.get(key).and_then(|caster| meshes.get(caster.mesh)) else { continue };
+                let Some(caster) = casters.get(key) else { continue };
+                let Some(mesh) = meshes.get(caster.mesh) else { continue };
                 if group.face_chunks > 0 && !group.has_room(mesh, limits) {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
-                slots.push(Slots { group: layout.groups.len() as u32, ..group.add(mesh) });
+                slots.push(Slots { group: layout.groups.len() as u32, ..group.add(mesh, caster.in_depth) });
                 layout.order.push(key);
             }
             layout.groups.push(group);

@@ -20,6 +20,8 @@ pub struct SceneOptions {
     pub undecided_capacity: Option<u32>,
     /// How shadow volumes are counted. Those that draw them have [`ScenePipelines`](crate::gpu::ScenePipelines) of the same.
     pub counting: Counting,
+    /// Every face casts, always; see [`ShadowOptions::every_face`](crate::gpu::ShadowOptions::every_face).
+    pub every_face: bool,
     /// Skip a caster for a light and a view where the camera cannot see its shadow.
     pub skip_unseen: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
@@ -51,11 +53,12 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// What these say of volumes.
     pub(crate) fn volumes(&self) -> VolumeSettings {
-        let Self { counting, skip_unseen, end_at_range, bound_counts, cap_capacity, memory_limit, .. } = *self;
+        let Self { counting, every_face, skip_unseen, end_at_range, bound_counts, cap_capacity, memory_limit, .. } =
+            *self;
         let count_batches = self.count_batches.max(1);
         VolumeSettings {
             counting,
-            averted: true,
+            averted: !every_face,
             skip_unseen,
             end_at_range,
             bound_counts,
@@ -67,8 +70,8 @@ impl SceneOptions {
 }
 
 impl Default for SceneOptions {
-    /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, unseen shadows
-    /// skipped, infinite volumes, one batch of casters, bits kept, no bound on counts, no memory limit.
+    /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
+    /// where they suffice, unseen shadows skipped, infinite volumes, one batch of casters, bits kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -76,6 +79,7 @@ impl Default for SceneOptions {
             list_capacity: None,
             undecided_capacity: None,
             counting: Counting::Auto,
+            every_face: false,
             skip_unseen: true,
             end_at_range: false,
             count_batches: 1,

@@ -3,21 +3,9 @@
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
+use crate::layout::caster_flags::{CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
 use crate::layout::{CasterLights, ScaledLight, SceneCaster};
 use crate::light::Light;
-
-/// Averted faces may cast: the caster is closed, consistently oriented, and in the depth buffer.
-const CLOSED: u32 = 1;
-const MIRRORED: u32 = 2;
-const RIGID: u32 = 4;
-/// A face has a corner that is not finite.
-const HOLED: u32 = 8;
-/// The caller excludes faces.
-const EXCLUDING: u32 = 16;
-/// Positions may have changed.
-const CHANGING: u32 = 32;
-/// The caller excludes faces of a caster of the group.
-const GIVEN: u32 = 64;
 
 /// Words of the table, in fours.
 pub(crate) type Part = [u32; 4];
@@ -87,7 +75,8 @@ impl Table {
             low,
             scale: rigid.map_or(1.0, |rigid| rigid.scale),
             high,
-            flags: flag(mesh.is_closed && entry.in_depth, CLOSED)
+            flags: flag(mesh.is_closed, CLOSED)
+                | flag(!entry.in_depth, PROXY)
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
                 | flag(rigid.is_some() && mesh.is_holed, HOLED)

@@ -13,7 +13,7 @@ use crate::gpu::shadow::draws::LightDraws;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use crate::gpu::shadow::source::{BatchSource, GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
-use crate::layout::SceneDispatch;
+use crate::layout::{CHUNK, SceneDispatch};
 
 /// Near caps of each group that there is room for besides sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
@@ -71,17 +71,16 @@ impl Volumes {
 fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: &DispatchLimits) -> VolumeSizes {
     let group_of = |part: &GroupBatch| structure.layout.groups.get(part.group);
     let group_size = |part: &GroupBatch| {
-        let (faces, edges) = group_of(part).map_or((0, 0), |group| (group.face_slots(), group.edge_slots()));
+        let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
+        let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
         // Casters without faces have no dispatches.
         let none = bytemuck::Zeroable::zeroed;
         let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } =
             part.dispatches.first().map_or_else(none, |(dispatch, _)| *dispatch);
-        GroupSize { faces, edges, lights_at, face_chunks_at, edge_chunks_at }
+        GroupSize { faces, edges, proxies, lights_at, face_chunks_at, edge_chunks_at }
     };
-    let room = |part: &GroupBatch| {
-        let faces = group_of(part).map_or(0, Group::face_slots);
-        Room::new(&settings, faces, FEW_CAPS, part.sizes.capacity, part.lights, limits)
-    };
+    let room =
+        |part: &GroupBatch| Room::new(&settings, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
     VolumeSizes {
         settings,
         casters: structure.layout.order.len(),

@@ -19,6 +19,8 @@ pub(crate) struct LightDraws<'a> {
     pub(crate) first: u64,
     /// Whether volumes may end at the range.
     pub(crate) may_end: bool,
+    /// Whether some casters are not in the depth buffer.
+    pub(crate) has_proxies: bool,
 }
 
 // The numbers of the fields of `ShadowDraws`.
@@ -27,11 +29,12 @@ const CLIPPED: u64 = 1;
 /// The first of both classes.
 const NEAR_CAPS: u64 = 2;
 const FAR_CAPS: u64 = 4;
+const LIGHT_CAPS: u64 = 6;
 
 impl LightDraws<'_> {
     /// Draws the shadow volumes of the light.
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
-        let Self { frame, uniform, seen, sides, caps, draws, first, may_end } = self;
+        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies } = self;
         pass.set_bind_group(0, frame, &[uniform, seen]);
         let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
             pass.set_pipeline(pipeline);
@@ -46,6 +49,11 @@ impl LightDraws<'_> {
         if let Some(ends) = pipelines.ends.as_ref().filter(|_| may_end) {
             for (class, pipeline) in (0..).zip(ends) {
                 draw(pass, pipeline, FAR_CAPS + class);
+            }
+        }
+        if let Some(light_caps) = pipelines.light_caps.as_ref().filter(|_| has_proxies) {
+            for (class, pipeline) in (0..).zip(light_caps) {
+                draw(pass, pipeline, LIGHT_CAPS + class);
             }
         }
         for (class, pipelines) in (0..).zip(pipelines.caps.iter().flatten()) {

@@ -5,11 +5,14 @@
 #[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
 pub struct ShadowOptions {
     /// Every face casts, always. Without this option a closed mesh casts only by its averted faces if light and near
-    /// rectangle are outside its box, which is faster and right, too. Set it for a closed caster that is not in the
-    /// depth buffer, if surfaces inside it are seen. See NUMERICS.md, "Which faces cast".
+    /// rectangle are outside its box, which is faster and right, too. See NUMERICS.md, "Which faces cast".
     pub every_face: bool,
+    /// Whether the caster's surface is in the depth buffer that shadows are drawn against. False for a proxy, a simpler mesh
+    /// in place of what is drawn: every face of it casts, and z-pass and ZP+ draw light caps, too. Receivers that lie
+    /// in its faces exactly may be lit or not.
+    pub in_depth: bool,
     /// Entries that each of the two lists of cap faces of a light has room for. `None`: every face with z-fail, ZP+ as
-    /// published or [`Self::end_at_range`]; else 1,024 and sixteen times the square root of the faces. The lists always
+    /// published, [`Self::end_at_range`] or without [`Self::in_depth`]; else 1,024 and sixteen times the square root of the faces. The lists always
     /// fit one binding (8 bytes an entry for each of up to 32 lights, and up to 4 KiB a light for excluded faces) and
     /// [`Self::memory_limit`]. An overflow loses nothing: the draw then goes over all faces.
     pub cap_capacity: Option<u32>,
@@ -32,11 +35,12 @@ pub struct ShadowOptions {
 }
 
 impl Default for ShadowOptions {
-    /// Averted faces where they suffice, list sizes from the mesh, unseen shadows skipped, infinite volumes, no bound
+    /// Averted faces where they suffice, a caster in the depth buffer, list sizes from the mesh, unseen shadows skipped, infinite volumes, no bound
     /// on counts, no memory limit.
     fn default() -> Self {
         Self {
             every_face: false,
+            in_depth: true,
             cap_capacity: None,
             skip_unseen: true,
             end_at_range: false,

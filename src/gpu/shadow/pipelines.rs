@@ -66,6 +66,8 @@ pub struct ShadowPipelines {
     pub(crate) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
     /// Dark caps of volumes that end, with z-pass: one for each list.
     pub(crate) ends: Option<[wgpu::RenderPipeline; 2]>,
+    /// Light caps of casters that are not in the depth buffer, with z-pass and ZP+: one for each list.
+    pub(crate) light_caps: Option<[wgpu::RenderPipeline; 2]>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
     pub(crate) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
 }
@@ -115,6 +117,7 @@ impl ShadowPipelines {
         let far =
             |class| [caps.pipeline("light_cap", FAR + class, Count::Hidden, class == 1), dark(class, Count::Hidden)];
         let ends = matches!(counting, Counting::Auto | Counting::ZPass);
+        let light = |class| caps.pipeline("seen_light_cap", FAR + class, Count::Visible, class == 1);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
         Self {
             convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
@@ -125,6 +128,7 @@ impl ShadowPipelines {
                 _ => None,
             },
             ends: ends.then(|| [0, 1].map(|class| dark(class, Count::Visible))),
+            light_caps: (!is_fail).then(|| [0, 1].map(light)),
             caps: is_fail.then(|| [far(0), far(1)]),
             shared,
         }

@@ -57,6 +57,8 @@ pub(crate) struct GroupSize {
     /// Slots of faces and edges.
     pub(crate) faces: u32,
     pub(crate) edges: u32,
+    /// Slots of the faces of casters that are not in the depth buffer.
+    pub(crate) proxies: u32,
     /// Where their lights and the casters of their chunks begin in the table, if there are several casters.
     pub(crate) lights_at: u32,
     pub(crate) face_chunks_at: u32,
@@ -80,17 +82,17 @@ pub(crate) struct Room {
 
 impl Room {
     /// Room for the sides of all silhouettes that one binding has room for, and for caps as the settings say. If they say
-    /// nothing, near caps have room for sixteen times the root of the faces and `few`, other caps for all faces, and what a
-    /// binding is short of is shared in proportion.
+    /// nothing, near caps have room for sixteen times the root of the faces and `few`, other caps for all faces that may have
+    /// one, and what a binding is short of is shared in proportion.
     pub(crate) fn new(
         settings: &VolumeSettings,
-        faces: u32,
+        group: &GroupSize,
         few: u32,
         silhouettes: u32,
         lights: u32,
         limits: &DispatchLimits,
     ) -> Self {
-        let (faces, lights) = (faces.max(1), lights.max(1));
+        let (faces, lights) = (group.faces.max(1), lights.max(1));
         let fitting = |head: u64| {
             u32::try_from(limits.binding.saturating_sub(head) / (4 * u64::from(lights))).unwrap_or(u32::MAX)
         };
@@ -100,7 +102,7 @@ impl Room {
             #[cfg(feature = "reference")]
             Counting::ZpPlus2005 => faces,
         };
-        let far = if settings.counting.may_fail() || settings.end_at_range { faces } else { 1 };
+        let far = if settings.counting.may_fail() || settings.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
         let mut room = Self { lights, silhouettes, sides, near, far };
         if let Some(capacity) = settings.cap_capacity {
@@ -167,6 +169,11 @@ impl VolumeSizes {
     /// Bytes of the choices of all casters, and with their measures.
     pub(crate) fn choice_bytes(&self) -> [u64; 2] {
         self.settings.choice_bytes(self.casters, self.lights, self.views)
+    }
+
+    /// Whether some casters are not in the depth buffer.
+    pub(crate) fn has_proxies(&self) -> bool {
+        self.groups.iter().any(|group| group.proxies > 0)
     }
 
     /// Pairs of view and light.
@@ -248,6 +255,7 @@ impl VolumeSizes {
             edge_chunks_at: group.edge_chunks_at,
             views: self.views as u32,
             count_batches: settings.count_batches,
+            proxies: u32::from(group.proxies > 0),
         }
     }
 }

@@ -126,7 +126,8 @@ impl VolumeStages {
         let sizes = &buffers.sizes;
         let (batch, place) = (light / 32, view * sizes.lights + light);
         let uniform = count_batch * sizes.seen() + place;
-        self.groups.iter().zip(&buffers.draws).filter_map(move |(group, draws)| {
+        let groups = self.groups.iter().zip(&buffers.draws).zip(&sizes.groups);
+        groups.filter_map(move |((group, draws), size)| {
             Some(LightDraws {
                 frame: group.frames.get(batch)?,
                 uniform: (uniform * UniformTable::stride::<ShadowDraw>()) as u32,
@@ -136,6 +137,7 @@ impl VolumeStages {
                 draws,
                 first: (place * size_of::<ShadowDraws>()) as u64,
                 may_end: sizes.settings.end_at_range,
+                has_proxies: size.proxies > 0,
             })
         })
     }

@@ -21,6 +21,7 @@ use crate::gpu::extract::extraction::{self, Extraction, Place};
 use crate::gpu::extract::extractor::Extractor;
 #[cfg(feature = "reference")]
 use crate::layout::ShadowShape;
+use crate::layout::caster_flags::{CLOSED, PROXY};
 use crate::layout::{SceneCaster, SeenLight};
 use crate::light::{self, check_shadow_lights};
 
@@ -124,7 +125,8 @@ impl ShadowVolumes {
             let (bytes, limit) = (source.buffers.faces.size(), source.limits.binding);
             return Err(MemoryError::Binding { what: "faces", bytes, limit }.into());
         }
-        let ShadowOptions { every_face, cap_capacity, skip_unseen, end_at_range, bound_counts, memory_limit } = options;
+        let ShadowOptions { every_face, in_depth, cap_capacity, skip_unseen, end_at_range, bound_counts, memory_limit } =
+            options;
         let settings = VolumeSettings {
             counting: pipelines.counting(),
             averted: !every_face,
@@ -135,7 +137,7 @@ impl ShadowVolumes {
             cap_capacity,
             memory_limit,
         };
-        let mut sizes = sizes(source, settings);
+        let mut sizes = sizes(source, settings, in_depth);
         let [_, choices] = sizes.choice_bytes();
         let table = Allocation { label: "shadow table", bytes: size_of::<SceneCaster>() as u64 + choices };
         sizes.fit_memory(table.bytes);
@@ -173,7 +175,7 @@ impl ShadowVolumes {
         let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
         // Numbers without a light are seen in no view.
         seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());
-        let caster = caster(source, &bound);
+        let caster = caster(source, buffers.sizes.has_proxies(), &bound);
         let uploads: [(&wgpu::Buffer, &[u8]); 2] =
             [(&buffers.seen, bytemuck::cast_slice(&seen)), (table, bytemuck::bytes_of(&caster))];
         upload(source.device(), encoder, &uploads)?;
@@ -256,18 +258,20 @@ impl ShadowVolumes {
     }
 }
 
-fn sizes(source: &extraction::Shared, settings: VolumeSettings) -> VolumeSizes {
+fn sizes(source: &extraction::Shared, settings: VolumeSettings, in_depth: bool) -> VolumeSizes {
     let shape = &source.shape;
     let (faces, edges) = (shape.faces as u32, shape.edges as u32);
-    let room =
-        |batch| Room::new(&settings, faces, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits);
+    let proxies = if in_depth { 0 } else { faces };
+    let group = GroupSize { faces, edges, proxies, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
+    let room = |batch| {
+        Room::new(&settings, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits)
+    };
     let rooms = (0..shape.batches()).map(room).collect();
-    let group = GroupSize { faces, edges, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
     VolumeSizes::of_one(settings, shape.max_lights, group, rooms)
 }
 
 /// The caster: all slots, in the space of its positions.
-fn caster(source: &extraction::Shared, positions: &BoundPositions) -> SceneCaster {
+fn caster(source: &extraction::Shared, is_proxy: bool, positions: &BoundPositions) -> SceneCaster {
     SceneCaster {
         row_0: [1.0, 0.0, 0.0, 0.0],
         row_1: [0.0, 1.0, 0.0, 0.0],
@@ -275,7 +279,7 @@ fn caster(source: &extraction::Shared, positions: &BoundPositions) -> SceneCaste
         low: [0.0; 3],
         scale: 1.0,
         high: [0.0; 3],
-        flags: u32::from(source.is_closed),
+        flags: if source.is_closed { CLOSED } else { 0 } | if is_proxy { PROXY } else { 0 },
         first_face_slot: 0,
         faces: source.shape.faces as u32,
         first_face: 0,

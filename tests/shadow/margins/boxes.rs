@@ -32,6 +32,7 @@ const CLOSED: ShadowShape = ShadowShape {
     edge_chunks_at: 0,
     views: 1,
     count_batches: 1,
+    proxies: 0,
 };
 
 /// A closed cube's faces with these lowest and highest corners.

@@ -164,7 +164,7 @@ fn faces_that_graze_the_pyramid_have_their_caps() {
         let ranged = Light::point(light.to_array());
         let (view, light) = chosen(&camera, ranged, shape, &corners, &[[0, 1, 2]]);
         assert_eq!(light.casting, CAST_EVERY);
-        let lists = &cpu::caps(&view, &corners, &[[0, 1, 2]], &[0], &[0], &[light])[0];
+        let lists = &cpu::caps(&view, &corners, &[[0, 1, 2]], &[0], &[0], &[light], true)[0];
         let is_listed = lists.iter().any(|list| !list.is_empty());
         if inside < 1.0 - 1e-12 && part > 0.0 && part < 1.0 {
             grazing += 1;

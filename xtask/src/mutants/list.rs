@@ -218,18 +218,47 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "sides: depths before the near plane stay there",
         changes: &[
+            ("wgsl/shadow/shadow.wgsl", "select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0)", "clip.z"),
             (
-                "wgsl/shadow/side_vertices.wgsl",
-                "select(max(clip.z, 0.0), min(clip.z, clip.w), view.near_z != 0.0)",
-                "clip.z",
-            ),
-            (
-                "src/cpu/shadow/sides.rs",
+                "src/cpu/shadow/shadow.rs",
                 "if view.near_z == 0.0 { clip.z.max(0.0) } else { clip.z.min(clip.w) }",
                 "if view.near_z == 0.0 { clip.z } else { clip.z }",
             ),
         ],
         tests: MARGINS,
+    },
+    Mutation {
+        name: "caps: light caps of proxies are not clipped with ZP+",
+        changes: &[
+            ("wgsl/shadow/cap_faces.wgsl", "if (has_near_cap(own.light)) {", "if (false) {"),
+            ("src/cpu/shadow/cap_faces.rs", "if !has_near_cap(light) {", "if !has_near_cap(light) || true {"),
+        ],
+        tests: &["--test shadow_cpu", "--test shadow_gpu"],
+    },
+    Mutation {
+        name: "caps: proxies have no light caps",
+        changes: &[
+            ("wgsl/shadow/casting.wgsl", " || (flags & PROXY) != 0u;", ";"),
+            ("src/cpu/shadow/casting.rs", " || !in_depth\n", "\n"),
+        ],
+        tests: &["--test shadow_gpu proxies"],
+    },
+    Mutation {
+        name: "caps: casters in the depth buffer have light caps with z-pass",
+        changes: &[(
+            "wgsl/shadow/cap_faces.wgsl",
+            "!own.valid || (caster_flags(own.caster) & PROXY) == 0u",
+            "!own.valid",
+        )],
+        tests: &["--test shadow_gpu"],
+    },
+    Mutation {
+        name: "choose: of proxies averted faces cast",
+        changes: &[
+            ("wgsl/shadow/choose.wgsl", " && (flags & PROXY) == 0u;", ";"),
+            ("src/cpu/shadow/choose.rs", " && shape.proxies == 0 ", " "),
+        ],
+        tests: &["--test shadow_gpu proxies"],
     },
     Mutation {
         name: "shadow: `project_to_near_plane` computes by V, also with a far light",
