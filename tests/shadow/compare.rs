@@ -115,7 +115,7 @@ impl Compared<'_> {
     fn explained(&self, wrong: Wrong, stencil: &[u8], every: &[bool]) -> Wrong {
         self.explained_by(wrong, stencil, every, |hairlines, pixel, value| {
             hairlines.is_near(pixel, 1.0, |truth| match truth {
-                Truth::Surface(between) => between.count(every) as u8 == value,
+                Truth::Surface(between) => between.count(every) as u8 == value && truth.is_lit() == (value == 0),
                 _ => false,
             })
         })
@@ -140,7 +140,8 @@ impl Compared<'_> {
             let value = self.value(place, stencil);
             let off = value.wrapping_sub(between.count(every) as u8) as i8;
             let [least, most] = hairlines.reach((x, y), every);
-            let is_hairline = (least..=most).contains(&i64::from(off));
+            // A pixel that is wrong by the choice of faces is none.
+            let is_hairline = off != 0 && (least..=most).contains(&i64::from(off));
             let is_sliver = !is_hairline && is_near(&hairlines, (x, y), value);
             let explained = if is_hairline { &mut wrong.hairlines } else { &mut wrong.slivers };
             explained.extend((is_hairline || is_sliver).then_some((x, y)));

@@ -43,7 +43,10 @@ fn around(random: &mut Random) -> Frame {
     let within = Body { casts: random.below(2) == 0, ..within };
     let far = |random: &mut Random| direction(random) * [0.9, 3.5, 6.0][random.below(3)];
     let (place, light) = (far(random), far(random));
-    frame(random, vec![proxy, within], [place, light, DVec3::ZERO])
+    let mut frame = frame(random, vec![proxy, within], [place, light, DVec3::ZERO]);
+    // Half of the pictures show little but the receiver.
+    frame.eye.forward = if random.below(2) == 0 { -place } else { frame.eye.forward };
+    frame
 }
 
 /// A proxy in a body that is drawn and casts nothing. The eye is outside of both.
