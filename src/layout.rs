@@ -307,8 +307,10 @@ shared_structs! {
         version: u32,
         /// Its group of casters.
         group: u32,
+        /// The first caster of the group.
+        first_caster: u32,
         /// 0.
-        reserved: [u32; 2],
+        reserved: u32,
     }
 
     /// The lights of a caster of a scene in a batch.
@@ -329,8 +331,8 @@ shared_structs! {
         batches: u32,
         /// The batch.
         batch: u32,
-        /// Number of the first invocation.
-        first: u32,
+        /// Word of what is kept where 32 words begin: for each light the encode that made its list.
+        lists_at: u32,
         /// Where the lights of casters begin in the table, in units of 16 bytes.
         lights_at: u32,
         /// Where the ranges of lights begin.

@@ -212,7 +212,9 @@ struct SceneCaster {
   // The encode that was the first to have it as it is, and its group of casters.
   version: u32,
   group: u32,
-  reserved: vec2<u32>,
+  // The first caster of the group.
+  first_caster: u32,
+  reserved: u32,
 }
 
 // The draws of one light's shadow volume.

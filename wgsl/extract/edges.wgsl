@@ -21,6 +21,6 @@ fn take_item(slot: u32, index: u32) {
 }
 
 @compute @workgroup_size(256)
-fn edges(@builtin(global_invocation_id) id: vec3<u32>) {
-  take_items(id.x);
+fn edges(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  take_items(id.x, 256u * groups.x);
 }

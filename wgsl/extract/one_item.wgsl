@@ -1,7 +1,7 @@
 // Invocations that take one face or edge record of a single mesh each.
 
-fn take_items(invocation: u32) {
-  if (invocation < chunk.count) {
-    take_item(invocation, invocation);
+fn take_items(first: u32, step: u32) {
+  if (first < chunk.count) {
+    take_item(first, first);
   }
 }

@@ -16,6 +16,7 @@
 fn prepare(light: u32) {
   if (((atomicLoad(&work[group.work_count + 2u]) >> light) & 1u) != 0u) {
     list_counts[light] = 0u;
+    kept[group.lists_at + light] = encode_number();
   }
   kept[kept_lights_at(group.batch) + light] = light_version(group.batch, light);
   if (light == 0u) {
@@ -45,17 +46,21 @@ fn held(run: vec4<u32>, chunk: u32) -> u32 {
 }
 
 @compute @workgroup_size(256)
-fn chunks(@builtin(global_invocation_id) id: vec3<u32>) {
-  let chunk = group.first + id.x;
-  if (chunk < 32u) {
-    prepare(chunk);
+fn chunks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  if (id.x < 32u) {
+    prepare(id.x);
   }
-  if (chunk < group.face_chunks && lists_faces(chunk)) {
-    atomicStore(&work[group.face_work + atomicAdd(&work[group.work_count], 1u)], chunk);
-    atomicAdd(&statistics.faces, held(caster_part(caster_of(group.face_chunks_at, chunk), 5u), chunk));
-  }
-  if (chunk < group.edge_chunks && lists_edges(chunk)) {
-    atomicStore(&work[group.edge_work + atomicAdd(&work[group.work_count + 1u], 1u)], chunk);
-    atomicAdd(&statistics.edges, held(caster_part(caster_of(group.edge_chunks_at, chunk), 6u), chunk));
+  // Where no list is made anew, no bit is.
+  let is_still = atomicLoad(&work[group.work_count + 2u]) == 0u;
+  let count = select(max(group.face_chunks, group.edge_chunks), 0u, is_still);
+  for (var chunk = id.x; chunk < count; chunk += 256u * groups.x) {
+    if (chunk < group.face_chunks && lists_faces(chunk)) {
+      atomicStore(&work[group.face_work + atomicAdd(&work[group.work_count], 1u)], chunk);
+      atomicAdd(&statistics.faces, held(caster_part(caster_of(group.face_chunks_at, chunk), 5u), chunk));
+    }
+    if (chunk < group.edge_chunks && lists_edges(chunk)) {
+      atomicStore(&work[group.edge_work + atomicAdd(&work[group.work_count + 1u], 1u)], chunk);
+      atomicAdd(&statistics.edges, held(caster_part(caster_of(group.edge_chunks_at, chunk), 6u), chunk));
+    }
   }
 }

@@ -3,11 +3,14 @@
 
 @group(0) @binding(4) var<storage, read> work: array<u32>;
 
-fn take_items(invocation: u32) {
-  let number = group.first + invocation;
-  if (number / LANES >= work[group.work_count]) {
-    return;
+fn take_items(first: u32, step: u32) {
+  let items = LANES * work[group.work_count];
+  for (var number = first; number < items; number += step) {
+    take_lane(number);
   }
+}
+
+fn take_lane(number: u32) {
   let chunk = work[group.face_work + number / LANES];
   take_caster(caster_of(group.face_chunks_at, chunk));
   let end = min(CHUNK * (chunk + 1u), of_faces.x + of_faces.y);

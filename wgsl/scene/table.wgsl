@@ -1,5 +1,6 @@
 // The scene table: casters, then for each batch and caster its lights, then the ranges of the lights and their versions,
-// the lights themselves, and the casters of all chunks. The CPU writes it for every frame.
+// four words of which the first is the number of the encode, the lights themselves, and the casters of all chunks. The CPU
+// writes it for every frame.
 
 // The lights of a caster in a batch.
 struct CasterLights {
@@ -27,8 +28,8 @@ struct SceneDispatch {
   casters: u32,
   batches: u32,
   batch: u32,
-  // The first invocation's number.
-  first: u32,
+  // The word of what is kept where the group and batch have 32 words: for each light the encode that made its list.
+  lists_at: u32,
   // Where these begin in the table, in vec4s: lights of casters, ranges, casters of the group's face chunks and edge
   // chunks.
   lights_at: u32,
@@ -64,13 +65,17 @@ const CHANGING: u32 = 32u;
 // The masks of the group's excluded faces are copied anew from those that the caller gives.
 const GIVEN: u32 = 64u;
 
+fn encode_number() -> u32 {
+  return table[group.ranges_at + 16u * group.batches].x;
+}
+
 fn light_version(batch: u32, light: u32) -> u32 {
   return table[group.ranges_at + 8u * (group.batches + batch) + light / 4u][light % 4u];
 }
 
 // What was computed is told by words that lie beside it: the number of the layout, and from the fourth word on for each
 // batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
-// right for these versions.
+// right for these versions. Then for each group and batch the encodes that made the lists of its lights.
 fn kept_lights_at(batch: u32) -> u32 {
   return 4u + 32u * batch;
 }

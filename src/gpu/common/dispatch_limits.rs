@@ -7,6 +7,16 @@ use super::memory::MemoryError;
 
 /// The number of invocations of a workgroup, in every stage that works item by item.
 pub(crate) const WORKGROUP: u32 = 256;
+/// The number of items that an invocation takes at most. Its loops never end early: ARCHITECTURE.md, "Limits of devices".
+const TURNS: u32 = 128;
+
+/// The number of workgroups whose invocations take `items` in turn. A CPU executes invocations without work one after another,
+/// so it gets few.
+pub(crate) fn loops(device: &wgpu::Device, items: u32) -> u32 {
+    let few = if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 64 } else { 4096 };
+    items.div_ceil(WORKGROUP).clamp(1, few).max(items.div_ceil(WORKGROUP * TURNS))
+}
+
 /// The number of bindings that a gathered array may span.
 pub(crate) const WINDOWS: usize = 4;
 

@@ -174,7 +174,8 @@ impl Buffers {
         headroom: u64,
     ) -> Result<Self, MemoryError> {
         let Wanted { groups, lit, batches, work, others, memory_limit } = *wanted;
-        let kept = 4 * (4 + 32 * batches as u64 + 2 * lit);
+        let parts = (groups.len() * batches) as u64;
+        let kept = 4 * (4 + 32 * batches as u64 + 2 * lit + 32 * parts);
         let takes_old = old.is_some_and(|old| Maker::fits(&old.kept, kept));
         let mut maker = Maker { device, takes_old, wanted: Vec::new(), headroom };
         let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);

@@ -154,6 +154,7 @@ impl Scene {
             None => self.lay_out()?,
         };
         self.moved.clear();
+        self.table.put_encode(self.encode_number());
         Ok(structure)
     }
 

@@ -203,7 +203,7 @@ impl SceneFrame {
                 capacity: part.sizes.capacity,
                 draws: &buffers.draws,
                 record: &buffers.record,
-                dispatch: part.dispatches.first()?.0,
+                dispatch: part.dispatch,
             })
         });
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());

@@ -138,7 +138,11 @@ impl Layout {
                     let next = Group::new(source, layout.order.len() as u32);
                     layout.groups.push(std::mem::replace(&mut group, next));
                 }
-                slots.push(Slots { group: layout.groups.len() as u32, ..group.add(mesh, caster.in_depth) });
+                slots.push(Slots {
+                    group: layout.groups.len() as u32,
+                    first_caster: group.first,
+                    ..group.add(mesh, caster.in_depth)
+                });
                 layout.order.push(key);
             }
             layout.groups.push(group);

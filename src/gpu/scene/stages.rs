@@ -4,13 +4,12 @@ use wgpu::BindingResource;
 
 use super::buffers::{Buffers, GroupBuffers, LISTS_HEAD, WORK_WORDS};
 use super::structure::{GroupBatch, Making, Structure};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{PositionError, bound};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::gpu::extract::buffers::RECORD_HEAD;
 use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
 use crate::stages::{ARGUMENTS, CHUNKS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
@@ -21,8 +20,9 @@ const SMALL_WORKGROUP: u64 = 64;
 /// The number of faces that an invocation of exact facing takes in turn if every face is undecided. See
 /// ARCHITECTURE.md, "Exact facing is a direct dispatch". Lights of scenes take further turns, so there are fewer faces
 /// than for a single mesh.
-fn exact_turns(device: &wgpu::Device) -> u64 {
-    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { 40 } else { 4 }
+fn exact_turns(device: &wgpu::Device, lights: u32) -> u64 {
+    let most = u64::from(32 * 40 / lights.max(1));
+    if device.adapter_info().device_type == wgpu::DeviceType::Cpu { most.min(400) } else { 4 }
 }
 
 /// The passes of a scene, in order. There are none without casters or lights.
@@ -54,11 +54,6 @@ impl Passes {
         encoder.clear_buffer(&buffers.work, 0, Some(4 * WORK_WORDS * parts.len() as u64));
         encoder.clear_buffer(&buffers.statistics, 0, None);
         for ((part, given), buffers) in parts.iter().zip(given).zip(buffers.groups.iter().flatten()) {
-            // Where anything is dispatched, `chunks` does this.
-            if part.dispatches.is_empty() {
-                encoder.clear_buffer(&buffers.record, 0, Some(RECORD_HEAD));
-                encoder.clear_buffer(&buffers.lists, 0, Some(LISTS_HEAD));
-            }
             // Elsewhere `facing` begins with none.
             let is_given = structure.layout.groups.get(part.group).is_some_and(|group| group.is_given);
             match given {
@@ -130,7 +125,7 @@ impl<'a> Binder<'a> {
         Pass { pipeline, dispatches }
     }
 
-    /// The invocations of a stage for each group and batch, in as many dispatches as the device's limits ask for.
+    /// A dispatch of a stage for each group and batch.
     fn walk(&self, pipeline: Pipeline, items: Items, resources: impl Fn(&GroupBatch) -> Option<Resources<'a>>) -> Pass {
         let mut dispatches = Vec::new();
         for part in &self.structure.parts {
@@ -141,22 +136,19 @@ impl<'a> Binder<'a> {
                 Items::Edges => LANES * group.edge_chunks,
             };
             let Some(resources) = resources(part) else { continue };
-            for (uniform, offset) in part.dispatches.iter().filter(|(uniform, _)| uniform.first < count) {
-                let workgroups = (count - uniform.first).div_ceil(WORKGROUP);
-                dispatches.push(self.dispatch(&pipeline, &resources, *offset, workgroups.into()));
-            }
+            let workgroups = loops(self.pipelines.device(), count);
+            dispatches.push(self.dispatch(&pipeline, &resources, part.offset, workgroups.into()));
         }
         Pass { pipeline, dispatches }
     }
 
     fn exact_facing(&self) -> Pass {
         let pipeline = self.stage(&SCENE_EXACT_FACING);
-        let turns = exact_turns(self.pipelines.device());
         let dispatch = |part: &GroupBatch| {
             let slots = u64::from(self.structure.layout.groups.get(part.group)?.face_slots());
-            let (_, offset) = *part.dispatches.first()?;
             let resources = self.faces(part)?;
-            Some(self.dispatch(&pipeline, &resources, offset, slots.div_ceil(SMALL_WORKGROUP * turns)))
+            let turns = exact_turns(self.pipelines.device(), part.lights);
+            Some(self.dispatch(&pipeline, &resources, part.offset, slots.div_ceil(SMALL_WORKGROUP * turns)))
         };
         let dispatches = self.structure.parts.iter().filter_map(dispatch).collect();
         Pass { pipeline, dispatches }

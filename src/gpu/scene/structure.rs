@@ -11,12 +11,12 @@ use super::options::SceneOptions;
 use super::pages::{Page, Pages};
 use super::sources::{Source, Sources};
 use super::table::{Part, Table};
-use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, check, filled, guarded, mapped, write_mapped};
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{DrawShape, LANES, SceneDispatch};
+use crate::layout::{DrawShape, SceneDispatch};
 
 /// One group of casters and one batch of lights, as the stages are dispatched for them.
 #[derive(Clone, Debug)]
@@ -26,8 +26,9 @@ pub(crate) struct GroupBatch {
     pub(crate) sizes: GroupSizes,
     /// Bits of the batch up to the last light.
     pub(crate) lights: u32,
-    /// The dispatches' uniforms, which differ in the first invocation only, and their offsets.
-    pub(crate) dispatches: Vec<(SceneDispatch, u32)>,
+    /// The uniform of its dispatches, and its offset.
+    pub(crate) dispatch: SceneDispatch,
+    pub(crate) offset: u32,
     /// The offset of its [`DrawShape`].
     pub(crate) shape: u32,
 }
@@ -111,7 +112,7 @@ impl Structure {
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
         let ids = [number.structure, u32::from(options.keep_bits)];
-        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, ids, &limits);
+        let (parts, uniforms, shapes) = parts(&layout, table, &sizes, &places, room, ids);
         let uniforms = uniforms.into_buffer(device, "scene dispatches");
         let shapes = shapes.into_buffer(device, "draw shapes");
         let choices_at = table.parts.len();
@@ -186,19 +187,18 @@ fn parts(
     places: &[Vec<WorkPlace>],
     room: impl Fn(usize) -> u32,
     [structure, keeps]: [u32; 2],
-    limits: &DispatchLimits,
 ) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
+    // Behind the versions of casters.
+    let kept = 4 + 32 * table.batches + 2 * table.batches * table.casters;
     let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
-    // What one dispatch takes.
-    let run = (limits.workgroups * u64::from(WORKGROUP)).min(1 << 30) as usize;
     let batches = layout.groups.iter().zip(sizes).zip(places).enumerate();
     for (number, ((group, sizes), places)) in batches {
         for (batch, (&sizes, place)) in sizes.iter().zip(places).enumerate() {
-            let whole = SceneDispatch {
+            let dispatch = SceneDispatch {
                 casters: table.casters as u32,
                 batches: table.batches as u32,
                 batch: batch as u32,
-                first: 0,
+                lists_at: (kept + 32 * parts.len()) as u32,
                 lights_at: table.lights_at() as u32,
                 ranges_at: table.ranges_at() as u32,
                 face_chunks_at: group.face_chunks_at as u32,
@@ -212,19 +212,14 @@ fn parts(
                 structure,
                 keeps,
             };
-            let invocations = LANES * group.face_chunks.max(group.edge_chunks);
-            let mut dispatch = |first: u32| {
-                let dispatch = SceneDispatch { first, ..whole };
-                (dispatch, uniforms.push(&dispatch))
-            };
-            let dispatches = (0..invocations).step_by(run).map(&mut dispatch).collect();
+            let offset = uniforms.push(&dispatch);
             let shape = shapes.push(&DrawShape {
                 lights: 32,
                 capacity: sizes.capacity,
                 edges: group.edge_slots(),
                 vertices_per_edge: VERTICES_PER_EDGE,
             });
-            parts.push(GroupBatch { group: number, batch, sizes, lights: room(batch), dispatches, shape });
+            parts.push(GroupBatch { group: number, batch, sizes, lights: room(batch), dispatch, offset, shape });
         }
     }
     (parts, uniforms, shapes)

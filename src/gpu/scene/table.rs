@@ -29,8 +29,9 @@ pub(crate) struct Table {
 pub(crate) struct Slots {
     pub(crate) first_face: u32,
     pub(crate) first_edge: u32,
-    /// The group of casters.
+    /// The group of casters, and its first one.
     pub(crate) group: u32,
+    pub(crate) first_caster: u32,
     /// The caller excludes faces of a caster of the group.
     pub(crate) is_given: bool,
 }
@@ -46,9 +47,19 @@ impl Table {
         self.lights_at() + self.batches * self.casters
     }
 
+    /// Where the number of the encode is.
+    fn encode_at(&self) -> usize {
+        self.ranges_at() + 2 * RANGE_PARTS * self.batches
+    }
+
     /// Where the lights begin.
     pub(crate) fn pairs_at(&self) -> usize {
-        self.ranges_at() + 2 * RANGE_PARTS * self.batches
+        self.encode_at() + 1
+    }
+
+    /// Writes the number of the encode.
+    pub(crate) fn put_encode(&mut self, encode: u32) {
+        self.put(self.encode_at(), &[[encode, 0, 0, 0]]);
     }
 
     fn put(&mut self, at: usize, parts: &[Part]) {
@@ -93,7 +104,8 @@ impl Table {
             position_stride: stride,
             version: entry.version,
             group: slots.group,
-            reserved: [0; 2],
+            first_caster: slots.first_caster,
+            reserved: 0,
         };
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }

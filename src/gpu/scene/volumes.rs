@@ -73,10 +73,7 @@ fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: 
     let group_size = |part: &GroupBatch| {
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
         let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
-        // Casters without faces have no dispatches.
-        let none = bytemuck::Zeroable::zeroed;
-        let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } =
-            part.dispatches.first().map_or_else(none, |(dispatch, _)| *dispatch);
+        let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } = part.dispatch;
         GroupSize { faces, edges, proxies, lights_at, face_chunks_at, edge_chunks_at }
     };
     let room =

@@ -8,7 +8,7 @@ use super::draws::LightDraws;
 use super::pipelines::{Layouts, layouts};
 use super::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use super::source::VolumeSource;
-use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP, binding};
+use crate::gpu::common::dispatch_limits::{DispatchLimits, binding, loops};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
 use crate::gpu::common::timer::StageTimer;
@@ -255,10 +255,6 @@ impl<'a> Binder<'a> {
     /// Up to `caps`.
     fn choosing(&self) -> Vec<Pass> {
         let StagePipelines { is_scene, bounds, choose, zp_plus_2005_cases, caps, .. } = self.pipelines;
-        // A CPU executes invocations without work one after another, so it gets few, each of which takes many faces. There
-        // are never so many that an invocation's loops end early: ARCHITECTURE.md, "Limits of devices".
-        let is_cpu = self.pipelines.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-        let few = if is_cpu { 64 } else { 4096 };
         let without_boxes = self.sizes.groups.iter().zip(&self.source.groups).enumerate();
         let boxed = without_boxes.filter(|(_, (_, source))| !source.has_boxes).map(|(group, (size, _))| {
             // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
@@ -271,9 +267,7 @@ impl<'a> Binder<'a> {
         }
         passes.push(self.for_each(caps, |size, _| {
             let items = if *is_scene { size.faces.div_ceil(CHUNK) * LANES } else { size.faces };
-            // An invocation takes at most some hundred items, so its loops do not end early.
-            let least = items.div_ceil(WORKGROUP * 128);
-            [items.div_ceil(WORKGROUP).clamp(1, few).max(least), 1]
+            [loops(&self.pipelines.device, items), 1]
         }));
         passes.retain(|pass| !pass.dispatches.is_empty());
         passes

@@ -290,7 +290,8 @@ fn caster(source: &extraction::Shared, is_proxy: bool, positions: &BoundPosition
         position_stride: positions.stride_words,
         version: 0,
         group: 0,
-        reserved: [0; 2],
+        first_caster: 0,
+        reserved: 0,
     }
 }
 
