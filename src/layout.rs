@@ -428,8 +428,10 @@ shared_structs! {
         view: ShadowView,
         /// The light.
         light: ShadowLight,
+        /// The encode that was the first to have the camera as it is, then zeros.
+        version: [u32; 4],
         /// 0.
-        reserved: [[u32; 4]; 15],
+        reserved: [[u32; 4]; 14],
     }
 
     /// Casters that are drawn together, and the caller's options for their volumes.
@@ -476,6 +478,18 @@ shared_structs! {
         count_batches: u32,
         /// 1: some casters are not in the depth buffer.
         proxies: u32,
+        /// The number of the group and batch.
+        part: u32,
+        /// The first caster of the group.
+        first_caster: u32,
+        /// The word of what is kept of the extraction where the encodes are that made its lists.
+        lists_at: u32,
+        /// 1: lists for views are kept.
+        keeps: u32,
+        /// 1: boxes are needed for more than what is chosen.
+        needs_boxes: u32,
+        /// Numbers up to that of the last light.
+        used_lights: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -547,6 +561,9 @@ shared_structs! {
         /// Lights, in each view, whose bound is above 255, or above 127 where casters are counted in several batches. 0 unless
         /// it was asked for.
         may_wrap: u32,
+        /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
+        /// a scene. A group has one page of topology and one source of positions.
+        kept_lists: u32,
     }
 }
 

@@ -132,13 +132,34 @@ pub const SCENE_EDGES: Stage = Stage {
 /// Computes the bounding box of a caster.
 pub const BOUNDS: Stage = Stage {
     name: "bounds",
-    files: files!["common/common", "shadow/shadow", "shadow/caster", "shadow/positions", "shadow/bounds"],
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/choices",
+        "shadow/caster",
+        "shadow/positions",
+        "shadow/bounds"
+    ],
     entry_points: &["bounds"],
+};
+/// Finds the lists for a view that are made anew.
+pub const RELIST: Stage = Stage {
+    name: "relist",
+    files: files!["common/common", "shadow/shadow", "shadow/choices", "shadow/relist"],
+    entry_points: &["relist"],
 };
 /// Chooses the faces that cast and the counting method.
 pub const CHOOSE: Stage = Stage {
     name: "choose",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/caster", "shadow/boxes", "shadow/choose"],
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/pyramid",
+        "shadow/choices",
+        "shadow/caster",
+        "shadow/boxes",
+        "shadow/choose"
+    ],
     entry_points: &["choose"],
 };
 /// Finds the lights for which ZP+ as published changes to z-fail.
@@ -148,6 +169,7 @@ pub const ZP_PLUS_2005_CASES: Stage = Stage {
         "common/common",
         "shadow/shadow",
         "shadow/zp_plus_2005",
+        "shadow/choices",
         "shadow/caster",
         "shadow/positions",
         "shadow/zp_plus_2005_cases"
@@ -160,6 +182,7 @@ pub const STENCIL_PENCIL: Stage = Stage {
     files: files![
         "common/common",
         "shadow/shadow",
+        "shadow/choices",
         "shadow/caster",
         "shadow/chosen",
         "shadow/boxes",
@@ -175,6 +198,7 @@ pub const STENCIL_CROSSINGS: Stage = Stage {
     files: files![
         "common/common",
         "shadow/shadow",
+        "shadow/choices",
         "shadow/caster",
         "shadow/positions",
         "shadow/chosen",
@@ -200,6 +224,7 @@ pub const CAPS: Stage = Stage {
         "shadow/shadow",
         "shadow/pyramid",
         "shadow/casting",
+        "shadow/choices",
         "shadow/caster",
         "shadow/positions",
         "shadow/caps"
@@ -218,6 +243,7 @@ pub const LIST_SIDES: Stage = Stage {
     files: files![
         "common/common",
         "shadow/shadow",
+        "shadow/choices",
         "shadow/caster",
         "shadow/chosen",
         "shadow/multiplicity",
@@ -271,7 +297,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 25] = [
+pub const STAGES: [Stage; 26] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -284,6 +310,7 @@ pub const STAGES: [Stage; 25] = [
     SCENE_FACING,
     SCENE_EXACT_FACING,
     SCENE_EDGES,
+    RELIST,
     BOUNDS,
     CHOOSE,
     ZP_PLUS_2005_CASES,
@@ -307,6 +334,7 @@ pub const SIDES: Stage = Stage {
         "shadow/shadow",
         "shadow/polygon",
         "shadow/zp_plus_2005",
+        "shadow/choices",
         "shadow/caster",
         "shadow/positions",
         "shadow/chosen",
@@ -326,6 +354,7 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/polygon",
         "shadow/zp_plus_2005",
         "shadow/casting",
+        "shadow/choices",
         "shadow/caster",
         "shadow/positions",
         "shadow/chosen",

@@ -3,7 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rimline::gpu::{CasterHandle, CasterPositions, SceneError, SceneFrame, SceneOptions, SceneStatistics};
+use rimline::ShadowCamera;
+use rimline::gpu::{
+    CasterHandle, CasterPositions, SceneError, SceneFrame, SceneOptions, SceneStatistics, ShadowStatistics,
+};
 use rimline::reference::cpu::{self, SceneTable};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -12,6 +15,7 @@ use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
+use crate::histories::camera;
 use crate::random_scene::{Content, Placed, RandomScene};
 use crate::scenes::roomy;
 
@@ -19,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("bits_are_kept_where_nothing_changed", random_frames),
     ("what_is_taken_equals_the_twin", twins),
     ("a_still_frame_tests_nothing", still),
+    ("lists_for_views_are_kept", lists),
     ("buffers_with_a_version_are_kept", versions),
     ("faces_that_callers_exclude_are_not_kept", excluded),
     ("lights_in_planes_of_kept_faces_are_known", zeros),
@@ -241,6 +246,111 @@ fn still() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The lists of a frame for its views, and what was chosen for them.
+#[derive(Clone, Debug, PartialEq)]
+struct Listed {
+    /// For each group, batch and view 32 pairs.
+    made_from: Vec<[u32; 2]>,
+    choices: Vec<u32>,
+    /// Sides for each group and batch, all views.
+    sides: Vec<Vec<u32>>,
+    kept: u32,
+}
+
+impl Listed {
+    fn read(gpu: &Gpu, frame: &SceneFrame) -> Result<Self, String> {
+        let results = frame.results().map_err(text)?;
+        let statistics: Vec<ShadowStatistics> = gpu.read(frame.shadow_statistics().ok_or("no view")?, 1)?;
+        let sides = results.groups.iter().flat_map(|group| &group.sides).map(|sides| gpu.read(sides, usize::MAX));
+        Ok(Self {
+            made_from: gpu.read(results.listed.ok_or("no view")?, usize::MAX)?,
+            choices: gpu.read(results.choices.ok_or("no view")?, usize::MAX)?,
+            sides: sides.collect::<Result<_, _>>()?,
+            kept: statistics[0].kept_lists,
+        })
+    }
+}
+
+/// Lists for views: kept where casters, light and camera are as before. GPU = twin.
+fn lists() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut partly = 0;
+    for seed in 2751..2761 {
+        let mut scene = RandomScene::new(gpu, seed, roomy(40))?;
+        let mut random = Random::new(seed);
+        for _ in 0..6 {
+            scene.add_light()?;
+        }
+        for _ in 0..8 {
+            scene.insert_rigid()?;
+        }
+        let mut cameras = vec![camera(&mut random), camera(&mut random)];
+        let mut last = Vec::new();
+        let mut frame = |scene: &mut RandomScene, cameras: &[ShadowCamera]| {
+            let frame = gpu.submit(|encoder| scene.scene.encode(encoder, cameras, None).map_err(text))?;
+            let results = frame.results().map_err(text)?;
+            let kept: Vec<u32> = gpu.read(results.kept, usize::MAX)?;
+            let listed = Listed::read(gpu, &frame)?;
+            // What each list is made from, and which are made anew: from the words of the frame.
+            let (views, mut fresh) = (cameras.len(), 0);
+            for (part, group) in results.groups.iter().enumerate() {
+                for view in 0..views {
+                    let at = 32 * (part * views + view);
+                    let made_from = &listed.made_from[at..at + 32];
+                    let encodes: Vec<u32> = made_from.iter().map(|pair| pair[0]).collect();
+                    same("encodes of lists", &encodes, &kept[group.dispatch.lists_at as usize..][..32])?;
+                    let before: &[[u32; 2]] = last.get(at..at + 32).unwrap_or_default();
+                    let expected = cpu::relist(made_from, before, true);
+                    let word = (view * frame.batches() + group.batch) * group.dispatch.casters as usize;
+                    let found = listed.choices[cpu::CHOICE_WORDS * word + 7];
+                    same("lists made anew", &[found], &[expected])?;
+                    fresh += (found & 63).count_ones();
+                }
+            }
+            same("lists kept", &[listed.kept], &[(6 * results.groups.len() * views) as u32 - fresh])?;
+            last.clone_from(&listed.made_from);
+            Ok::<_, String>((listed, fresh))
+        };
+        let (first, all) = frame(&mut scene, &cameras)?;
+        same("first", &[first.kept], &[0])?;
+        let (mut second, fresh) = frame(&mut scene, &cameras)?;
+        same("still", &[fresh, second.kept], &[0, all])?;
+        second.kept = 0;
+        let without_mask = |listed: &Listed| {
+            let mut listed = listed.clone();
+            listed.choices.iter_mut().skip(7).step_by(cpu::CHOICE_WORDS).for_each(|word| *word = 0);
+            listed
+        };
+        same("lists of a still frame", &[without_mask(&second)], &[without_mask(&first)])?;
+        // A camera moves.
+        cameras[1] = camera(&mut random);
+        let (third, fresh) = frame(&mut scene, &cameras)?;
+        same("one camera", &[fresh, third.kept], &[all / 2, all / 2])?;
+        must_fail("old lists", &same("lists", &[without_mask(&third)], &[without_mask(&second)]))?;
+        // A light moves.
+        let (light, of_light) = scene.content.lights[2];
+        scene.scene.set_light(light, of_light.with_range(777.0)).map_err(text)?;
+        let (_, fresh) = frame(&mut scene, &cameras)?;
+        if fresh > all / 6 {
+            return Err(format!("one light of 6 changed, and {fresh} of {all} lists"));
+        }
+        partly += u32::from(fresh > 0);
+        // What is set to what it was has not changed. A caster that moves has other lists in its group.
+        let Placed::Rigid(rows) = scene.content.casters[0].placed else { return Err("not rigid".to_owned()) };
+        let moved = rows.map(|row| [row[0], row[1], row[2], row[3] + 1.0]);
+        for (rows, changes) in [(rows, false), (moved, true), (moved, false)] {
+            scene.scene.set_transform(scene.content.casters[0].handle, rows).map_err(text)?;
+            scene.scene.set_light(light, of_light.with_range(777.0)).map_err(text)?;
+            let (_, fresh) = frame(&mut scene, &cameras)?;
+            if fresh > 0 && !changes {
+                return Err(format!("nothing changed, and {fresh} lists"));
+            }
+            partly += u32::from(fresh > 0);
+        }
+    }
+    if partly < 10 { Err(format!("{partly} frames of which a part was made anew")) } else { Ok(()) }
 }
 
 /// Positions in a buffer are computed anew, unless their version is the same.

@@ -66,6 +66,12 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         views: 1,
         count_batches: 1,
         proxies: 0,
+        part: 0,
+        first_caster: 0,
+        lists_at: 0,
+        keeps: 0,
+        needs_boxes: 0,
+        used_lights: lights as u32,
     }
 }
 
@@ -118,7 +124,7 @@ fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
 
 /// Lights without what was chosen for them.
 fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
-    lights.iter().map(|&light| SeenLight { view, light, reserved: [[0; 4]; 15] }).collect()
+    lights.iter().map(|&light| SeenLight { view, light, version: [0; 4], reserved: [[0; 4]; 14] }).collect()
 }
 
 /// Makes some coordinates infinite or NaN.
@@ -148,7 +154,8 @@ fn bounds() -> Result<(), String> {
             let found = gpu.storage(&EMPTY);
             let shape = uniform(gpu, &shape(&mesh, 1));
             let table = gpu.storage(&table(&mesh, place, &[], &[]));
-            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found];
+            let choices = gpu.storage(&[0_u32; 8]);
+            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found, &choices];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 7)?;
             let twin = cpu::bounds(&positions, mesh.faces());

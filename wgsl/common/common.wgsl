@@ -249,4 +249,6 @@ struct ShadowStatistics {
   // An upper bound of all stencil counts, for any light, and the lights whose bound exceeds 8 bits. 0 unless asked for.
   count_bound: atomic<u32>,
   may_wrap: atomic<u32>,
+  // Groups of casters, lights and views whose lists were kept.
+  kept_lists: atomic<u32>,
 }

@@ -8,6 +8,16 @@
 // For each caster the lowest x, y, z, inverted, and the highest, so that zeros are an empty box. The last word is 1 if a face
 // has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read> choices: array<u32>;
+
+// Whether any box of the group is read.
+fn is_needed() -> bool {
+  var fresh = shape.needs_boxes;
+  for (var place = 0u; place < shape.views * shape.batches; place++) {
+    fresh |= choices[CHOICE_WORDS * (place * shape.casters + shape.first_caster) + FRESH];
+  }
+  return fresh != 0u;
+}
 
 // The bits of a float as an integer with the same order as the floats.
 fn ordered(bits: vec3<u32>) -> vec3<u32> {
@@ -47,6 +57,9 @@ fn bound_faces(caster: u32, first: u32, end: u32, step: u32) {
 fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
   if (!MANY) {
     bound_faces(0u, id.x, shape.faces, 64u * groups.x);
+    return;
+  }
+  if (!is_needed()) {
     return;
   }
   for (var chunk = id.x; chunk * CHUNK < shape.faces; chunk += 64u * groups.x) {

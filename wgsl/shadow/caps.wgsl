@@ -33,6 +33,11 @@ struct Needs {
   flags: u32,
 }
 
+// The lights whose lists are made anew.
+fn fresh_lights() -> u32 {
+  return atomicLoad(&choices[CHOICE_WORDS * choices_of(shape.first_caster, draw.first_light / 32u, draw.view) + FRESH]);
+}
+
 fn needs_of(caster: u32) -> Needs {
   let at = CHOICE_WORDS * choices_of(caster, draw.first_light / 32u, draw.view);
   var needs: Needs;
@@ -45,6 +50,9 @@ fn needs_of(caster: u32) -> Needs {
   let far = shape.counting == COUNT_Z_FAIL || shape.counting == COUNT_ZP_PLUS_2005 || shape.end_at_range != 0u ||
     (needs.flags & PROXY) != 0u;
   needs.lights = needs.first[CASTS] & select(needs.first[NEAR], 0xffffffffu, far);
+  if (MANY) {
+    needs.lights &= fresh_lights();
+  }
   return needs;
 }
 
@@ -110,6 +118,9 @@ fn caps(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         list_face(0u, slot, needs);
       }
     }
+    return;
+  }
+  if (fresh_lights() == 0u) {
     return;
   }
   // Invocations share a chunk, and take its slots in turn.

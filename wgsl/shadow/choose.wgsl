@@ -171,8 +171,33 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   return light;
 }
 
+// What was chosen in an earlier encode.
+fn count_kept(at: u32, bit: u32, measures: u32) {
+  if ((atomicLoad(&choices[at + CASTS]) & bit) == 0u) {
+    atomicAdd(&shadow_statistics.skipped, 1u);
+    return;
+  }
+  if ((atomicLoad(&choices[at + EVERY]) & bit) != 0u) {
+    atomicAdd(&shadow_statistics.every_face, 1u);
+  }
+  if (has_measures() && bitcast<f32>(atomicLoad(&choices[measures])) > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
+}
+
 fn choose_light(caster: u32, number: u32, view_number: u32) {
-  if (MANY && ((lit[number / 32u * shape.casters + caster] >> (number % 32u)) & 1u) == 0u) {
+  let at = CHOICE_WORDS * choices_of(caster, number / 32u, view_number);
+  let bit = 1u << (number % 32u);
+  let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
+  let first = CHOICE_WORDS * choices_of(first_of_group(caster), number / 32u, view_number);
+  let is_fresh = !MANY || (atomicLoad(&choices[first + FRESH]) & bit) != 0u;
+  // What was chosen before goes. Of what does not cast nothing is set.
+  if (MANY && is_fresh && (atomicLoad(&choices[at + CASTS]) & bit) != 0u) {
+    for (var word = CASTS; word <= EXCLUDES; word++) {
+      atomicAnd(&choices[at + word], ~bit);
+    }
+  }
+  if (MANY && (lit[number / 32u * shape.casters + caster] & bit) == 0u) {
     return;
   }
   let flags = caster_flags(caster);
@@ -181,6 +206,10 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   let entry = view_number * shape.lights + number;
   // A view that is not used is all zeros, and so are numbers without a light where a caster has all lights.
   if (seen[entry].view.near_w == 0.0) {
+    return;
+  }
+  if (!is_fresh) {
+    count_kept(at, bit, measures);
     return;
   }
   let view = view_of(caster, seen[entry].view);
@@ -195,8 +224,6 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
-  let at = CHOICE_WORDS * choices_of(caster, number / 32u, view_number);
-  let bit = 1u << (number % 32u);
   atomicOr(&choices[at + CASTS], bit);
   if (light.casting == CAST_EVERY) {
     atomicOr(&choices[at + EVERY], bit);
@@ -207,14 +234,12 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   }
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
-    let first = CHOICE_WORDS * choices_of(0u, number / 32u, view_number);
     atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding)], bit);
   }
   if (light.end > 0.0) {
     atomicAdd(&shadow_statistics.ended, 1u);
   }
   if (has_measures()) {
-    let measures = CHOICE_WORDS * shape.views * shape.batches * shape.casters + 2u * measures_of(caster, number, view_number);
     atomicStore(&choices[measures], bitcast<u32>(light.end));
     atomicStore(&choices[measures + 1u], bitcast<u32>(light.frustum_near));
   }
@@ -222,7 +247,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
 
 @compute @workgroup_size(64)
 fn choose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-  for (var pair = id.x; pair < shape.casters * shape.lights; pair += 64u * groups.x) {
+  for (var pair = id.x; pair < shape.casters * shape.used_lights; pair += 64u * groups.x) {
     // Neighbours have the same light, which many casters have or none.
     choose_light(pair % shape.casters, pair / shape.casters, id.y);
   }

@@ -41,7 +41,7 @@ fn silhouettes_of(bit: u32) -> u32 {
 
 // Whether the light's silhouettes are all the edges that may have sides.
 fn silhouettes_suffice(bit: u32) -> bool {
-  let more = choice_part(0u, draw.first_light / 32u, draw.view, 1u);
+  let more = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, 1u);
   // Lights that are in a caster exclude nothing if no light is in the plane of a face.
   // Bits that a scene keeps are in no statistics.
   let in_planes = extraction_statistics[3] != 0u || (MANY && silhouette_counts[KEPT_ZEROS] != 0u);
@@ -57,7 +57,9 @@ fn list_sides(
   @builtin(local_invocation_index) thread: u32,
 ) {
   let bit = group.y;
-  if (!MANY && ((choice_part(0u, draw.first_light / 32u, draw.view, 0u)[CASTS] >> bit) & 1u) == 0u) {
+  // A scene makes those lists that are not as they were. A single caster is alone.
+  let of_first = choice_part(shape.first_caster, draw.first_light / 32u, draw.view, select(0u, 1u, MANY));
+  if (((of_first[select(CASTS, FRESH - 4u, MANY)] >> bit) & 1u) == 0u) {
     return;
   }
   let suffices = silhouettes_suffice(bit);

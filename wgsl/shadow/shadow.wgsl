@@ -50,7 +50,9 @@ struct ShadowLight {
 struct SeenLight {
   view: ShadowView,
   light: ShadowLight,
-  reserved: array<vec4<u32>, 15>,
+  // The encode that was the first to have the camera as it is, then zeros.
+  version: vec4<u32>,
+  reserved: array<vec4<u32>, 14>,
 }
 
 // Casters that are drawn together, and the caller's options.
@@ -87,6 +89,17 @@ struct ShadowShape {
   count_batches: u32,
   // 1: some casters are not in the depth buffer.
   proxies: u32,
+  // The number of the group and batch, and the first caster of the group.
+  part: u32,
+  first_caster: u32,
+  // The word of what is kept of the extraction where the encodes are that made its lists, one for each light.
+  lists_at: u32,
+  // 1: lists for views are kept.
+  keeps: u32,
+  // 1: boxes are needed for more than what is chosen.
+  needs_boxes: u32,
+  // Numbers up to that of the last light.
+  used_lights: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.

@@ -9,6 +9,7 @@ pub(crate) mod chosen;
 pub(crate) mod list_sides;
 pub(crate) mod multiplicity;
 pub(crate) mod pyramid;
+pub(crate) mod relist;
 pub(crate) mod shadow;
 pub(crate) mod shadow_arguments;
 pub(crate) mod sides;

@@ -42,6 +42,7 @@ impl Scene {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let (structure, volumes) = self.prepare_views(cameras.len())?;
+        self.renew_views(&views);
         let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views));
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
@@ -101,14 +102,27 @@ impl Scene {
         Ok(made)
     }
 
+    /// Keeps the versions of cameras that did not change.
+    fn renew_views(&mut self, views: &[ShadowView]) {
+        let encode = self.encode_number();
+        let last = std::mem::take(&mut self.seen_views);
+        let mut last = last.into_iter().map(Some).chain(std::iter::repeat(None));
+        let bytes = bytemuck::bytes_of::<ShadowView>;
+        let version = |view: &ShadowView| match last.next().flatten() {
+            Some((before, version)) if bytes(&before) == bytes(view) => (*view, version),
+            _ => (*view, encode),
+        };
+        self.seen_views = views.iter().map(version).collect();
+    }
+
     /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
     fn seen(&self, volumes: &Volumes, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
         let mut seen = Vec::with_capacity(volumes.seen());
-        for (camera, &view) in cameras.iter().zip(views) {
+        for ((camera, &view), &(_, version)) in cameras.iter().zip(views).zip(&self.seen_views) {
             for bit in 0..volumes.lights() as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, reserved: [[0; 4]; 15] });
+                seen.push(SeenLight { view, light, version: [version, 0, 0, 0], reserved: [[0; 4]; 14] });
             }
         }
         seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());

@@ -84,6 +84,9 @@ pub struct SceneResults<'a> {
     pub work: &'a wgpu::Buffer,
     /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
+    /// What the lists for views were made from: for each group, batch and view 32 pairs of words, as `reference::cpu::relist`
+    /// reads them. `None`: no view.
+    pub listed: Option<&'a wgpu::Buffer>,
     /// For each view and light bit a [`StencilPencil`](crate::layout::StencilPencil), and for each batch of casters its row, as
     /// `reference::cpu::stencil_crossings` makes it. `None`: no bound was asked for.
     pub bound: Option<[&'a wgpu::Buffer; 2]>,
@@ -189,10 +192,10 @@ impl SceneFrame {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
-        let groups = of_part.filter_map(|(number, (part, buffers))| {
+        let groups = of_part.map(|(number, (part, buffers))| {
             let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.lists.get(number));
             let room = self.volumes.as_ref().and_then(|volumes| volumes.buffers.sizes.rooms.get(number));
-            Some(SceneGroupResults {
+            SceneGroupResults {
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: room.map_or(0, |room| room.sides),
                 group: part.group,
@@ -204,15 +207,17 @@ impl SceneFrame {
                 draws: &buffers.draws,
                 record: &buffers.record,
                 dispatch: part.dispatch,
-            })
+            }
         });
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
         let bytes = self.structure.bytes() + volumes;
         let choices = self.volumes.as_ref().map(|volumes| &volumes.buffers.choices);
         let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
         let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());
+        let listed = self.volumes.as_ref().map(|volumes| &volumes.buffers.listed);
         Ok(SceneResults {
             choices,
+            listed,
             bound: bound.map(|bound| [&bound.pencils, &bound.crossings]),
             shadow_draws,
             table,

@@ -56,7 +56,10 @@ impl Lights {
     pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
         self.check(handle)?;
         check_lights(&[light], MAX_LIGHTS)?;
-        self.put(handle, Some(light));
+        let bits = |light: Light| (light.to_array().map(f32::to_bits), light.range.to_bits());
+        if self.get(handle.bit).map(bits) != Some(bits(light)) {
+            self.put(handle, Some(light));
+        }
         Ok(())
     }
 

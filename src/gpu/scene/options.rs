@@ -37,6 +37,9 @@ pub struct SceneOptions {
     /// which no caster changed. See [`Scene::set_position_version`](crate::gpu::Scene::set_position_version) for casters with
     /// buffers.
     pub keep_bits: bool,
+    /// Keep the lists of sides and caps for each light and view in groups of casters of which none changed for that light,
+    /// while light and camera are the same. It needs [`Self::keep_bits`].
+    pub keep_lists: bool,
     /// Compute an upper bound of the stencil counts of all casters together, for
     /// [`ShadowStatistics::count_bound`](crate::gpu::ShadowStatistics::count_bound) and
     /// [`ShadowStatistics::may_wrap`](crate::gpu::ShadowStatistics::may_wrap). It takes three stages, and 4 KiB for each view,
@@ -53,8 +56,18 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// What these say of volumes.
     pub(crate) fn volumes(&self) -> VolumeSettings {
-        let Self { counting, every_face, skip_unseen, end_at_range, bound_counts, cap_capacity, memory_limit, .. } =
-            *self;
+        let Self {
+            counting,
+            every_face,
+            keep_bits,
+            keep_lists,
+            skip_unseen,
+            end_at_range,
+            bound_counts,
+            cap_capacity,
+            memory_limit,
+            ..
+        } = *self;
         let count_batches = self.count_batches.max(1);
         VolumeSettings {
             counting,
@@ -62,6 +75,7 @@ impl SceneOptions {
             skip_unseen,
             end_at_range,
             bound_counts,
+            keeps: keep_bits && keep_lists,
             count_batches,
             cap_capacity,
             memory_limit,
@@ -71,7 +85,7 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, unseen shadows skipped, infinite volumes, one batch of casters, bits kept, no bound on counts, no memory limit.
+    /// where they suffice, unseen shadows skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -84,6 +98,7 @@ impl Default for SceneOptions {
             end_at_range: false,
             count_batches: 1,
             keep_bits: true,
+            keep_lists: true,
             bound_counts: false,
             cap_capacity: None,
             memory_limit: None,

@@ -20,6 +20,7 @@ use super::volumes::Volumes;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
+use crate::layout::ShadowView;
 use crate::{Light, Matrix3x4, Mesh};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
@@ -54,6 +55,8 @@ pub struct Scene {
     pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
     pub(super) views: usize,
+    /// The cameras of the last encode, with the encode that was the first to have each.
+    pub(super) seen_views: Vec<(ShadowView, u32)>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -91,6 +94,7 @@ impl Scene {
             passes: Passes::default(),
             volumes: None,
             views: 0,
+            seen_views: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
         })
@@ -201,8 +205,10 @@ impl Scene {
         let key = caster.key_in(self.id)?;
         let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
         let Placement::Rigid(rigid) = &mut entry.placement else { return Err(SceneError::NotRigid) };
-        *rigid = Rigid::new(mesh_to_world);
-        self.note_change(key);
+        if bytemuck::bytes_of(&rigid.rows) != bytemuck::bytes_of(&mesh_to_world) {
+            *rigid = Rigid::new(mesh_to_world);
+            self.note_change(key);
+        }
         Ok(())
     }
 

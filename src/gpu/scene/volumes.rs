@@ -74,10 +74,13 @@ fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: 
         let sizes = |group: &Group| (group.face_slots(), group.edge_slots(), CHUNK * group.proxy_chunks);
         let (faces, edges, proxies) = group_of(part).map_or((0, 0, 0), sizes);
         let SceneDispatch { lights_at, face_chunks_at, edge_chunks_at, .. } = part.dispatch;
-        GroupSize { faces, edges, proxies, lights_at, face_chunks_at, edge_chunks_at }
+        let first_caster = group_of(part).map_or(0, |group| group.first);
+        GroupSize { faces, edges, first_caster, proxies, lights_at, face_chunks_at, edge_chunks_at }
     };
-    let room =
-        |part: &GroupBatch| Room::new(&settings, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
+    let room = |part: &GroupBatch| {
+        let room = Room::new(&settings, &group_size(part), FEW_CAPS, part.sizes.capacity, part.lights, limits);
+        Room { lists_at: part.dispatch.lists_at, ..room }
+    };
     VolumeSizes {
         settings,
         casters: structure.layout.order.len(),
@@ -115,5 +118,11 @@ fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a>
         })
     };
     let groups = structure.parts.chunks(structure.batches.max(1)).filter_map(group).collect();
-    VolumeSource { table: &structure.table, lit: Some(&structure.buffers.lit), statistics: None, groups }
+    VolumeSource {
+        table: &structure.table,
+        lit: Some(&structure.buffers.lit),
+        kept: Some(&structure.buffers.kept),
+        statistics: None,
+        groups,
+    }
 }

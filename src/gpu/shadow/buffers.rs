@@ -39,6 +39,8 @@ pub(crate) struct VolumeBuffers {
     pub(crate) boxes: wgpu::Buffer,
     /// Choices, then measures.
     pub(crate) choices: wgpu::Buffer,
+    /// What the lists for views were made from.
+    pub(crate) listed: wgpu::Buffer,
     /// Statistics that say that lights may lie in planes of faces.
     pub(crate) any_zeros: wgpu::Buffer,
     pub(crate) statistics: wgpu::Buffer,
@@ -95,6 +97,7 @@ impl VolumeBuffers {
             seen: stored("seen lights", seen * size_of::<SeenLight>() as u64),
             boxes: stored("caster boxes", sizes.box_bytes()),
             choices: stored("choices", choices),
+            listed: stored("versions of lists", sizes.listed_bytes()),
             any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&[1_u32; 4]), storage),
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
             lists: sizes.rooms.iter().map(lists).collect(),
@@ -107,8 +110,9 @@ impl VolumeBuffers {
         }
     }
 
-    /// Records that everything is as before the first stage. Lists of batches of lights from `batches` on are not used.
-    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize) {
+    /// Records that everything is as before the first stage. Lists of batches of lights from `batches` on are not used. Those
+    /// of a scene are emptied by `relist`.
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, is_scene: bool) {
         let Self { sizes, boxes, choices, statistics, lists, draws, bound, .. } = self;
         let [choice_bytes, _] = sizes.choice_bytes();
         encoder.clear_buffer(statistics, 0, None);
@@ -119,10 +123,13 @@ impl VolumeBuffers {
             return;
         }
         encoder.clear_buffer(boxes, 0, None);
-        encoder.clear_buffer(choices, 0, Some(choice_bytes));
         if let Some(bound) = bound {
             encoder.clear_buffer(&bound.crossings, 0, None);
         }
+        if is_scene {
+            return;
+        }
+        encoder.clear_buffer(choices, 0, Some(choice_bytes));
         let all = sizes.batches().max(1);
         let used = lists.iter().enumerate().filter(|(part, _)| part % all < batches);
         for Lists { sides, caps, counts } in used.flat_map(|(_, lists)| lists) {
@@ -133,10 +140,22 @@ impl VolumeBuffers {
 
     /// The size of all buffers in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        let Self { sizes: _, shapes, draw_lights, seen, boxes, choices, any_zeros, statistics, lists, draws, bound } =
-            self;
+        let Self {
+            sizes: _,
+            shapes,
+            draw_lights,
+            seen,
+            boxes,
+            choices,
+            listed,
+            any_zeros,
+            statistics,
+            lists,
+            draws,
+            bound,
+        } = self;
         let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
-        let own = [shapes, draw_lights, seen, boxes, choices, any_zeros, statistics];
+        let own = [shapes, draw_lights, seen, boxes, choices, listed, any_zeros, statistics];
         let lists = lists.iter().flatten().flat_map(|Lists { sides, caps, .. }| [sides, caps]);
         own.into_iter().chain(draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
     }

@@ -16,6 +16,8 @@ const CHOICES: u64 = 32;
 const MEASURES: u64 = 8;
 /// Bytes of the row of a pencil for a batch of casters.
 const CROSSINGS: u64 = 4 * 1028;
+/// Bytes that tell what the lists of a group, batch and view were made from: two words for each light.
+const LISTED: u64 = 8 * 32;
 /// Bytes of the box of a caster.
 const BOX: u64 = 28;
 /// Bytes of the uniform of a batch of casters, view and light.
@@ -31,6 +33,8 @@ pub(crate) struct VolumeSettings {
     pub(crate) skip_unseen: bool,
     pub(crate) end_at_range: bool,
     pub(crate) bound_counts: bool,
+    /// Lists are kept for views that did not change.
+    pub(crate) keeps: bool,
     /// Batches that casters are counted in.
     pub(crate) count_batches: u32,
     pub(crate) cap_capacity: Option<u32>,
@@ -57,6 +61,8 @@ pub(crate) struct GroupSize {
     /// Slots of faces and edges.
     pub(crate) faces: u32,
     pub(crate) edges: u32,
+    /// The first caster.
+    pub(crate) first_caster: u32,
     /// Slots of the faces of casters that are not in the depth buffer.
     pub(crate) proxies: u32,
     /// Where their lights and the casters of their chunks begin in the table, if there are several casters.
@@ -70,6 +76,8 @@ pub(crate) struct GroupSize {
 pub(crate) struct Room {
     /// Lights of the batch.
     pub(crate) lights: u32,
+    /// The word of what is kept of the extraction where the encodes are that made its lists. A single caster has none.
+    pub(crate) lists_at: u32,
     /// Of the list of silhouettes.
     pub(crate) silhouettes: u32,
     /// Of both lists of sides together.
@@ -104,7 +112,7 @@ impl Room {
         };
         let far = if settings.counting.may_fail() || settings.end_at_range { faces } else { group.proxies.max(1) };
         let sides = silhouettes.min(fitting(SIDE_COUNTS));
-        let mut room = Self { lights, silhouettes, sides, near, far };
+        let mut room = Self { lights, lists_at: 0, silhouettes, sides, near, far };
         if let Some(capacity) = settings.cap_capacity {
             let asked = |default: u32| if default > 1 { capacity.clamp(1, faces) } else { 1 };
             (room.near, room.far) = (asked(near), asked(far));
@@ -171,6 +179,12 @@ impl VolumeSizes {
         self.settings.choice_bytes(self.casters, self.lights, self.views)
     }
 
+    /// Numbers up to that of the last light.
+    pub(crate) fn used_lights(&self) -> usize {
+        let last = self.batches().saturating_sub(1);
+        32 * last + self.rooms.get(last).map_or(0, |room| room.lights as usize)
+    }
+
     /// Whether some casters are not in the depth buffer.
     pub(crate) fn has_proxies(&self) -> bool {
         self.groups.iter().any(|group| group.proxies > 0)
@@ -187,6 +201,11 @@ impl VolumeSizes {
         [size_of::<StencilPencil>() as u64 * pencils, CROSSINGS * pencils * u64::from(self.settings.count_batches)]
     }
 
+    /// Bytes that tell what the lists for views were made from.
+    pub(crate) fn listed_bytes(&self) -> u64 {
+        LISTED * (self.rooms.len() * self.views) as u64
+    }
+
     /// Bytes of the boxes of all casters.
     pub(crate) fn box_bytes(&self) -> u64 {
         BOX * self.casters as u64
@@ -200,6 +219,7 @@ impl VolumeSizes {
             ("seen lights", seen * size_of::<SeenLight>() as u64),
             ("caster boxes", self.box_bytes()),
             ("choices", choices),
+            ("versions of lists", self.listed_bytes()),
             ("shadow shapes", self.rooms.len() as u64 * UniformTable::stride::<ShadowShape>() as u64),
             ("shadow draw lights", seen * u64::from(self.settings.count_batches) * DRAW_LIGHT),
         ];
@@ -256,6 +276,12 @@ impl VolumeSizes {
             views: self.views as u32,
             count_batches: settings.count_batches,
             proxies: u32::from(group.proxies > 0),
+            part: part as u32,
+            first_caster: group.first_caster,
+            lists_at: room.lists_at,
+            keeps: u32::from(settings.keeps),
+            needs_boxes: u32::from(settings.bound_counts),
+            used_lights: self.used_lights() as u32,
         }
     }
 }

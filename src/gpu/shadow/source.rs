@@ -8,6 +8,8 @@ pub(crate) struct VolumeSource<'a> {
     pub(crate) table: &'a wgpu::Buffer,
     /// For each batch and caster the lights that matter. A single caster has none.
     pub(crate) lit: Option<&'a wgpu::Buffer>,
+    /// What the extraction was computed from. A single caster has none.
+    pub(crate) kept: Option<&'a wgpu::Buffer>,
     /// [`ExtractionStatistics`](crate::layout::ExtractionStatistics) of all casters, if there is one for all.
     pub(crate) statistics: Option<BindingResource<'a>>,
     pub(crate) groups: Vec<GroupSource<'a>>,

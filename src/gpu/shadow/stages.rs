@@ -15,8 +15,8 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{CHUNK, LANES, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
-    BOUNDS, CAPS, CHOOSE, LIST_SIDES, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL, Stage,
-    ZP_PLUS_2005_CASES,
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL,
+    Stage, ZP_PLUS_2005_CASES,
 };
 
 /// The pipelines of these stages.
@@ -26,6 +26,8 @@ pub(crate) struct StagePipelines {
     /// Invocations share the chunks of casters, instead of taking turns with the faces of a single one.
     is_scene: bool,
     layouts: Layouts,
+    /// Only for scenes.
+    relist: Option<Pipeline>,
     bounds: Pipeline,
     choose: Pipeline,
     /// Only for ZP+ as published.
@@ -48,6 +50,7 @@ impl StagePipelines {
             device: pipelines.device().clone(),
             is_scene,
             layouts: layouts(pipelines),
+            relist: is_scene.then(|| of_lists(&RELIST)),
             bounds: of_casters(&BOUNDS),
             choose: of_casters(&CHOOSE),
             zp_plus_2005_cases: settings.counting.is_zp_plus_2005().then(|| of_lists(&ZP_PLUS_2005_CASES)),
@@ -75,6 +78,7 @@ struct GroupDraws {
 #[derive(Debug)]
 pub(crate) struct VolumeStages {
     table: wgpu::Buffer,
+    is_scene: bool,
     /// Up to `caps`.
     choosing: Vec<Pass>,
     /// From `list_sides` on. These read the choices in the table.
@@ -90,6 +94,7 @@ impl VolumeStages {
         let binder = Binder { pipelines, sizes: &buffers.sizes, buffers, source, most };
         Self {
             table: source.table.clone(),
+            is_scene: pipelines.is_scene,
             choosing: binder.choosing(),
             listing: binder.listing(),
             groups: binder.draws(),
@@ -104,7 +109,7 @@ impl VolumeStages {
         batches: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        buffers.clear(encoder, batches);
+        buffers.clear(encoder, batches, self.is_scene);
         if batches == 0 || self.groups.is_empty() {
             return;
         }
@@ -181,6 +186,8 @@ impl<'a> Binder<'a> {
             "boxes" => whole(&buffers.boxes),
             "choices" => whole(&buffers.choices),
             // Where all lights matter, it is not read.
+            "listed" => whole(&buffers.listed),
+            "kept" => whole(source.kept?),
             "lit" => whole(source.lit.unwrap_or(&buffers.boxes)),
             "shadow_statistics" => whole(&buffers.statistics),
             "shadow_draws" => whole(buffers.draws.get(at.group)?),
@@ -254,14 +261,15 @@ impl<'a> Binder<'a> {
 
     /// Up to `caps`.
     fn choosing(&self) -> Vec<Pass> {
-        let StagePipelines { is_scene, bounds, choose, zp_plus_2005_cases, caps, .. } = self.pipelines;
+        let StagePipelines { is_scene, relist, bounds, choose, zp_plus_2005_cases, caps, .. } = self.pipelines;
         let without_boxes = self.sizes.groups.iter().zip(&self.source.groups).enumerate();
         let boxed = without_boxes.filter(|(_, (_, source))| !source.has_boxes).map(|(group, (size, _))| {
             // An invocation takes some 64 faces. So there are few atomics, and all cores have work.
             let workgroups = [size.faces.div_ceil(CHUNK).div_ceil(64).clamp(1, 1024), 1];
             self.dispatch(bounds, Place { group, ..Place::default() }, workgroups)
         });
-        let mut passes = vec![Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)];
+        let mut passes: Vec<Pass> = relist.iter().map(|relist| self.for_each(relist, |_, _| [1, 1])).collect();
+        passes.extend([Pass { pipeline: bounds.clone(), dispatches: boxed.collect() }, self.choose(choose)]);
         if let Some(cases) = zp_plus_2005_cases {
             passes.push(self.for_all(cases));
         }
@@ -275,11 +283,13 @@ impl<'a> Binder<'a> {
 
     /// From `list_sides` on.
     fn listing(&self) -> Vec<Pass> {
-        let StagePipelines { list_sides, arguments, bound, .. } = self.pipelines;
+        let StagePipelines { device, list_sides, arguments, bound, .. } = self.pipelines;
+        let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let over_sides = |size: &GroupSize, room: &Room| {
             // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
-            let fewest = size.edges.div_ceil(CHUNK).div_ceil(1024);
-            [room.silhouettes.div_ceil(16 * 64).clamp(1, 256).max(fewest), room.lights]
+            let fewest = size.edges.div_ceil(CHUNK).div_ceil(8192);
+            let most = if is_cpu { 64_u32.div_ceil(room.lights).max(4) } else { 256 };
+            [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
         };
         let mut listing = vec![self.for_each(list_sides, over_sides), self.for_each(arguments, |_, _| [1, 1])];
         if let Some([pencil, crossings, bound]) = bound {
@@ -290,7 +300,7 @@ impl<'a> Binder<'a> {
 
     /// All casters, lights and views in one dispatch.
     fn choose(&self, choose: &Pipeline) -> Pass {
-        let VolumeSizes { casters, lights, views, .. } = *self.sizes;
+        let VolumeSizes { casters, views, .. } = *self.sizes;
         // Facing is not waited for.
         let any_zeros = || self.buffers.any_zeros.as_entire_binding();
         let statistics = || self.source.statistics.clone().unwrap_or_else(any_zeros);
@@ -299,7 +309,8 @@ impl<'a> Binder<'a> {
             _ => self.get(name, Place::default()),
         };
         let resources: Vec<_> = choose.names().iter().filter_map(|name| Some((name.as_str(), get(name)?))).collect();
-        let workgroups = (casters as u64 * lights as u64).div_ceil(64).min(u64::from(self.most)) as u32;
+        let pairs = u32::try_from(casters as u64 * self.sizes.used_lights() as u64).unwrap_or(u32::MAX);
+        let workgroups = (4 * loops(&self.pipelines.device, pairs)).min(pairs.div_ceil(64)).min(self.most).max(1);
         let dispatches = if self.sizes.groups.is_empty() {
             Vec::new()
         } else {

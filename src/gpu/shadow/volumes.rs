@@ -133,6 +133,7 @@ impl ShadowVolumes {
             skip_unseen,
             end_at_range,
             bound_counts,
+            keeps: false,
             count_batches: 1,
             cap_capacity,
             memory_limit,
@@ -171,7 +172,8 @@ impl ShadowVolumes {
         let bound = extraction.bound()?;
         let stages = self.bind(extraction, &bound)?;
         let Shared { buffers, source, table, .. } = &*self.shared;
-        let seen = |&light| SeenLight { view, light: camera.light(&view, light), reserved: [[0; 4]; 15] };
+        let seen =
+            |&light| SeenLight { view, light: camera.light(&view, light), version: [0; 4], reserved: [[0; 4]; 14] };
         let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
         // Numbers without a light are seen in no view.
         seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());
@@ -262,7 +264,8 @@ fn sizes(source: &extraction::Shared, settings: VolumeSettings, in_depth: bool) 
     let shape = &source.shape;
     let (faces, edges) = (shape.faces as u32, shape.edges as u32);
     let proxies = if in_depth { 0 } else { faces };
-    let group = GroupSize { faces, edges, proxies, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
+    let group =
+        GroupSize { faces, edges, first_caster: 0, proxies, lights_at: 0, face_chunks_at: 0, edge_chunks_at: 0 };
     let room = |batch| {
         Room::new(&settings, &group, FEW_CAPS, shape.capacity, shape.batch_lights(batch) as u32, &source.limits)
     };
@@ -318,5 +321,5 @@ fn volume_source<'a>(
         has_boxes: false,
         batches: batches.collect(),
     };
-    VolumeSource { table, lit: None, statistics: Some(whole(&extracted.statistics)), groups: vec![group] }
+    VolumeSource { table, lit: None, kept: None, statistics: Some(whole(&extracted.statistics)), groups: vec![group] }
 }

@@ -33,6 +33,12 @@ const CLOSED: ShadowShape = ShadowShape {
     views: 1,
     count_batches: 1,
     proxies: 0,
+    part: 0,
+    first_caster: 0,
+    lists_at: 0,
+    keeps: 0,
+    needs_boxes: 0,
+    used_lights: 0,
 };
 
 /// A closed cube's faces with these lowest and highest corners.

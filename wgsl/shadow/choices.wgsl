@@ -1,0 +1,57 @@
+// What was chosen for casters: words for each batch of lights and view, with a bit for each light.
+
+// The place of a caster's choices for a batch and a view: eight words, each with a bit for each light of the batch.
+fn choices_of(caster: u32, batch: u32, view: u32) -> u32 {
+  return (view * shape.batches + batch) * shape.casters + caster;
+}
+
+// Which words. A light for which a caster casts is in the first.
+const CASTS: u32 = 0u;
+// Every face casts. If not set, averted ones do.
+const EVERY: u32 = 1u;
+// The near cap may be needed.
+const NEAR: u32 = 2u;
+// The near cap has faces.
+const CAPPED: u32 = 3u;
+// Faces may be excluded.
+const EXCLUDES: u32 = 4u;
+// In the words of the first caster of a group: some caster has excluded faces if any light is in the plane of a face, or has
+// some in any case. Then sides are not among the silhouettes alone.
+const MAY_EXCLUDE: u32 = 5u;
+const DOES_EXCLUDE: u32 = 6u;
+// Likewise, of a scene: the lists for the view are made anew. All that was chosen for other lights stays.
+const FRESH: u32 = 7u;
+const CHOICE_WORDS: u32 = 8u;
+
+// The place of a caster's two measures for a light and a view: the end of the volume, and the near end of the light's
+// frustum.
+fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
+  return (view * shape.lights + light) * shape.casters + caster;
+}
+
+fn has_measures() -> bool {
+  return shape.end_at_range != 0u || shape.counting == COUNT_ZP_PLUS_2005;
+}
+
+// The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are
+// needed.
+fn with_choices(light: ShadowLight, bit: u32, first: vec4<u32>, excludes: u32, near: u32) -> ShadowLight {
+  var own = light;
+  own.casting = CAST_NOTHING;
+  own.counting = COUNT_Z_PASS;
+  own.excludes = 0u;
+  if (((first[CASTS] >> bit) & 1u) == 0u) {
+    return own;
+  }
+  own.casting = select(CAST_AVERTED, CAST_EVERY, ((first[EVERY] >> bit) & 1u) != 0u);
+  own.excludes = (excludes >> bit) & 1u;
+  let has_near_cap = ((near >> bit) & 1u) != 0u;
+  if (shape.counting == COUNT_ZP_PLUS_2005) {
+    own.counting = select(COUNT_Z_FAIL, COUNT_ZP_PLUS_2005, has_near_cap);
+  } else if (shape.counting == COUNT_Z_FAIL) {
+    own.counting = COUNT_Z_FAIL;
+  } else if (has_near_cap) {
+    own.counting = COUNT_ZP_PLUS;
+  }
+  return own;
+}
