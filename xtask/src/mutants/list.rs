@@ -228,6 +228,43 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
+        name: "relist: cameras that moved go unnoticed",
+        changes: &[("wgsl/shadow/relist.wgsl", "seen[entry].version.x);", "0u * seen[entry].version.x);")],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "relist: silhouettes made anew go unnoticed",
+        changes: &[(
+            "wgsl/shadow/relist.wgsl",
+            "vec2<u32>(kept[shape.lists_at + bit],",
+            "vec2<u32>(0u * kept[shape.lists_at + bit],",
+        )],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "relist: lists that are made anew are not emptied",
+        changes: &[("wgsl/shadow/relist.wgsl", "    sides[2u * bit] = 0u;\n", "")],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "choose: what was chosen before stays",
+        changes: &[(
+            "wgsl/shadow/choose.wgsl",
+            "    for (var word = CASTS; word <= EXCLUDES; word++) {",
+            "    for (var word = EVERY; word <= EXCLUDES; word++) {",
+        )],
+        tests: SCENES,
+    },
+    Mutation {
+        name: "scene: cameras keep their version",
+        changes: &[(
+            "src/gpu/scene/encode.rs",
+            "Some((before, version)) if bytes(&before) == bytes(view) =>",
+            "Some((_, version)) =>",
+        )],
+        tests: SCENES,
+    },
+    Mutation {
         name: "caps: light caps of proxies are not clipped with ZP+",
         changes: &[
             ("wgsl/shadow/cap_faces.wgsl", "if (has_near_cap(own.light)) {", "if (false) {"),
