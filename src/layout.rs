@@ -428,10 +428,31 @@ shared_structs! {
         view: ShadowView,
         /// The light.
         light: ShadowLight,
-        /// The encode that was the first to have the camera as it is, then zeros.
+        /// The encode that was the first to have the camera as it is; the word where the view's receivers begin, 0 for none;
+        /// zeros.
         version: [u32; 4],
         /// 0.
         reserved: [[u32; 4]; 14],
+    }
+
+    /// What the shadows of a view may fall on.
+    struct ReceiverView {
+        /// Columns of the matrix from normalised device coordinates to the camera's frame.
+        inverse: [[f32; 4]; 4],
+        /// Lowest corner of the box of the near rectangle, in the camera's frame.
+        near_min: [f32; 3],
+        /// Depth of the near plane.
+        near_z: f32,
+        /// Highest corner of the box of the near rectangle.
+        near_max: [f32; 3],
+        /// 1: pixels at the cleared depth are receivers.
+        sky_receives: u32,
+        /// Pixels across and down.
+        pixels: [u32; 2],
+        /// The word where the view's receivers begin.
+        at: u32,
+        /// 0.
+        reserved: u32,
     }
 
     /// Casters that are drawn together, and the caller's options for their volumes.
@@ -564,6 +585,8 @@ shared_structs! {
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.
         kept_lists: u32,
+        /// Of the pairs that are skipped, those whose volume no receiver can be in.
+        hidden: u32,
     }
 }
 

@@ -102,6 +102,10 @@ pub mod cpu {
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
     pub use crate::cpu::shadow::list_sides::list_sides;
     pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
+    pub use crate::cpu::shadow::receiver_depth::receiver_depth;
+    pub use crate::cpu::shadow::receiver_pyramid::receiver_pyramid;
+    pub use crate::cpu::shadow::receiver_samples::receiver_samples;
+    pub use crate::cpu::shadow::receivers::RECEIVERS_HEAD;
     pub use crate::cpu::shadow::relist::relist;
     pub use crate::cpu::shadow::shadow::{
         Corner, corner, direction_to_clip, extrusion, far_end, light_side, on_near_plane, parallel_to_near_plane,

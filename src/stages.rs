@@ -142,6 +142,24 @@ pub const BOUNDS: Stage = Stage {
     ],
     entry_points: &["bounds"],
 };
+/// Finds the farthest receivers of the tiles of a picture.
+pub const RECEIVER_DEPTH: Stage = Stage {
+    name: "receiver_depth",
+    files: files!["shadow/receivers", "shadow/receiver_tiles", "shadow/receiver_depth"],
+    entry_points: &["receiver_depth"],
+};
+/// [`RECEIVER_DEPTH`] of several samples for each pixel.
+pub const RECEIVER_SAMPLES: Stage = Stage {
+    name: "receiver_samples",
+    files: files!["shadow/receivers", "shadow/receiver_tiles", "shadow/receiver_samples"],
+    entry_points: &["receiver_samples"],
+};
+/// Finds the farthest receivers of larger cells, and the box of all.
+pub const RECEIVER_PYRAMID: Stage = Stage {
+    name: "receiver_pyramid",
+    files: files!["shadow/receivers", "shadow/receiver_pyramid"],
+    entry_points: &["receiver_pyramid"],
+};
 /// Finds the lists for a view that are made anew.
 pub const RELIST: Stage = Stage {
     name: "relist",
@@ -158,6 +176,8 @@ pub const CHOOSE: Stage = Stage {
         "shadow/choices",
         "shadow/caster",
         "shadow/boxes",
+        "shadow/receivers",
+        "shadow/hidden",
         "shadow/choose"
     ],
     entry_points: &["choose"],
@@ -297,7 +317,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 26] = [
+pub const STAGES: [Stage; 29] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -310,6 +330,9 @@ pub const STAGES: [Stage; 26] = [
     SCENE_FACING,
     SCENE_EXACT_FACING,
     SCENE_EDGES,
+    RECEIVER_DEPTH,
+    RECEIVER_SAMPLES,
+    RECEIVER_PYRAMID,
     RELIST,
     BOUNDS,
     CHOOSE,

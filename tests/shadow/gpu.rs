@@ -8,6 +8,7 @@ mod clipped;
 mod compare;
 mod dark_caps;
 mod hairlines;
+mod hidden;
 mod in_scene;
 mod nested;
 mod overflow;
@@ -47,6 +48,7 @@ fn main() {
         scene_refusals::TESTS,
         passing::TESTS,
         proxies::TESTS,
+        hidden::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

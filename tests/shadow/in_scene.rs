@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use rimline::gpu::{
-    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Scene, SceneError, SceneFrame, SceneOptions,
-    ScenePipelines, ShadowFormat, ShadowOptions,
+    Caster, CasterHandle, CasterPositions, LightHandle, LightMask, Receivers, Scene, SceneError, SceneFrame,
+    SceneOptions, ScenePipelines, ShadowFormat, ShadowOptions,
 };
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
@@ -139,6 +139,7 @@ impl InScene {
         frame: &Frame,
         counting: Counting,
         format: &ShadowFormat,
+        receivers: Option<Receivers<'_>>,
     ) -> Result<Self, String> {
         let gpu = renderer.gpu;
         let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
@@ -238,7 +239,9 @@ impl InScene {
             }
             scene.encode(encoder, &cameras, None).map_err(text)?;
         }
-        let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
+        let mut of_views = vec![None; cameras.len()];
+        of_views[view] = receivers;
+        let frame = scene.encode_for(encoder, &cameras, &of_views, None).map_err(text)?;
         Ok(Self { frame, pipelines, lights, casters, view })
     }
 

@@ -1,8 +1,8 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, ShadowFormat, ShadowOptions, ShadowPipelines,
-    ShadowVolumes, read_back_vec,
+    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, Receivers, ShadowFormat, ShadowOptions,
+    ShadowPipelines, ShadowVolumes, read_back_vec,
 };
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
@@ -92,6 +92,10 @@ pub(crate) struct Renderer<'a> {
     pub(crate) placing: Placing,
     /// Of the casters of a scene.
     pub(crate) count_batches: u32,
+    /// Whether a scene is told what its shadows fall on, and whether they fall on the sky.
+    pub(crate) receivers: Option<bool>,
+    /// The last bodies, which are drawn after the scene is encoded.
+    pub(crate) late_bodies: usize,
 }
 
 impl<'a> Renderer<'a> {
@@ -107,6 +111,8 @@ impl<'a> Renderer<'a> {
             range: f32::INFINITY,
             placing: Placing::Alone,
             count_batches: 1,
+            receivers: None,
+            late_bodies: 0,
         }
     }
 
@@ -129,9 +135,18 @@ impl<'a> Renderer<'a> {
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
+        let mut early = frame.clone();
+        early.bodies.truncate(frame.bodies.len() - self.late_bodies);
+        self.depth(&mut encoder, &early, &view);
+        let depth = target.create_view(&wgpu::TextureViewDescriptor {
+            aspect: wgpu::TextureAspect::DepthOnly,
+            ..wgpu::TextureViewDescriptor::default()
+        });
+        let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives });
+        let format = shadow_format(wgpu::FrontFace::Ccw);
         let together = match self.placing {
             Placing::Alone => None,
-            _ => Some(InScene::new(self, &mut encoder, frame, counting, &shadow_format(wgpu::FrontFace::Ccw))?),
+            _ => Some(InScene::new(self, &mut encoder, frame, counting, &format, receivers)?),
         };
         let alone = frame.bodies.iter().filter(|body| body.casts && together.is_none());
         for body in alone {
@@ -150,7 +165,9 @@ impl<'a> Renderer<'a> {
             let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;
             casters.push((volumes, shadows, pipelines));
         }
-        self.depth(&mut encoder, frame, &view);
+        if self.late_bodies > 0 {
+            self.depth(&mut encoder, frame, &view);
+        }
         let row = (frame.size * self.samples).next_multiple_of(256);
         let bytes = u64::from(row) * u64::from(frame.size);
         let mut copies = Vec::new();
@@ -203,7 +220,8 @@ impl<'a> Renderer<'a> {
     }
 
     fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
-        let read = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::TEXTURE_BINDING };
+        let read = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
+        let read = read | wgpu::TextureUsages::TEXTURE_BINDING;
         self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("target"),
             size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },

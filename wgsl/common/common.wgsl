@@ -251,4 +251,6 @@ struct ShadowStatistics {
   may_wrap: atomic<u32>,
   // Groups of casters, lights and views whose lists were kept.
   kept_lists: atomic<u32>,
+  // Of the pairs that are skipped, those whose volume no receiver can be in.
+  hidden: atomic<u32>,
 }

@@ -219,6 +219,11 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (!own.is_empty) {
     light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes);
     light.excludes = select(light.excludes, 1u, is_excluding);
+    let receivers_at = seen[entry].version.y;
+    if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
+      light.casting = CAST_NOTHING;
+      atomicAdd(&shadow_statistics.hidden, 1u);
+    }
   }
   if (light.casting == CAST_NOTHING) {
     atomicAdd(&shadow_statistics.skipped, 1u);

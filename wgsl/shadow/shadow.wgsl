@@ -50,7 +50,7 @@ struct ShadowLight {
 struct SeenLight {
   view: ShadowView,
   light: ShadowLight,
-  // The encode that was the first to have the camera as it is, then zeros.
+  // The encode that was the first to have the camera as it is; the word where the view's receivers begin, 0 for none; zeros.
   version: vec4<u32>,
   reserved: array<vec4<u32>, 14>,
 }

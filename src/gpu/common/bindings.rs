@@ -17,7 +17,11 @@ impl Bindings {
         let mut found: Vec<(String, wgpu::BindGroupLayoutEntry)> = Vec::new();
         for (_, variable) in module.global_variables.iter() {
             let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
-            let Some(ty) = buffer_type(variable.space).filter(|_| place.group == 0) else { continue };
+            let ty = match module.types[variable.ty].inner {
+                naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => Some(depth_type(multi)),
+                _ => buffer_type(variable.space),
+            };
+            let Some(ty) = ty.filter(|_| place.group == 0) else { continue };
             let visibility = wgpu::ShaderStages::COMPUTE;
             found.push((
                 name.clone(),
@@ -53,6 +57,12 @@ impl Bindings {
         };
         resources.iter().map(entry).collect()
     }
+}
+
+/// A depth texture of two dimensions.
+fn depth_type(multisampled: bool) -> wgpu::BindingType {
+    let (sample_type, view_dimension) = (wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2);
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled }
 }
 
 /// Uniforms lie in tables. A dispatch selects an entry by a dynamic offset.

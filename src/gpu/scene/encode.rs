@@ -7,6 +7,7 @@ use super::caster::CasterEntry;
 use super::errors::SceneError;
 use super::frame::SceneFrame;
 use super::layout::put_lights;
+use super::receivers::{self, ReceiverStages, Receivers, ReceiversError};
 use super::scene::Scene;
 use super::stages::Passes;
 use super::structure::{Making, Number, Structure};
@@ -37,13 +38,40 @@ impl Scene {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         cameras: &[ShadowCamera],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, SceneError> {
+        self.encode_for(encoder, cameras, &[], timer)
+    }
+
+    /// As [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
+    /// with receivers has no volume that none of them can be in ([`SceneOptions::skip_hidden`]), which spares the passes that
+    /// draw. Its lists are made anew in each encode, since what it sees may have changed.
+    ///
+    /// [`SceneOptions::skip_hidden`]: crate::gpu::SceneOptions::skip_hidden
+    ///
+    /// # Errors
+    /// As [`Self::encode`], and [`SceneError::Receivers`].
+    pub fn encode_for(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &[ShadowCamera],
+        receivers: &[Option<Receivers<'_>>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<SceneFrame, SceneError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
-        let (structure, volumes) = self.prepare_views(cameras.len())?;
-        self.renew_views(&views);
-        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views));
+        let receivers = self.check_receivers(cameras, receivers)?;
+        let words = receivers.iter().flatten().map(Receivers::words).max().unwrap_or(0);
+        let (structure, volumes) = self.prepare_receivers(cameras.len(), words)?;
+        let receiver_stages = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
+            Some(volumes) => {
+                let target = (&volumes.buffers.receivers, volumes.buffers.sizes.receivers);
+                Some(ReceiverStages::new(&self.pipelines, cameras, &views, receivers, target)?)
+            }
+            None => None,
+        };
+        self.renew_views(&views, receivers);
+        let seen = volumes.as_ref().map_or_else(Vec::new, |volumes| self.seen(volumes, cameras, &views, receivers));
         let uploaded: &[Part] = self.table.parts.get(..structure.layout.uploaded).unwrap_or_default();
         let mut uploads: Vec<(&wgpu::Buffer, &[u8])> = Vec::new();
         if !structure.parts.is_empty() {
@@ -52,6 +80,9 @@ impl Scene {
             upload(self.pipelines.device(), encoder, &uploads)?;
         }
         self.passes.record(&structure, encoder, timer.as_deref_mut());
+        if let Some(stages) = &receiver_stages {
+            stages.record(encoder, timer.as_deref_mut());
+        }
         if let Some(volumes) = &volumes {
             volumes.record(encoder, timer);
         }
@@ -82,6 +113,45 @@ impl Scene {
         cameras.iter().enumerate().map(view).collect()
     }
 
+    /// The receivers that count. There is room for them from here on.
+    fn check_receivers<'a, 'r>(
+        &self,
+        cameras: &[ShadowCamera],
+        receivers: &'a [Option<Receivers<'r>>],
+    ) -> Result<&'a [Option<Receivers<'r>>], SceneError> {
+        let (given, views) = (receivers.len(), cameras.len());
+        if given > views {
+            return Err(SceneError::Receivers { view: views, error: ReceiversError::TooMany { given, views } });
+        }
+        for (view, receivers) in receivers.iter().enumerate() {
+            let checked = receivers.as_ref().map_or(Ok(()), Receivers::check);
+            checked.map_err(|error| SceneError::Receivers { view, error })?;
+        }
+        if !self.options.skip_hidden {
+            return Ok(&[]);
+        }
+        Ok(receivers)
+    }
+
+    /// Brings everything up to date, with room for so many views and so many words for the receivers of each.
+    fn prepare_receivers(
+        &mut self,
+        views: usize,
+        words: u64,
+    ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+        let before = self.receiver_words;
+        if words > before {
+            self.receiver_words = words;
+            self.volumes = None;
+        }
+        let made = self.prepare_views(views);
+        if made.is_err() && words > before {
+            self.receiver_words = before;
+            self.volumes = None;
+        }
+        made
+    }
+
     /// What pipelines must be to draw a camera's volumes.
     fn convention(&self, camera: &ShadowCamera) -> Convention {
         let counting = self.options.counting;
@@ -94,35 +164,48 @@ impl Scene {
         if let Some(volumes) = &self.volumes {
             return Ok(Arc::clone(volumes));
         }
-        let Self { pipelines, options, meshes, sources, lights, pages, views, .. } = self;
+        let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, .. } = self;
         let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views };
         let others = pages.bytes + structure.bytes();
-        let made = Arc::new(Volumes::new(&making, structure, *views, others)?);
+        let made = Arc::new(Volumes::new(&making, structure, *views, *receiver_words, others)?);
         self.volumes = Some(Arc::clone(&made));
         Ok(made)
     }
 
     /// Keeps the versions of cameras that did not change.
-    fn renew_views(&mut self, views: &[ShadowView]) {
+    fn renew_views(&mut self, views: &[ShadowView], receivers: &[Option<Receivers<'_>>]) {
         let encode = self.encode_number();
         let last = std::mem::take(&mut self.seen_views);
         let mut last = last.into_iter().map(Some).chain(std::iter::repeat(None));
         let bytes = bytemuck::bytes_of::<ShadowView>;
-        let version = |view: &ShadowView| match last.next().flatten() {
-            Some((before, version)) if bytes(&before) == bytes(view) => (*view, version),
-            _ => (*view, encode),
+        // Receivers may be others in each encode.
+        let has_receivers = |view: usize| receivers.get(view).is_some_and(Option::is_some);
+        let version = |(number, view): (usize, &ShadowView)| match last.next().flatten() {
+            Some((before, version, false)) if bytes(&before) == bytes(view) && !has_receivers(number) => {
+                (*view, version, false)
+            }
+            _ => (*view, encode, has_receivers(number)),
         };
-        self.seen_views = views.iter().map(version).collect();
+        self.seen_views = views.iter().enumerate().map(version).collect();
     }
 
     /// Each light as each camera sees it. Views that are not used are empty, and their lights reach nothing.
-    fn seen(&self, volumes: &Volumes, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
+    fn seen(
+        &self,
+        volumes: &Volumes,
+        cameras: &[ShadowCamera],
+        views: &[ShadowView],
+        receivers: &[Option<Receivers<'_>>],
+    ) -> Vec<SeenLight> {
         let mut seen = Vec::with_capacity(volumes.seen());
-        for ((camera, &view), &(_, version)) in cameras.iter().zip(views).zip(&self.seen_views) {
+        for (number, ((camera, &view), &(_, version, _))) in cameras.iter().zip(views).zip(&self.seen_views).enumerate()
+        {
+            let has_receivers = receivers.get(number).is_some_and(Option::is_some);
+            let at = if has_receivers { receivers::at(number, volumes.buffers.sizes.receivers) } else { 0 };
             for bit in 0..volumes.lights() as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, version: [version, 0, 0, 0], reserved: [[0; 4]; 14] });
+                seen.push(SeenLight { view, light, version: [version, at, 0, 0], reserved: [[0; 4]; 14] });
             }
         }
         seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());

@@ -1,5 +1,6 @@
 //! Why a scene refuses something.
 
+use super::receivers::ReceiversError;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -78,6 +79,14 @@ pub enum SceneError {
         view: usize,
         /// Why.
         error: CameraError,
+    },
+    /// The receivers of a view are refused.
+    #[error("view {view}: {error}")]
+    Receivers {
+        /// The number of the view.
+        view: usize,
+        /// Why.
+        error: ReceiversError,
     },
     /// The scene's counting method needs what the published method of one caster has.
     #[error("scenes are not counted by {0:?}, which is for a single caster; take `ShadowVolumes`")]

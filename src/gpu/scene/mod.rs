@@ -12,6 +12,7 @@ pub(crate) mod lights;
 pub(crate) mod mask;
 pub(crate) mod options;
 pub(crate) mod pages;
+pub(crate) mod receivers;
 pub(crate) mod scene;
 pub(crate) mod sources;
 pub(crate) mod stages;

@@ -24,6 +24,9 @@ pub struct SceneOptions {
     pub every_face: bool,
     /// Skip a caster for a light and a view where the camera cannot see its shadow.
     pub skip_unseen: bool,
+    /// Skip a caster for a light and a view if none of the view's receivers can be in its volume. It takes effect in views
+    /// with receivers ([`Scene::encode_for`](crate::gpu::Scene::encode_for)).
+    pub skip_hidden: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
@@ -85,7 +88,7 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, unseen shadows skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
+    /// where they suffice, unseen and hidden shadows skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -95,6 +98,7 @@ impl Default for SceneOptions {
             counting: Counting::Auto,
             every_face: false,
             skip_unseen: true,
+            skip_hidden: true,
             end_at_range: false,
             count_batches: 1,
             keep_bits: true,

@@ -55,8 +55,10 @@ pub struct Scene {
     pub(super) volumes: Option<Arc<Volumes>>,
     /// The most views of an encode so far.
     pub(super) views: usize,
-    /// The cameras of the last encode, with the encode that was the first to have each.
-    pub(super) seen_views: Vec<(ShadowView, u32)>,
+    /// Words for the receivers of each view, as many as any had so far.
+    pub(super) receiver_words: u64,
+    /// The cameras of the last encode, with the encode that was the first to have each, and whether it had receivers.
+    pub(super) seen_views: Vec<(ShadowView, u32, bool)>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -94,6 +96,7 @@ impl Scene {
             passes: Passes::default(),
             volumes: None,
             views: 0,
+            receiver_words: 0,
             seen_views: Vec::new(),
             structures: 0,
             encodes: Arc::default(),

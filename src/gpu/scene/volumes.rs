@@ -26,18 +26,20 @@ pub(crate) struct Volumes {
 }
 
 impl Volumes {
-    /// Makes the volumes of a structure whose table has room for the choices of `views` views. `others` are the bytes of the
+    /// Makes the volumes of a structure whose table has room for the choices of `views` views, and so many words for the
+    /// receivers of each. `others` are the bytes of the
     /// rest of the scene.
     pub(crate) fn new(
         making: &Making<'_>,
         structure: &Structure,
         views: usize,
+        receivers: u64,
         others: u64,
     ) -> Result<Self, SceneError> {
         let device = making.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
         let settings = making.options.volumes();
-        let mut sizes = sizes(structure, settings, views, &limits);
+        let mut sizes = VolumeSizes { receivers, ..sizes(structure, settings, views, &limits) };
         sizes.fit_memory(others);
         let others = Allocation { label: "the scene without volumes", bytes: others };
         let buffers = VolumeBuffers::new(device, sizes, &[others], &limits)?;
@@ -89,6 +91,7 @@ fn sizes(structure: &Structure, settings: VolumeSettings, views: usize, limits: 
         choices_at: structure.choices_at,
         groups: structure.parts.iter().filter(|part| part.batch == 0).map(group_size).collect(),
         rooms: structure.parts.iter().map(room).collect(),
+        receivers: 0,
     }
 }
 

@@ -41,6 +41,8 @@ pub(crate) struct VolumeBuffers {
     pub(crate) choices: wgpu::Buffer,
     /// What the lists for views were made from.
     pub(crate) listed: wgpu::Buffer,
+    /// For each view what its shadows may fall on.
+    pub(crate) receivers: wgpu::Buffer,
     /// Statistics that say that lights may lie in planes of faces.
     pub(crate) any_zeros: wgpu::Buffer,
     pub(crate) statistics: wgpu::Buffer,
@@ -98,6 +100,7 @@ impl VolumeBuffers {
             boxes: stored("caster boxes", sizes.box_bytes()),
             choices: stored("choices", choices),
             listed: stored("versions of lists", sizes.listed_bytes()),
+            receivers: stored("receivers", sizes.receiver_bytes()),
             any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&[1_u32; 4]), storage),
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
             lists: sizes.rooms.iter().map(lists).collect(),
@@ -148,6 +151,7 @@ impl VolumeBuffers {
             boxes,
             choices,
             listed,
+            receivers,
             any_zeros,
             statistics,
             lists,
@@ -155,7 +159,7 @@ impl VolumeBuffers {
             bound,
         } = self;
         let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
-        let own = [shapes, draw_lights, seen, boxes, choices, listed, any_zeros, statistics];
+        let own = [shapes, draw_lights, seen, boxes, choices, listed, receivers, any_zeros, statistics];
         let lists = lists.iter().flatten().flat_map(|Lists { sides, caps, .. }| [sides, caps]);
         own.into_iter().chain(draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
     }

@@ -160,13 +160,15 @@ pub(crate) struct VolumeSizes {
     pub(crate) groups: Vec<GroupSize>,
     /// For each group one for each batch of lights.
     pub(crate) rooms: Vec<Room>,
+    /// Words for the receivers of each view.
+    pub(crate) receivers: u64,
 }
 
 impl VolumeSizes {
     /// A single caster, which is alone in its table, for one view.
     pub(crate) fn of_one(settings: VolumeSettings, lights: usize, group: GroupSize, rooms: Vec<Room>) -> Self {
         let choices_at = size_of::<SceneCaster>() / 16;
-        Self { settings, casters: 1, lights, views: 1, choices_at, groups: vec![group], rooms }
+        Self { settings, casters: 1, lights, views: 1, choices_at, groups: vec![group], rooms, receivers: 0 }
     }
 
     /// Batches of 32 lights.
@@ -206,6 +208,11 @@ impl VolumeSizes {
         LISTED * (self.rooms.len() * self.views) as u64
     }
 
+    /// Bytes for the receivers of all views. Those of the first begin after a word.
+    pub(crate) fn receiver_bytes(&self) -> u64 {
+        4 * (1 + self.views as u64 * self.receivers)
+    }
+
     /// Bytes of the boxes of all casters.
     pub(crate) fn box_bytes(&self) -> u64 {
         BOX * self.casters as u64
@@ -220,6 +227,7 @@ impl VolumeSizes {
             ("caster boxes", self.box_bytes()),
             ("choices", choices),
             ("versions of lists", self.listed_bytes()),
+            ("receivers", self.receiver_bytes()),
             ("shadow shapes", self.rooms.len() as u64 * UniformTable::stride::<ShadowShape>() as u64),
             ("shadow draw lights", seen * u64::from(self.settings.count_batches) * DRAW_LIGHT),
         ];

@@ -186,6 +186,7 @@ impl<'a> Binder<'a> {
             "boxes" => whole(&buffers.boxes),
             "choices" => whole(&buffers.choices),
             // Where all lights matter, it is not read.
+            "receivers" => whole(&buffers.receivers),
             "listed" => whole(&buffers.listed),
             "kept" => whole(source.kept?),
             "lit" => whole(source.lit.unwrap_or(&buffers.boxes)),

@@ -34,7 +34,7 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
     let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).expect("valid WGSL");
     let size = |variable: &naga::GlobalVariable| u64::from(module.types[variable.ty].inner.size(module.to_ctx()));
-    let [mut uniforms, mut storage, mut groups] = [0, 0, 0];
+    let [mut uniforms, mut storage, mut textures, mut groups] = [0; 4];
     for (_, variable) in module.global_variables.iter() {
         let Some(binding) = &variable.binding else { continue };
         raise(found, "max_bindings_per_bind_group", u64::from(binding.binding) + 1);
@@ -48,9 +48,11 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
                 storage += 1;
                 raise(found, "max_storage_buffer_binding_size", size(variable));
             }
+            AddressSpace::Handle => textures += 1,
             other => panic!("{:?} is bound in {other:?}", variable.name),
         }
     }
+    raise(found, "max_sampled_textures_per_shader_stage", textures);
     raise(found, "max_bind_groups", groups);
     raise(found, "max_uniform_buffers_per_shader_stage", uniforms);
     raise(found, "max_storage_buffers_per_shader_stage", storage);

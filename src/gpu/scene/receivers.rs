@@ -1,0 +1,190 @@
+//! Receivers: what the shadows of a view may fall on, from the depth that they are drawn against.
+
+use glam::Mat4;
+
+use super::errors::SceneError;
+use crate::ShadowCamera;
+use crate::gpu::common::memory::any_error;
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{ReceiverView, ShadowView};
+use crate::stages::{RECEIVER_DEPTH, RECEIVER_PYRAMID, RECEIVER_SAMPLES};
+
+/// Words before the levels of the pyramid.
+const HEAD: u64 = 16;
+/// Pixels along a side of a tile.
+const TILE: u32 = 8;
+/// Invocations of a workgroup that take a tile each.
+const TILES_PER_WORKGROUP: u32 = 64;
+
+/// The depth attachment that the volumes of a view will be drawn against, as it is when the encode's commands run. So draw
+/// what is seen before. A caster throws no volume for a view in which no receiver can be in it.
+///
+/// What is drawn after that must be nearer than what was there. Where nothing was there, set [`Self::sky_receives`].
+#[derive(Clone, Copy, Debug)]
+pub struct Receivers<'a> {
+    /// A view of the depth aspect alone, of one layer and level. The texture has usage `TEXTURE_BINDING` besides. It has the
+    /// size of the viewport that the volumes are drawn with. All samples of a pixel enter.
+    pub depth: &'a wgpu::TextureView,
+    /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. As a rule nothing is
+    /// lit there.
+    pub sky_receives: bool,
+}
+
+/// Why the receivers of a view are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReceiversError {
+    /// There are more receivers than views.
+    #[error("{given} receivers given for {views} cameras; give at most one for each camera")]
+    TooMany {
+        /// Receivers given.
+        given: usize,
+        /// Cameras given.
+        views: usize,
+    },
+    /// The texture has no depth.
+    #[error("the receivers have the format {format:?}, which has no depth; give the depth attachment")]
+    NoDepth {
+        /// The format of the texture.
+        format: wgpu::TextureFormat,
+    },
+    /// The texture cannot be read.
+    #[error("the depth texture lacks the usage `TEXTURE_BINDING`; add it where the texture is made")]
+    Usage,
+    /// The device refuses to read the view.
+    #[error(
+        "the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
+    )]
+    Refused {
+        /// What the device says.
+        message: String,
+    },
+}
+
+impl Receivers<'_> {
+    fn pixels(&self) -> [u32; 2] {
+        let texture = self.depth.texture();
+        [texture.width(), texture.height()]
+    }
+
+    /// Words of the pyramid.
+    pub(crate) fn words(&self) -> u64 {
+        let mut cells = self.pixels().map(|pixels| u64::from(pixels.div_ceil(TILE)));
+        let mut words = HEAD + cells[0] * cells[1];
+        while cells[0] * cells[1] > 1 {
+            cells = cells.map(|cells| cells.div_ceil(2));
+            words += cells[0] * cells[1];
+        }
+        words
+    }
+
+    /// Refuses what cannot be read, as far as a texture tells.
+    pub(crate) fn check(&self) -> Result<(), ReceiversError> {
+        let texture = self.depth.texture();
+        let format = texture.format();
+        if !format.has_depth_aspect() {
+            return Err(ReceiversError::NoDepth { format });
+        }
+        if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+            return Err(ReceiversError::Usage);
+        }
+        Ok(())
+    }
+}
+
+/// What the stages of receivers read of a view.
+fn receiver_view(camera: &ShadowCamera, view: &ShadowView, receivers: &Receivers<'_>, at: u32) -> ReceiverView {
+    let inverse = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+    ReceiverView {
+        inverse: inverse.as_mat4().to_cols_array_2d(),
+        near_min: view.near_min,
+        near_z: view.near_z,
+        near_max: view.near_max,
+        sky_receives: u32::from(receivers.sky_receives),
+        pixels: receivers.pixels(),
+        at,
+        reserved: 0,
+    }
+}
+
+/// The stages of the receivers of an encode, bound.
+pub(crate) struct ReceiverStages(Vec<Bound>);
+
+struct Bound {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+    group: wgpu::BindGroup,
+    offset: u32,
+    workgroups: [u32; 2],
+}
+
+impl ReceiverStages {
+    /// Binds the stages of the views that have receivers. `target` has room for `words` words of each view, after the first
+    /// word.
+    pub(crate) fn new(
+        pipelines: &Pipelines,
+        cameras: &[ShadowCamera],
+        views: &[ShadowView],
+        receivers: &[Option<Receivers<'_>>],
+        (target, words): (&wgpu::Buffer, u64),
+    ) -> Result<Self, SceneError> {
+        let mut table = UniformTable::default();
+        let mut given = Vec::new();
+        for (number, ((camera, view), receivers)) in cameras.iter().zip(views).zip(receivers).enumerate() {
+            if let Some(receivers) = receivers {
+                let at = at(number, words);
+                given.push((number, receivers, table.push(&receiver_view(camera, view, receivers, at))));
+            }
+        }
+        if given.is_empty() {
+            return Ok(Self(Vec::new()));
+        }
+        let device = pipelines.device();
+        let uniforms = table.into_buffer(device, "receiver views");
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let mut stages = Vec::new();
+        for (view, receivers, offset) in given {
+            let tiles = receivers.pixels().map(|pixels| pixels.div_ceil(TILE));
+            let groups = (tiles[0] * tiles[1]).div_ceil(TILES_PER_WORKGROUP);
+            let is_single = receivers.depth.texture().sample_count() == 1;
+            let of_tiles = if is_single { &RECEIVER_DEPTH } else { &RECEIVER_SAMPLES };
+            let texture = Some(wgpu::BindingResource::TextureView(receivers.depth));
+            let rows = groups.div_ceil(most);
+            for (stage, texture, workgroups) in
+                [(of_tiles, texture, [groups.div_ceil(rows), rows]), (&RECEIVER_PYRAMID, None, [1, 1])]
+            {
+                let pipeline = pipelines.compute(stage, stage.name, &[]);
+                let mut resources = vec![
+                    ("receiver_view", entry::<ReceiverView>(&uniforms)),
+                    ("receivers", target.as_entire_binding()),
+                ];
+                resources.extend(texture.map(|texture| ("depth_texture", texture)));
+                let group = any_error(device, || pipeline.bind(device, &resources));
+                let group = group
+                    .map_err(|message| SceneError::Receivers { view, error: ReceiversError::Refused { message } })?;
+                let (name, pipeline) = (stage.name, pipeline.compute.clone());
+                stages.push(Bound { name, pipeline, group, offset, workgroups });
+            }
+        }
+        Ok(Self(stages))
+    }
+
+    /// Records the stages.
+    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, mut timer: Option<&mut StageTimer>) {
+        for Bound { name, pipeline, group, offset, workgroups: [x, y] } in &self.0 {
+            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(name));
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[*offset]);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+    }
+}
+
+/// The word where the receivers of a view begin. 0 says that there are none.
+pub(crate) fn at(view: usize, words: u64) -> u32 {
+    1 + (view as u64 * words) as u32
+}

@@ -1,0 +1,176 @@
+// Hidden volumes: tells whether no receiver can be in the shadow volume of a box. NUMERICS.md, "Volumes without a receiver".
+
+// The receivers of all views.
+@group(0) @binding(8) var<storage, read> receivers: array<u32>;
+
+fn receiver_corner(at: u32) -> vec3<f32> {
+  return vec3<f32>(bitcast<f32>(receivers[at]), bitcast<f32>(receivers[at + 1u]), bitcast<f32>(receivers[at + 2u]));
+}
+
+// How far a volume goes until it has left the box of the receivers.
+struct Reach {
+  // No receiver is beyond any place of the caster.
+  is_none: bool,
+  // Of a light at a place: the least factor of the light in the far vertex `d + factor * light`. Of a light at infinity: the
+  // largest factor of d in the far vertex `V + factor * d`; negative if there is no limit.
+  factor: f32,
+}
+
+fn reach_to(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> Reach {
+  let is_limited = receivers[at + 5u] != 0u;
+  let near = receiver_corner(at + 6u);
+  let far = receiver_corner(at + 9u);
+  if (light.light.w > 0.0) {
+    if (!is_limited) {
+      return Reach(false, 0.0);
+    }
+    let l = light.light.xyz / light.light.w;
+    let place = placed(view, l);
+    let terms = placed_size(view, l);
+    let apart = max(abs(near - place), abs(far - place)) + SLACK * (max(abs(near), abs(far)) + terms);
+    let factor = (1.0 - SLACK) * scale * distance_below(light, low, high) / length_of(apart);
+    // What is no number limits nothing.
+    return Reach(factor > 1.0 && factor < 0x1p100, select(0.0, factor, factor > 0.0 && factor <= 1.0));
+  }
+  if (!is_limited) {
+    return Reach(false, -1.0);
+  }
+  let d = turned(view, -light.light.xyz);
+  var farthest = 0.0;
+  var size = 0.0;
+  for (var axis = 0u; axis < 3u; axis++) {
+    farthest += max(near[axis] * d[axis], far[axis] * d[axis]);
+    size += max(abs(near[axis]), abs(far[axis])) * abs(d[axis]);
+  }
+  var nearest = 0x1p127;
+  for (var number = 0u; number < 8u; number++) {
+    let position = box_corner(low, high, number);
+    nearest = min(nearest, dot_3(placed(view, position), d));
+    size = max(size, dot_3(placed_size(view, position), abs(d)));
+  }
+  // Twice: the terms of both, and d itself is rounded.
+  let beyond = farthest - nearest + 4.0 * SLACK * size;
+  return Reach(beyond < 0.0, (1.0 + SLACK) * max(beyond, 0.0) / dot_3(d, d));
+}
+
+// Bounds on the terms whose sums are a place in the camera's frame.
+fn placed_size(view: ShadowView, position: vec3<f32>) -> vec3<f32> {
+  let q = abs(position);
+  return vec3<f32>(
+    dot_3(abs(view.placement[0].xyz), q) + abs(view.placement[0].w),
+    dot_3(abs(view.placement[1].xyz), q) + abs(view.placement[1].w),
+    dot_3(abs(view.placement[2].xyz), q) + abs(view.placement[2].w));
+}
+
+// What is known of the hull of vertices, in clip space.
+struct Hull {
+  // Whether all are outside the left, right, bottom and top plane, or before the near plane.
+  out: vec4<bool>,
+  before: bool,
+  // Whether all are in front of the near plane. Only then the rest is known.
+  is_ahead: bool,
+  // Ends on the screen.
+  low: vec2<f32>,
+  high: vec2<f32>,
+  // The nearest depth.
+  nearest: f32,
+}
+
+// Takes a vertex with bounds on the terms of its coordinates and of its height over the near plane.
+fn with_vertex(hull: Hull, view: ShadowView, clip: vec4<f32>, size: vec4<f32>, height: f32, height_size: f32) -> Hull {
+  var next = hull;
+  let along_x = size.w + size.x;
+  let along_y = size.w + size.y;
+  next.out = vec4<bool>(
+    hull.out.x && is_out(clip.w + clip.x, along_x),
+    hull.out.y && is_out(clip.w - clip.x, along_x),
+    hull.out.z && is_out(clip.w + clip.y, along_y),
+    hull.out.w && is_out(clip.w - clip.y, along_y));
+  next.before = hull.before && is_out(height, height_size);
+  next.is_ahead = hull.is_ahead && height > SLACK * height_size && clip.w > 0x1p-10 * size.w &&
+    all(size < vec4<f32>(0x1p100));
+  if (next.is_ahead) {
+    let place = clip.xyz / clip.w;
+    let error = 2.0 * SLACK * (size.xyz + abs(place) * size.w) / clip.w;
+    next.low = min(hull.low, place.xy - error.xy);
+    next.high = max(hull.high, place.xy + error.xy);
+    next.nearest = select(
+      min(hull.nearest, place.z - error.z), max(hull.nearest, place.z + error.z), view.near_z != 0.0);
+  }
+  return next;
+}
+
+// The key of the farthest receiver that is seen through a rectangle, in normalised device coordinates, and a pixel around.
+fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
+  let pixels = vec2<f32>(f32(receivers[at + 2u]), f32(receivers[at + 3u]));
+  let begin = (vec2<f32>(low.x, -high.y) * 0.5 + 0.5) * pixels - 1.0;
+  let end = (vec2<f32>(high.x, -low.y) * 0.5 + 0.5) * pixels + 1.0;
+  var first = vec2<u32>(clamp(begin, vec2<f32>(0.0), pixels - 1.0)) / TILE;
+  var last = vec2<u32>(clamp(end, vec2<f32>(0.0), pixels - 1.0)) / TILE;
+  var cells = vec2<u32>(receivers[at], receivers[at + 1u]);
+  var level = at + RECEIVERS_HEAD;
+  while (any(last - first > vec2<u32>(3u))) {
+    level += cells.x * cells.y;
+    cells = (cells + 1u) / 2u;
+    first /= 2u;
+    last /= 2u;
+  }
+  var key = 0u;
+  for (var y = first.y; y <= last.y; y++) {
+    for (var x = first.x; x <= last.x; x++) {
+      key = max(key, receivers[level + y * cells.x + x]);
+    }
+  }
+  return key;
+}
+
+// Whether no receiver can be in the volume of a box.
+fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> bool {
+  if (receivers[at + 4u] == 0u) {
+    return true;
+  }
+  let reach = reach_to(view, light, scale, low, high, at);
+  if (reach.is_none) {
+    return true;
+  }
+  var hull = Hull(vec4<bool>(true), true, true, vec2<f32>(0x1p127), vec2<f32>(-0x1p127), 1.0 - view.near_z);
+  for (var number = 0u; number < 8u; number++) {
+    let position = box_corner(low, high, number);
+    let q = abs(placed(view, position));
+    let clip = to_clip(view, position);
+    let size = clip_size(view, placed_size(view, position));
+    let height = dot_3(view.near_plane.xyz, placed(view, position)) + view.near_plane.w;
+    let near_size = height_size(view, placed_size(view, position));
+    hull = with_vertex(hull, view, clip, size, height, near_size);
+    let away = extrusion(view, light, position);
+    let terms = extrusion_size(view, light, position);
+    var far = direction_to_clip(view, away);
+    var far_size = clip_size(view, terms);
+    var rise = dot_3(view.near_plane.xyz, away);
+    var rise_size = dot_3(abs(view.near_plane.xyz), terms);
+    if (light.light.w > 0.0) {
+      far += reach.factor * light.clip;
+      far_size += reach.factor * abs(light.clip);
+      rise += reach.factor * light.height;
+      rise_size += reach.factor * abs(light.height);
+    } else if (reach.factor >= 0.0) {
+      far = clip + reach.factor * far;
+      far_size = size + reach.factor * far_size;
+      rise = height + reach.factor * rise;
+      rise_size = near_size + reach.factor * rise_size;
+    }
+    hull = with_vertex(hull, view, far, far_size, rise, rise_size);
+  }
+  if (any(hull.out) || hull.before) {
+    return true;
+  }
+  if (!hull.is_ahead) {
+    return false;
+  }
+  let key = farthest_through(hull.low, hull.high, at);
+  if (key == 0u) {
+    return true;
+  }
+  let farthest = depth_of_key(key, view.near_z);
+  return select(hull.nearest > farthest, hull.nearest < farthest, view.near_z != 0.0);
+}

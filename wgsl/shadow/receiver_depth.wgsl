@@ -1,0 +1,16 @@
+// Receiver depth: the farthest receiver of each tile, of a texture with a sample for each pixel.
+
+@group(0) @binding(1) var depth_texture: texture_depth_2d;
+
+fn samples() -> u32 {
+  return 1u;
+}
+
+fn depth_at(pixel: vec2<u32>, sample: u32) -> f32 {
+  return textureLoad(depth_texture, pixel, 0);
+}
+
+@compute @workgroup_size(64)
+fn receiver_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  take_tile(id.x + 64u * groups.x * id.y);
+}

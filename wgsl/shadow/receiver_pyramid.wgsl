@@ -1,0 +1,122 @@
+// Receiver pyramid: the levels above the tiles, by one workgroup, and the box of all places that receivers may be seen at.
+
+@group(0) @binding(0) var<uniform> receiver_view: ReceiverView;
+@group(0) @binding(1) var<storage, read_write> receivers: array<u32>;
+
+// The box is taken from the first level that has at most so many cells.
+const MOST_BOXED: u32 = 1024u;
+// Above the rounding error of a product of matrix and vector, relative to its terms.
+const UNPROJECTION: f32 = 1e-5;
+
+// Ends of the box as ordered bits, inverted where they are lowest.
+var<workgroup> ends: array<atomic<u32>, 6>;
+var<workgroup> is_endless: atomic<u32>;
+
+fn ordered(value: f32) -> u32 {
+  let bits = bitcast<u32>(value);
+  return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
+}
+
+fn unordered(bits: u32) -> f32 {
+  return bitcast<f32>(select(~bits, bits & 0x7fffffffu, bits >= 0x80000000u));
+}
+
+fn widen(low: vec3<f32>, high: vec3<f32>) {
+  for (var axis = 0u; axis < 3u; axis++) {
+    atomicMax(&ends[axis], ~ordered(low[axis]));
+    atomicMax(&ends[3u + axis], ordered(high[axis]));
+  }
+}
+
+// Takes a place on a ray from the eye, in normalised device coordinates, into the box.
+fn take_place(x: f32, y: f32, depth: f32) {
+  let m = receiver_view.inverse;
+  let place = m[0] * x + m[1] * y + m[2] * depth + m[3];
+  let error = UNPROJECTION * (abs(m[0] * x) + abs(m[1] * y) + abs(m[2] * depth) + abs(m[3]));
+  let least = place.w - error.w;
+  if (!(least > 0.0)) {
+    atomicStore(&is_endless, 1u);
+    return;
+  }
+  let most = place.w + error.w;
+  let low = place.xyz - error.xyz;
+  let high = place.xyz + error.xyz;
+  let lowest = min(low / least, low / most);
+  let highest = max(high / least, high / most);
+  widen(lowest - UNPROJECTION * abs(lowest), highest + UNPROJECTION * abs(highest));
+}
+
+// Takes what is seen through a cell of `size` pixels, and a pixel around.
+fn take_cell(cell: vec2<u32>, size: u32, key: u32) {
+  if (key == 0u) {
+    return;
+  }
+  let pixels = vec2<f32>(receiver_view.pixels);
+  let begin = (vec2<f32>(cell * size) - 1.0) / pixels * 2.0 - 1.0;
+  let end = (vec2<f32>((cell + 1u) * size) + 1.0) / pixels * 2.0 - 1.0;
+  let depth = depth_of_key(key, receiver_view.near_z);
+  for (var corner = 0u; corner < 4u; corner++) {
+    take_place(select(begin.x, end.x, (corner & 1u) != 0u), -select(begin.y, end.y, (corner & 2u) != 0u), depth);
+  }
+}
+
+@compute @workgroup_size(256)
+fn receiver_pyramid(@builtin(local_invocation_index) thread: u32) {
+  let head = receiver_view.at;
+  let tiles = (receiver_view.pixels + TILE - 1u) / TILE;
+  if (thread < 6u) {
+    atomicStore(&ends[thread], 0u);
+  }
+  if (thread == 6u) {
+    atomicStore(&is_endless, 0u);
+  }
+  workgroupBarrier();
+  if (thread == 0u) {
+    widen(receiver_view.near_min, receiver_view.near_max);
+  }
+  var cells = tiles;
+  var size = TILE;
+  var first = head + RECEIVERS_HEAD;
+  var is_boxed = false;
+  while (true) {
+    let count = cells.x * cells.y;
+    if (!is_boxed && count <= MOST_BOXED) {
+      is_boxed = true;
+      for (var cell = thread; cell < count; cell += 256u) {
+        take_cell(vec2<u32>(cell % cells.x, cell / cells.x), size, receivers[first + cell]);
+      }
+    }
+    if (count <= 1u) {
+      break;
+    }
+    let next = (cells + 1u) / 2u;
+    for (var cell = thread; cell < next.x * next.y; cell += 256u) {
+      let begin = 2u * vec2<u32>(cell % next.x, cell / next.x);
+      let end = min(begin + 1u, cells - 1u);
+      let upper = max(receivers[first + begin.y * cells.x + begin.x], receivers[first + begin.y * cells.x + end.x]);
+      let lower = max(receivers[first + end.y * cells.x + begin.x], receivers[first + end.y * cells.x + end.x]);
+      receivers[first + count + cell] = max(upper, lower);
+    }
+    first += count;
+    cells = next;
+    size *= 2u;
+    storageBarrier();
+    workgroupBarrier();
+  }
+  workgroupBarrier();
+  if (thread == 0u) {
+    receivers[head] = tiles.x;
+    receivers[head + 1u] = tiles.y;
+    receivers[head + 2u] = receiver_view.pixels.x;
+    receivers[head + 3u] = receiver_view.pixels.y;
+    receivers[head + 4u] = receivers[first];
+    receivers[head + 5u] = select(1u, 0u, atomicLoad(&is_endless) != 0u);
+  }
+  if (thread < 3u) {
+    let low = bitcast<u32>(unordered(~atomicLoad(&ends[thread])));
+    let high = bitcast<u32>(unordered(atomicLoad(&ends[3u + thread])));
+    let is_limited = atomicLoad(&is_endless) == 0u;
+    receivers[head + 6u + thread] = select(0u, low, is_limited);
+    receivers[head + 9u + thread] = select(0u, high, is_limited);
+  }
+}
