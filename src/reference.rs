@@ -100,6 +100,7 @@ pub mod cpu {
     pub use crate::cpu::shadow::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
     pub use crate::cpu::shadow::choose::choose;
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
+    pub use crate::cpu::shadow::hidden::is_hidden;
     pub use crate::cpu::shadow::list_sides::list_sides;
     pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::receiver_depth::receiver_depth;

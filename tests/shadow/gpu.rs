@@ -17,6 +17,7 @@ mod proxies;
 mod query;
 mod range;
 mod rays;
+mod receivers;
 mod refusals;
 mod render;
 mod samples;
@@ -49,6 +50,7 @@ fn main() {
         passing::TESTS,
         proxies::TESTS,
         hidden::TESTS,
+        receivers::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

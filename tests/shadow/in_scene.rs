@@ -266,6 +266,9 @@ impl InScene {
             };
             counted.chosen.push(self.lights.iter().map(chosen).collect());
         }
+        let (receivers, words) = results.receivers.ok_or("no view")?;
+        let all: Vec<u32> = gpu.read(receivers, usize::MAX)?;
+        counted.receivers = all[1 + self.view * words as usize..][..words as usize].to_vec();
         let statistics = self.frame.shadow_statistics().ok_or("no view")?;
         counted.statistics.extend(gpu.read::<ShadowStatistics>(statistics, 1)?);
         Ok(())

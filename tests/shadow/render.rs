@@ -41,7 +41,9 @@ pub(crate) struct Counted {
     pub(crate) stencils: Vec<Vec<u8>>,
     /// What was chosen, a caster and light each.
     pub(crate) chosen: Vec<Vec<ShadowLight>>,
-    /// Likewise.
+    /// Words of what the shadows of a scene may fall on.
+    pub(crate) receivers: Vec<u32>,
+    /// As `chosen`.
     pub(crate) draws: Vec<Vec<ShadowDraws>>,
     pub(crate) statistics: Vec<ShadowStatistics>,
 }
@@ -135,13 +137,7 @@ impl<'a> Renderer<'a> {
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
-        let mut early = frame.clone();
-        early.bodies.truncate(frame.bodies.len() - self.late_bodies);
-        self.depth(&mut encoder, &early, &view);
-        let depth = target.create_view(&wgpu::TextureViewDescriptor {
-            aspect: wgpu::TextureAspect::DepthOnly,
-            ..wgpu::TextureViewDescriptor::default()
-        });
+        let depth = self.early_depth(&mut encoder, frame, &target);
         let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives });
         let format = shadow_format(wgpu::FrontFace::Ccw);
         let together = match self.placing {
@@ -207,7 +203,8 @@ impl<'a> Renderer<'a> {
             let values: Vec<u8> = lines.flatten().copied().collect();
             stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
-        let mut counted = Counted { stencils, chosen: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
+        let mut counted =
+            Counted { stencils, chosen: Vec::new(), receivers: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
         for (volumes, ..) in &casters {
             counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
             counted.draws.push(gpu.read(&volumes.draw_arguments()[0], frame.lights.len())?);
@@ -289,6 +286,22 @@ impl<'a> Renderer<'a> {
         pass.draw(0..3, 0..1);
         drop(pass);
         split
+    }
+
+    /// Depth of all bodies but those that are drawn late, and a view of it.
+    fn early_depth(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &wgpu::Texture,
+    ) -> wgpu::TextureView {
+        let mut early = frame.clone();
+        early.bodies.truncate(frame.bodies.len() - self.late_bodies);
+        self.depth(encoder, &early, &target.create_view(&wgpu::TextureViewDescriptor::default()));
+        target.create_view(&wgpu::TextureViewDescriptor {
+            aspect: wgpu::TextureAspect::DepthOnly,
+            ..wgpu::TextureViewDescriptor::default()
+        })
     }
 
     /// Depth of every body; the stencil cleared.

@@ -12,13 +12,20 @@ use crate::shadow::{
 
 /// A box by its lowest and its highest corner.
 #[derive(Clone, Copy)]
-struct Bounds {
+pub(super) struct Bounds {
     low: Vec3,
     high: Vec3,
 }
 
 impl Bounds {
-    fn corners(self) -> [[f32; 3]; 8] {
+    /// The box of words as [`super::bounds::bounds`] has them, if any face is finite.
+    pub(super) fn of([low_x, low_y, low_z, high_x, high_y, high_z, _]: [u32; 7]) -> Option<Self> {
+        let low = Vec3::from([low_x, low_y, low_z].map(|bits| unordered(!bits)));
+        let high = Vec3::from([high_x, high_y, high_z].map(unordered));
+        (high_x != 0).then_some(Self { low, high })
+    }
+
+    pub(super) fn corners(self) -> [[f32; 3]; 8] {
         std::array::from_fn(|number| {
             std::array::from_fn(|axis| if number >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] })
         })
@@ -36,14 +43,8 @@ pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: b
 fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, light: &mut ShadowLight) {
     (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
     light.excludes = 0;
-    let [low_x, low_y, low_z, high_x, high_y, high_z, has_holes] = bounds;
-    if high_x == 0 {
-        return;
-    }
-    let caster = Bounds {
-        low: Vec3::from([low_x, low_y, low_z].map(|bits| unordered(!bits))),
-        high: Vec3::from([high_x, high_y, high_z].map(unordered)),
-    };
+    let [.., has_holes] = bounds;
+    let Some(caster) = Bounds::of(bounds) else { return };
     if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
         return;
     }
@@ -71,7 +72,7 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
 }
 
 /// A lower bound of the distance from the light to the box.
-fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
+pub(super) fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
     let [x, y, z, w] = light.light;
     let place = Vec3::new(x, y, z) / w;
     let slack = SLACK * low.abs().max(high.abs()).max(place.abs());
@@ -80,7 +81,7 @@ fn distance_below(light: &ShadowLight, Bounds { low, high }: Bounds) -> f32 {
 }
 
 /// The largest side is factored out, because squares may overflow.
-fn length_of(d: Vec3) -> f32 {
+pub(super) fn length_of(d: Vec3) -> f32 {
     let size = d.x.max(d.y).max(d.z);
     if size <= 0.0 {
         return 0.0;
@@ -149,12 +150,10 @@ fn light_meets(light: &ShadowLight, Bounds { low, high }: Bounds) -> bool {
 /// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
 fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
     let (mut out, mut before) = ([true; 4], true);
-    let [x, y, z, weight] = light.light;
     for position in caster.corners() {
         let v = corner(view, light, position);
         let q = placed(view, position).abs();
-        let terms = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
-        let away = Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z).abs(), terms)));
+        let away = extrusion_size(view, light, position);
         let (size, far_size) = (clip_size(view, q), clip_size(view, away));
         let sides = |c: glam::Vec4| [c.w + c.x, c.w - c.x, c.w + c.y, c.w - c.y];
         let sizes = |c: glam::Vec4| [c.w + c.x, c.w + c.x, c.w + c.y, c.w + c.y];
@@ -167,4 +166,11 @@ fn is_unseen(view: &ShadowView, light: &ShadowLight, caster: Bounds) -> bool {
         before &= is_out(v.height, height_size(view, q)) && is_out(v.far_height, rise_size);
     }
     out.contains(&true) || before
+}
+
+/// Bounds on the terms whose sums are the vector from the light to a position.
+pub(super) fn extrusion_size(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec3 {
+    let [x, y, z, weight] = light.light;
+    let terms = (weight * Vec3::from(position)).abs() + Vec3::new(x, y, z).abs();
+    Vec3::from(view.placement.map(|[x, y, z, _]| dot_3(Vec3::new(x, y, z).abs(), terms)))
 }

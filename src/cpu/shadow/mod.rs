@@ -6,6 +6,7 @@ pub(crate) mod caps;
 pub(crate) mod casting;
 pub(crate) mod choose;
 pub(crate) mod chosen;
+pub(crate) mod hidden;
 pub(crate) mod list_sides;
 pub(crate) mod multiplicity;
 pub(crate) mod pyramid;

@@ -84,6 +84,9 @@ pub struct SceneResults<'a> {
     pub work: &'a wgpu::Buffer,
     /// What was chosen: for each view, batch and caster eight words, as `reference::cpu::chosen` reads them. `None`: no view.
     pub choices: Option<&'a wgpu::Buffer>,
+    /// For each view, after one word, what its shadows may fall on: so many words as the number says, as
+    /// `reference::cpu::receiver_pyramid` returns them. `None`: no view.
+    pub receivers: Option<(&'a wgpu::Buffer, u64)>,
     /// What the lists for views were made from: for each group, batch and view 32 pairs of words, as `reference::cpu::relist`
     /// reads them. `None`: no view.
     pub listed: Option<&'a wgpu::Buffer>,
@@ -215,8 +218,11 @@ impl SceneFrame {
         let shadow_draws = self.volumes.as_ref().map_or(&[][..], |volumes| &volumes.buffers.draws);
         let bound = self.volumes.as_ref().and_then(|volumes| volumes.buffers.bound.as_ref());
         let listed = self.volumes.as_ref().map(|volumes| &volumes.buffers.listed);
+        let receivers = |volumes: &'_ Arc<Volumes>| volumes.buffers.sizes.receivers;
+        let receivers = self.volumes.as_ref().map(|volumes| (&volumes.buffers.receivers, receivers(volumes)));
         Ok(SceneResults {
             choices,
+            receivers,
             listed,
             bound: bound.map(|bound| [&bound.pencils, &bound.crossings]),
             shadow_draws,

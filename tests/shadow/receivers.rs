@@ -1,0 +1,257 @@
+//! The pyramid of the farthest receivers, against its twins and against places that are seen.
+
+use glam::{DMat4, DVec3, DVec4};
+use rimline::gpu::{Receivers, Scene, SceneOptions};
+use rimline::reference::cpu;
+use rimline::reference::layout::ReceiverView;
+use rimline::reference::shadow;
+use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same, shapes};
+
+use crate::scene::Eye;
+use crate::trials::Test;
+
+pub(crate) const TESTS: &[Test] = &[("receivers_equal_their_twins", twins)];
+
+/// Writes a depth for each sample from a hash of its place. Some are those that are cleared to.
+const WRITER: &str = "
+struct Depths { seed: u32, share_of_sky: u32, sky: f32, nearest: f32 }
+@group(0) @binding(0) var<uniform> depths: Depths;
+@vertex fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
+  return vec4<f32>(select(-1.0, 3.0, vertex == 1u), select(-1.0, 3.0, vertex == 2u), 0.0, 1.0);
+}
+fn hashed(place: vec2<u32>, sample: u32) -> f32 {
+  var h = depths.seed ^ (place.x * 73856093u) ^ (place.y * 19349663u) ^ (sample * 83492791u);
+  h = (h ^ (h >> 16u)) * 0x45d9f3bu;
+  h = (h ^ (h >> 16u)) * 0x45d9f3bu;
+  h ^= h >> 16u;
+  if (h % 100u < depths.share_of_sky) {
+    return depths.sky;
+  }
+  return depths.nearest * f32(1u + (h >> 9u)) * 0x1p-24;
+}
+@fragment fn single(@builtin(position) at: vec4<f32>) -> @builtin(frag_depth) f32 {
+  return hashed(vec2<u32>(at.xy), 0u);
+}
+@fragment fn many(@builtin(position) at: vec4<f32>, @builtin(sample_index) sample: u32) -> @builtin(frag_depth) f32 {
+  return hashed(vec2<u32>(at.xy), sample);
+}
+";
+
+fn hashed([seed, share_of_sky]: [u32; 2], [sky, nearest]: [f32; 2], [x, y]: [u32; 2], sample: u32) -> f32 {
+    let mut h = seed ^ x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ sample.wrapping_mul(83_492_791);
+    for _ in 0..2 {
+        h = (h ^ (h >> 16)).wrapping_mul(0x45d_9f3b);
+    }
+    h ^= h >> 16;
+    if h % 100 < share_of_sky { sky } else { nearest * (1 + (h >> 9)) as f32 * f32::from_bits((127 - 24) << 23) }
+}
+
+fn written(
+    gpu: &Gpu,
+    [width, height]: [u32; 2],
+    samples: u32,
+    [seed, share_of_sky]: [u32; 2],
+    [sky, nearest]: [f32; 2],
+) -> Result<wgpu::Texture, String> {
+    let device = &gpu.device;
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("depths"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: samples,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Depth32Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("depths"),
+        source: wgpu::ShaderSource::Wgsl(WRITER.into()),
+    });
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("depths"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: texture.format(),
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(if samples == 1 { "single" } else { "many" }),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    let words = [seed, share_of_sky, sky.to_bits(), nearest.to_bits()];
+    let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 16,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    gpu.queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&words));
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    gpu.submit(|encoder| {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: None,
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.5), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        Ok::<_, String>(())
+    })?;
+    Ok(texture)
+}
+
+fn eye(random: &mut Random, number: usize) -> Eye {
+    let forward = DVec3::from(random.direction().map(f64::from));
+    let place = 5.0 * DVec3::from(random.direction().map(f64::from));
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][number % 2];
+    let (far, half_width) = [(None, None), (Some(50.0), None), (Some(50.0), Some(8.0))][number / 2 % 3];
+    Eye { place, forward, near: 0.1, is_relative: random.below(5) > 0, depth, far, half_width }
+}
+
+/// The farthest place of each tile that is no sky must be in the box, and its key at least what it says at every level.
+fn check_places(
+    camera: &ShadowCamera,
+    view: &ReceiverView,
+    words: &[u32],
+    depths: &[f32],
+    samples: u32,
+) -> Result<(), String> {
+    let inverse = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from))).inverse();
+    let corner = |at: usize| DVec3::from([0, 1, 2].map(|axis| f64::from(f32::from_bits(words[at + axis]))));
+    let [width, _] = view.pixels;
+    for (number, depths) in (0..).zip(depths.chunks(samples as usize)) {
+        let [x, y] = [number % width, number / width];
+        for &depth in depths {
+            if words[5] == 0 || (depth == 1.0 - view.near_z && view.sky_receives == 0) {
+                continue;
+            }
+            let ndc = |at: u32, size: u32| (f64::from(at) + 0.5) / f64::from(size) * 2.0 - 1.0;
+            let seen = DVec4::new(ndc(x, view.pixels[0]), -ndc(y, view.pixels[1]), f64::from(depth), 1.0);
+            let place = inverse * seen;
+            let place = place.truncate() / place.w;
+            if !(place.cmpge(corner(6)).all() && place.cmple(corner(9)).all()) {
+                return Err(format!(
+                    "pixel {x} {y} at depth {depth} is at {place}, the box is {} {}",
+                    corner(6),
+                    corner(9)
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn twins() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 6001;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let (mut limited, mut endless) = (0, 0);
+    for number in 0..48 {
+        let eye = eye(&mut random, number);
+        let camera = eye.camera();
+        let pixels = [[1, 1], [8, 8], [9, 17], [64, 48], [300, 7], [333, 417]][number / 8];
+        let samples = if number % 3 == 2 { 4 } else { 1 };
+        let sky_receives = random.below(2) == 0;
+        let share = [0, 60, 100, 97][random.below(4)];
+        let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+        let nearest = [1.0, 0.01][random.below(2)];
+        let ends = [1.0 - near_z, nearest];
+        let what = format!("{number}: {pixels:?}, {samples} samples, {share} % sky, {eye:?}");
+        let texture = written(gpu, pixels, samples, [number as u32, share], ends)?;
+        let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+        let shape = shapes::cube();
+        let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
+        let rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+        scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
+        scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
+        // The second of three views has them.
+        let receivers = [None, Some(Receivers { depth: &depth, sky_receives }), None];
+        let frame = gpu.submit(|encoder| scene.encode_for(encoder, &[camera; 3], &receivers, None).map_err(text))?;
+        let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
+        let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
+        let mut found = all[1 + count as usize..][..count as usize].to_vec();
+        let place = |at: u32| [at % pixels[0], at / pixels[0]];
+        let depths: Vec<f32> = (0..pixels[0] * pixels[1])
+            .flat_map(|at| (0..samples).map(move |sample| hashed([number as u32, share], ends, place(at), sample)))
+            .collect();
+        let seen = shadow::view(&camera).map_err(text)?;
+        let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));
+        let view = ReceiverView {
+            inverse: matrix.inverse().as_mat4().to_cols_array_2d(),
+            near_min: seen.near_min,
+            near_z,
+            near_max: seen.near_max,
+            sky_receives: u32::from(sky_receives),
+            pixels,
+            at: 0,
+            reserved: 0,
+        };
+        let tiles = match samples {
+            1 => cpu::receiver_depth(&view, &depths),
+            samples => cpu::receiver_samples(&view, &depths, samples as usize),
+        };
+        let twin = cpu::receiver_pyramid(&view, &tiles);
+        let keys = |words: &[u32]| [&words[..6], &words[cpu::RECEIVERS_HEAD..]].concat();
+        same(&what, &keys(&found), &keys(&twin))?;
+        // Divisions round as the device does.
+        let near = |found: u32, twin: u32| {
+            let [found, twin] = [found, twin].map(f32::from_bits);
+            (found - twin).abs() <= 8.0 * f32::EPSILON * twin.abs()
+        };
+        if !(6..12).all(|at| near(found[at], twin[at])) {
+            return Err(format!("{what}: the box is {:?}, the twin's {:?}", &found[6..12], &twin[6..12]));
+        }
+        check_places(&camera, &view, &found, &depths, samples)?;
+        if found[5] == 0 {
+            endless += 1;
+        } else if found[4] != 0 {
+            limited += 1;
+            // A box without its farthest place.
+            let axis = (0..3)
+                .max_by_key(|axis| ((f32::from_bits(found[9 + axis]) - f32::from_bits(found[6 + axis])) * 1e3) as i64);
+            let axis = axis.unwrap_or(0);
+            found[9 + axis] = f32::midpoint(f32::from_bits(found[6 + axis]), f32::from_bits(found[9 + axis])).to_bits();
+            found[6 + axis] = found[9 + axis];
+            must_fail("a smaller box", &check_places(&camera, &view, &found, &depths, samples))?;
+        }
+        let last = found.len() - 1;
+        found[last] ^= 1;
+        must_fail("another key", &same(&what, &keys(&found), &keys(&twin)))?;
+    }
+    println!("{limited} boxes, {endless} without an end");
+    if limited.min(endless) < 3 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
