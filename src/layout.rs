@@ -49,6 +49,8 @@ pub(crate) mod caster_flags {
     pub(crate) const GIVEN: u32 = 64;
     /// The caster is not in the depth buffer.
     pub(crate) const PROXY: u32 = 128;
+    /// The caller states a box of the positions.
+    pub(crate) const BOUNDED: u32 = 256;
 }
 
 /// Declares `#[repr(C)]` structs and lists their layouts in [`LAYOUTS`].
@@ -285,7 +287,7 @@ shared_structs! {
         high: [f32; 3],
         /// Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not
         /// finite; 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of
-        /// the group; 128 not in the depth buffer.
+        /// the group; 128 not in the depth buffer; 256 the box is one that the caller states, in world space.
         flags: u32,
         /// First face slot, a multiple of [`CHUNK`].
         first_face_slot: u32,

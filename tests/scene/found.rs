@@ -77,18 +77,24 @@ impl Found {
 /// Whether the light certainly reaches the caster: a corner of a face is within its range.
 fn certainly_reaches(content: &Content, own: &Own, bit: u32) -> bool {
     let Some((_, light)) = content.lights.iter().find(|(handle, _)| handle.bit() == bit) else { return false };
-    let Placed::Rigid(rows) = &own.placed else { return true };
-    if !light.range.is_finite() || light.w == 0.0 {
+    let is_boxed = matches!(own.placed, Placed::Rigid(_)) || own.bounds.is_some();
+    if !is_boxed || !light.range.is_finite() || light.w == 0.0 {
         return true;
     }
     let (case, _) = &content.meshes[own.mesh];
     let (_, rest, mesh) = &**case;
-    let corners = mesh.faces().iter().flatten().map(|&vertex| rest[vertex as usize].map(f64::from));
-    let squares = corners.map(|position| {
-        let placed = rows.map(|row| {
-            let [a, b, c, d] = row.map(f64::from);
-            a * position[0] + b * position[1] + c * position[2] + d
-        });
+    let placed = |vertex: u32| match &own.placed {
+        Placed::World(world) => world[vertex as usize].map(f64::from),
+        Placed::Rigid(rows) => {
+            let position = rest[vertex as usize].map(f64::from);
+            rows.map(|row| {
+                let [a, b, c, d] = row.map(f64::from);
+                a * position[0] + b * position[1] + c * position[2] + d
+            })
+        }
+    };
+    let squares = mesh.faces().iter().flatten().map(|&vertex| {
+        let placed = placed(vertex);
         (0..3).map(|axis| (placed[axis] - f64::from(light.xyz[axis]) / f64::from(light.w)).powi(2)).sum::<f64>()
     });
     squares.fold(f64::MAX, f64::min).sqrt() <= f64::from(light.range) * (1.0 - 1e-5)

@@ -135,6 +135,9 @@ fn fresh(
         let caster =
             Caster { mesh: meshes[own.mesh], positions, lights: LightMask::only(allowed), in_depth: own.in_depth };
         let caster = scene.insert(caster).map_err(text)?;
+        if own.bounds.is_some() {
+            scene.set_bounds(caster, own.bounds).map_err(text)?;
+        }
         for (_, light, faces) in excluded.iter().filter(|(of, ..)| *of == own.handle) {
             if let Some((_, light)) = lights.iter().find(|(old, _)| old == light) {
                 scene.set_excluded(caster, *light, faces).map_err(text)?;

@@ -25,6 +25,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("a_still_frame_tests_nothing", still),
     ("lists_for_views_are_kept", lists),
     ("buffers_with_a_version_are_kept", versions),
+    ("stated_boxes_are_heeded", boxes),
     ("faces_that_callers_exclude_are_not_kept", excluded),
     ("lights_in_planes_of_kept_faces_are_known", zeros),
     ("late_frames_of_another_layout_spoil_nothing", late),
@@ -408,6 +409,38 @@ fn versions() -> Result<(), String> {
     let rigid = scene.content.casters[1].handle;
     let refused = scene.scene.set_position_version(rigid, Some(1));
     same("a version for a rigid caster", &[refused], &[Err(SceneError::NoBuffer)])
+}
+
+/// A stated box is heeded, whether it is true or not, and only finite boxes are taken.
+fn boxes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut scene = RandomScene::new(gpu, 2951, roomy(8))?;
+    let light = rimline::Light::point([0.0, 0.0, 0.0]).with_range(2.0);
+    let handle = scene.scene.add_light(light).map_err(text)?;
+    scene.content.lights.push((handle, light));
+    let world = scene.content.meshes[0].0.1.clone();
+    let buffer = gpu.storage(&world);
+    let positions = CasterPositions::Buffer { buffer, offset: 0, stride: 12 };
+    let caster = scene.insert_as(0, Placed::World(world), positions)?;
+    scene.set_all_lights()?;
+    let mut pairs = |bounds| {
+        scene.scene.set_bounds(caster, bounds).map_err(text)?;
+        let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+        Ok::<_, String>(Found::read(gpu, &frame)?.statistics.pairs)
+    };
+    let (near, far) = ([[1.0, 0.0, 0.0], [3.0, 1.0, 1.0]], [[2.5, 0.0, 0.0], [3.0, 1.0, 1.0]]);
+    let found = [pairs(None)?, pairs(Some(near))?, pairs(Some(far))?, pairs(Some(near))?, pairs(None)?];
+    same("pairs", &found, &[1, 1, 0, 1, 1])?;
+    for [low, high] in [[[0.0; 3], [-1.0, 1.0, 1.0]], [[0.0; 3], [1.0, f32::INFINITY, 1.0]], [[f32::NAN; 3], [1.0; 3]]]
+    {
+        let refused = scene.scene.set_bounds(caster, Some([low, high]));
+        if !matches!(refused, Err(SceneError::Bounds { .. })) {
+            return Err(format!("{low:?} {high:?}: {refused:?}"));
+        }
+    }
+    scene.insert_rigid()?;
+    let rigid = scene.content.casters[1].handle;
+    same("a rigid caster", &[scene.scene.set_bounds(rigid, None)], &[Err(SceneError::NoBuffer)])
 }
 
 /// Masks of callers are copied for each frame, and nothing of their group is kept.

@@ -23,6 +23,8 @@ pub(crate) struct Own {
     pub(crate) placed: Placed,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
+    /// What is stated of positions in a buffer.
+    pub(crate) bounds: Option<[[f32; 3]; 2]>,
 }
 
 #[derive(Clone)]
@@ -157,7 +159,20 @@ impl RandomScene {
         let world: Vec<_> = rest.iter().map(|&position| place(&transform, position)).collect();
         let (offset, stride) = ([0, 8, 260][self.random.below(3)], [12, 16, 28][self.random.below(3)]);
         let buffer = gpu.storage(&interleaved(&world, offset, stride));
-        self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride }).map(drop)
+        let ends = |pick: fn(f32, f32) -> f32, first: f32| {
+            let finite = world.iter().filter(|position| position.iter().all(|c| c.is_finite()));
+            finite.fold([first; 3], |end, position| std::array::from_fn(|axis| pick(end[axis], position[axis])))
+        };
+        let bounds = [ends(f32::min, f32::INFINITY), ends(f32::max, f32::NEG_INFINITY)];
+        let handle = self.insert_as(mesh, Placed::World(world), CasterPositions::Buffer { buffer, offset, stride })?;
+        // Of some, a box is stated that holds their positions.
+        if bounds[0][0].is_finite() && self.content.casters.len().is_multiple_of(2) {
+            self.scene.set_bounds(handle, Some(bounds)).map_err(text)?;
+            if let Some(own) = self.content.casters.last_mut() {
+                own.bounds = Some(bounds);
+            }
+        }
+        Ok(())
     }
 
     pub(crate) fn insert_rigid(&mut self) -> Result<(), String> {
@@ -180,7 +195,7 @@ impl RandomScene {
         let in_depth = self.random.below(2) == 0;
         let caster = Caster { mesh: self.content.meshes[mesh].1, positions, lights, in_depth };
         let handle = self.scene.insert(caster).map_err(text)?;
-        self.content.casters.push(Own { handle, mesh, placed, lights, in_depth });
+        self.content.casters.push(Own { handle, mesh, placed, lights, in_depth, bounds: None });
         Ok(handle)
     }
 

@@ -97,7 +97,10 @@ fn check_caster(content: &Content, own: &Own, found: &SceneCaster, random: &mut 
     let proxy = if own.in_depth { 0 } else { 128 };
     let Placed::Rigid(rows) = &own.placed else {
         // Positions in a buffer may change.
-        return same("flags in world space", &[found.flags], &[u32::from(is_closed) | 32 | proxy]);
+        let stated = own.bounds.unwrap_or([[f32::MAX; 3], [f32::MIN; 3]]);
+        same("stated box", &[found.low, found.high], &stated)?;
+        let bounded = if own.bounds.is_some() { 256 } else { 0 };
+        return same("flags in world space", &[found.flags], &[u32::from(is_closed) | 32 | proxy | bounded]);
     };
     let is_finite = |face: &[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));
     let is_degenerate = |[a, b, c]: [u32; 3]| a == b || b == c || c == a;

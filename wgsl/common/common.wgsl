@@ -180,6 +180,7 @@ const RIGID: u32 = 4u;
 const HOLED: u32 = 8u;
 const EXCLUDING: u32 = 16u;
 const PROXY: u32 = 128u;
+const BOUNDED: u32 = 256u;
 // The word of a scene's counts of silhouettes that tells whether a light was in the plane of a face whose bits are kept.
 const KEPT_ZEROS: u32 = 32u;
 
@@ -190,14 +191,14 @@ struct SceneCaster {
   row_0: vec4<f32>,
   row_1: vec4<f32>,
   row_2: vec4<f32>,
-  // The box of the finite faces, in mesh space. Low is above high if there is none.
+  // The box of the finite faces, in mesh space, or a box that the caller states. Low is above high if there is none.
   low: vec3<f32>,
   // At most the smallest factor by which the matrix scales a length.
   scale: f32,
   high: vec3<f32>,
   // Bits: 1 closed; 2 mirrored; 4 rigid, so lights are moved to its mesh space and the box is known; 8 a face is not finite;
   // 16 the caller excludes faces; 32 positions may have changed; 64 the caller excludes faces of a caster of the group; 128
-  // not in the depth buffer.
+  // not in the depth buffer; 256 the box is one that the caller states, in world space.
   flags: u32,
   first_face_slot: u32,
   faces: u32,

@@ -1,5 +1,5 @@
-// Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have the box of a
-// rigid caster within their range. And of these the ones whose bits are to be computed, because caster or light changed
+// Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have its box within their
+// range, if it is rigid or the caller states a box. And of these the ones whose bits are to be computed, because caster or light changed
 // since.
 
 // For each batch and caster the bits of these lights.
@@ -34,7 +34,7 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   let lights = caster_lights(caster, batch);
   let low = caster_part(caster, 3u);
   let high = caster_part(caster, 4u);
-  if ((high.w & RIGID) == 0u) {
+  if ((high.w & (RIGID | BOUNDED)) == 0u) {
     return lights.allowed;
   }
   var matter = 0u;

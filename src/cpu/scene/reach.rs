@@ -3,7 +3,8 @@
 use super::table::SceneTable;
 use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
 
-const RIGID: u32 = 4;
+/// Rigid, or with a box that the caller states.
+const BOXED: u32 = 4 | 256;
 /// Positions may have changed, or the masks of excluded faces are copied anew.
 const NOT_KEPT: u32 = 32 | 64;
 /// Above this size squares may overflow, and nothing is said.
@@ -73,7 +74,7 @@ pub fn take(table: SceneTable<'_>, group: &SceneDispatch, lit: &[u32], kept: &[u
 fn lights_that_matter(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, batch: u32) -> u32 {
     let CasterLights { allowed, first, .. } = table.lights(group, caster, batch);
     let caster = table.caster(caster);
-    if caster.flags & RIGID == 0 {
+    if caster.flags & BOXED == 0 {
         return allowed;
     }
     let lights = (0..32).filter(|light| allowed >> light & 1 != 0).zip((first..).step_by(2));

@@ -128,6 +128,8 @@ pub(crate) struct CasterEntry {
     pub(crate) is_moved: bool,
     /// The encode that was the first to have the caster as it is.
     pub(crate) version: u32,
+    /// A box, in world space, in which the caller says that all positions of its buffer are.
+    pub(crate) bounds: Option<[[f32; 3]; 2]>,
     /// What the caller says of the positions in its buffer. `None`: they may change at any time.
     pub(crate) positions_version: Option<u64>,
     /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.

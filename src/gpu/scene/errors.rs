@@ -69,9 +69,17 @@ pub enum SceneError {
         "the caster has positions in a buffer, in world space, and no transform; give it `CasterPositions::Rigid` by `Scene::set_positions`"
     )]
     NotRigid,
-    /// A version of positions is given for a rigid caster.
-    #[error("the caster is rigid, so there is no version of its positions; move it by `set_transform`")]
+    /// A version or a box of positions is given for a rigid caster.
+    #[error("the caster is rigid, so there is no version and no box of its positions; move it by `set_transform`")]
     NoBuffer,
+    /// A box is none.
+    #[error("the box from {low:?} to {high:?} is none; give finite corners, the lowest first")]
+    Bounds {
+        /// The lowest corner given.
+        low: [f32; 3],
+        /// The highest corner given.
+        high: [f32; 3],
+    },
     /// A camera is refused.
     #[error("view {view}: {error}")]
     Camera {

@@ -192,6 +192,7 @@ impl Scene {
             placement,
             is_moved: false,
             version: 0,
+            bounds: None,
             positions_version: None,
             index: 0,
             first_light: 0,
@@ -234,6 +235,33 @@ impl Scene {
         Ok(())
     }
 
+    /// States a box, its lowest and its highest corner in world space, in which all positions of a caster's buffer are from the
+    /// next encode on. For lights whose range does not reach the box nothing is computed of the caster. `None`, as after
+    /// [`Self::insert`] and [`Self::set_positions`]: they may be anywhere, and their own box tells only which volumes are
+    /// drawn.
+    ///
+    /// Positions outside the box, which are finite, may lack shadows. The box of a model at rest does not hold for a pose.
+    ///
+    /// # Errors
+    /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::Bounds`] for a box that is none, or an error of the handle.
+    pub fn set_bounds(&mut self, caster: CasterHandle, bounds: Option<[[f32; 3]; 2]>) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        if matches!(entry.placement, Placement::Rigid(_)) {
+            return Err(SceneError::NoBuffer);
+        }
+        if let Some([low, high]) = bounds
+            && !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high)
+        {
+            return Err(SceneError::Bounds { low, high });
+        }
+        if entry.bounds != bounds {
+            entry.bounds = bounds;
+            self.note_change(key);
+        }
+        Ok(())
+    }
+
     /// Notes that a caster is to be written to the table.
     fn note_change(&mut self, key: DefaultKey) {
         if let Some(entry) = self.casters.get_mut(key).filter(|entry| !entry.is_moved) {
@@ -257,7 +285,7 @@ impl Scene {
         let (placement, source) = self.place(mesh, positions.into())?;
         if let Some(entry) = self.casters.get_mut(key) {
             entry.placement = placement;
-            entry.positions_version = None;
+            (entry.positions_version, entry.bounds) = (None, None);
             self.sources.give_back(std::mem::replace(&mut entry.source, source));
         }
         self.structure = None;

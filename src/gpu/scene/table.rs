@@ -3,7 +3,7 @@
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
-use crate::layout::caster_flags::{CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
+use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
 use crate::layout::{CasterLights, ScaledLight, SceneCaster};
 use crate::light::Light;
 
@@ -78,7 +78,7 @@ impl Table {
         };
         let no_rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let [row_0, row_1, row_2] = rigid.map_or(no_rows, |rigid| finite(rigid.rows));
-        let [low, high] = if rigid.is_some() { [mesh.low, mesh.high] } else { [[f32::MAX; 3], [f32::MIN; 3]] };
+        let [low, high] = if rigid.is_some() { [mesh.low, mesh.high] } else { stated_box(entry) };
         let caster = SceneCaster {
             row_0,
             row_1,
@@ -88,6 +88,7 @@ impl Table {
             high,
             flags: flag(mesh.is_closed, CLOSED)
                 | flag(!entry.in_depth, PROXY)
+                | flag(entry.bounds.is_some(), BOUNDED)
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
                 | flag(rigid.is_some() && mesh.is_holed, HOLED)
@@ -115,7 +116,7 @@ impl Table {
         self.parts.get(CASTER_PARTS * index as usize + 5).map_or(0, |part| part[0])
     }
 
-    /// Writes what changed of a caster: the transform if it is rigid, and its version.
+    /// Writes what changed of a caster: the transform if it is rigid, else the box that the caller states, and its version.
     pub(crate) fn put_change(&mut self, entry: &CasterEntry) {
         let at = CASTER_PARTS * entry.index as usize;
         let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
@@ -126,9 +127,15 @@ impl Table {
             if let Some(low) = self.parts.get_mut(at + 3) {
                 low[3] = rigid.scale.to_bits();
             }
+        } else if let Some([low_part, high_part]) = self.parts.get_mut(at + 3..at + 5) {
+            let [low, high] = stated_box(entry);
+            for (part, end) in [(low_part, low), (high_part, high)] {
+                part.iter_mut().zip(end).for_each(|(word, value)| *word = value.to_bits());
+            }
+            flags |= flag(entry.bounds.is_some(), BOUNDED);
         }
         if let Some([high, .., last]) = self.parts.get_mut(at + 4..at + 8) {
-            high[3] = high[3] & !(MIRRORED | CHANGING) | flags;
+            high[3] = high[3] & !(MIRRORED | CHANGING | BOUNDED) | flags;
             last[0] = entry.version;
         }
     }
@@ -177,6 +184,11 @@ impl Table {
             self.put(versions_at + part, &[of_part.map(|bit| lights.version(bit))]);
         }
     }
+}
+
+/// The box that the caller states. Low is above high if it states none.
+fn stated_box(entry: &CasterEntry) -> [[f32; 3]; 2] {
+    entry.bounds.unwrap_or([[f32::MAX; 3], [f32::MIN; 3]])
 }
 
 /// Rows, or zeros if a component is not finite. Such a caster casts nothing.
