@@ -40,6 +40,16 @@ pub(crate) struct DrawTimes {
 /// The milliseconds of each stage, and from the first stage's beginning to the last one's end.
 pub(in super::super) type Timestamps = (Vec<(&'static str, f64)>, f64);
 
+/// What was recorded and run.
+pub(in super::super) struct Timed {
+    /// Milliseconds of the CPU for recording.
+    pub(in super::super) recording_ms: f64,
+    /// By the clock, from the submission on.
+    pub(in super::super) clock_ms: f64,
+    /// Times of the passes. `None` without a timer.
+    pub(in super::super) times: Option<Timestamps>,
+}
+
 /// Records frames and runs them on one device.
 ///
 /// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
@@ -108,25 +118,30 @@ impl<'a> Stopwatch<'a> {
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Runs what `record` records, and waits for it. Returns the milliseconds by the clock from the submission on, and the
-    /// times of the passes. `None` of these without a timer.
+    /// Runs what `record` records, and waits for it.
     pub(in super::super) fn timed(
         &mut self,
         record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&mut StageTimer>, &DrawPipelines) -> Result<(), GpuError>,
-    ) -> Result<(f64, Option<Timestamps>), Failure> {
+    ) -> Result<Timed, Failure> {
+        let begin = Instant::now();
         let mut encoder = self.encoder();
         if let Some(timer) = &mut self.timer {
             timer.clear();
         }
         record(&mut encoder, self.timer.as_mut(), &self.pipelines).map_err(|error| error.on(self.gpu))?;
-        let clock_ms = self.finish(encoder)?;
-        Ok((clock_ms, self.read()?))
+        if let Some(timer) = &self.timer {
+            timer.resolve(&mut encoder);
+        }
+        let commands = encoder.finish();
+        let recording_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let clock_ms = self.run(commands)?;
+        Ok(Timed { recording_ms, clock_ms, times: self.read()? })
     }
 
     /// Times of the stages.
     pub(super) fn stages(&mut self, recorder: &mut dyn Recorder, until: Until) -> Result<StageTimes, Failure> {
         if self.timer.is_some() {
-            let (_, times) = self.timed(|encoder, timer, _| recorder.encode(encoder, until, timer))?;
+            let Timed { times, .. } = self.timed(|encoder, timer, _| recorder.encode(encoder, until, timer))?;
             if let Some((stages, _)) = times {
                 return Ok(StageTimes::of(&stages));
             }
@@ -143,7 +158,7 @@ impl<'a> Stopwatch<'a> {
         depth: &wgpu::TextureView,
     ) -> Result<DrawTimes, Failure> {
         let stages_ms = if self.timer.is_some() { 0.0 } else { self.stages_by_clock(recorder, Until::Volumes)? };
-        let (clock_ms, times) = self.timed(|encoder, mut timer, pipelines| {
+        let Timed { clock_ms, times, .. } = self.timed(|encoder, mut timer, pipelines| {
             recorder.encode(encoder, Until::Volumes, timer.as_deref_mut())?;
             for light in 0..LIGHTS {
                 // Depth is reversed: 0 is farthest.
@@ -157,14 +172,6 @@ impl<'a> Stopwatch<'a> {
         let stencil_ms = stages.iter().filter(|(name, _)| *name == STENCIL).map(|(_, ms)| ms).sum();
         let is_software = self.timer.as_ref().is_some_and(StageTimer::is_software);
         Ok(DrawTimes { stencil_ms, frame_ms: if is_software { clock_ms } else { span_ms } })
-    }
-
-    /// Runs what is recorded.
-    fn finish(&self, mut encoder: wgpu::CommandEncoder) -> Result<f64, Failure> {
-        if let Some(timer) = &self.timer {
-            timer.resolve(&mut encoder);
-        }
-        self.run(encoder.finish())
     }
 
     /// Times of the stages and their span. `None` without a timer, and from the first timestamps on that mean nothing.
