@@ -84,7 +84,9 @@ fn measure_row(
 ) -> Result<Option<SkipRow>, Failure> {
     let setting = scene.setting(casters).map_err(recorder::model_failure)?;
     let Some(stages) = measure::stages(plan.rounds, stages, &setting)? else { return Ok(None) };
-    let Some(frames) = measure::frames(plan.rounds, draws, &setting, plan.size)? else { return Ok(None) };
+    // Frames of many volumes take seconds.
+    let rounds = Rounds { least: plan.rounds.least.min(3), ..plan.rounds };
+    let Some(frames) = measure::frames(rounds, draws, &setting, plan.size)? else { return Ok(None) };
     let entries = Variant::all().zip(stages).zip(frames);
     let entries = entries.map(|((variant, stages), Frames { frames, counted, fragments })| SkipEntry {
         variant,

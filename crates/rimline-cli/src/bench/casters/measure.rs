@@ -118,6 +118,11 @@ impl<'a> Stopwatch<'a> {
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
+    /// Whether passes have times of their own.
+    pub(in super::super) fn has_timer(&self) -> bool {
+        self.timer.is_some()
+    }
+
     /// Runs what `record` records, and waits for it.
     pub(in super::super) fn timed(
         &mut self,

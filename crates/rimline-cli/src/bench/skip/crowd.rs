@@ -3,9 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec3};
-use rimline::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, ModelError, Pose,
-};
+use rimline::{Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Model, ModelError, Pose};
 use rimline_measure::models::rows;
 use rimline_measure::random::Random;
 
@@ -61,7 +59,8 @@ pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
     let side = (figures as f32).sqrt().ceil().max(1.0) as usize;
     // Somewhere in its own square.
     let mut spot = |number: usize, columns: usize, rows: usize| {
-        let mut along = |index: usize, count: usize| width * ((index as f32 + random.between(0.2, 0.8)) / count as f32 - 0.5);
+        let mut along =
+            |index: usize, count: usize| width * ((index as f32 + random.between(0.2, 0.8)) / count as f32 - 0.5);
         Vec3::new(along(number % columns, columns), 0.0, along(number / columns, rows))
     };
     let places: Vec<Vec3> = (0..figures).map(|number| spot(number, side, figures.div_ceil(side))).collect();
@@ -80,8 +79,7 @@ pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
     // Above the crowd's edge, looking down at its middle.
     let eye = Vec3::new(0.0, 0.25 * width + 2.0, 0.55 * width + 4.0);
     let forward = -eye.normalize();
-    let camera =
-        Camera { eye, right: Vec3::X, up: Vec3::X.cross(forward), forward, scale: [1.5; 2], near: 0.1 };
+    let camera = Camera { eye, right: Vec3::X, up: Vec3::X.cross(forward), forward, scale: [1.5; 2], near: 0.1 };
     Ok(Setting {
         pairs_in_range: distances.iter().filter(|distance| **distance <= range).count(),
         casters: Casters::Walking(Walk { model, figures: walkers.collect() }),

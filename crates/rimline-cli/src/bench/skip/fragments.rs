@@ -74,8 +74,8 @@ impl FragmentCounter {
         }
         encoder.resolve_query_set(&self.queries, 0..self.lights as u32, &self.resolved, 0);
         stopwatch.run(encoder.finish())?;
-        let counts: Vec<u64> = read_back_vec(&gpu.device, &gpu.queue, &self.resolved)
-            .map_err(|error| GpuError::from(error).on(gpu))?;
+        let counts: Vec<u64> =
+            read_back_vec(&gpu.device, &gpu.queue, &self.resolved).map_err(|error| GpuError::from(error).on(gpu))?;
         Ok(counts.iter().sum())
     }
 }

@@ -62,10 +62,12 @@ impl Receivers {
         let vertices = |positions: &[[f32; 3]]| filled(bytemuck::cast_slice(positions), BufferUsages::VERTEX);
         let mut bodies = Vec::new();
         match (&setting.casters, deformed) {
-            (Casters::Rigid { shapes, placed }, _) => bodies.extend(shapes.iter().enumerate().map(|(number, shape)| {
-                let matrices = placed.iter().filter(|(of, _)| *of == number).map(|(_, matrix)| *matrix);
-                body(vertices(&shape.positions), &shape.faces, &matrices.collect::<Vec<_>>(), 0)
-            })),
+            (Casters::Rigid { shapes, placed }, _) => {
+                bodies.extend(shapes.iter().enumerate().map(|(number, shape)| {
+                    let matrices = placed.iter().filter(|(of, _)| *of == number).map(|(_, matrix)| *matrix);
+                    body(vertices(&shape.positions), &shape.faces, &matrices.collect::<Vec<_>>(), 0)
+                }))
+            }
             (Casters::Walking(walk), Some(deformed)) => {
                 if let Some(geometry) = walk.model.geometries().first() {
                     let matrices = vec![UNPLACED; walk.model.instances().len()];

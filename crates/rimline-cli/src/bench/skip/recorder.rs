@@ -89,7 +89,9 @@ impl<'a> SkipRecorder<'a> {
             frames: 0,
         };
         let meshes: Result<Vec<(Mesh, &[[f32; 3]])>, MeshError> = match &setting.casters {
-            Casters::Rigid { shapes, .. } => shapes.iter().map(|shape| Ok((shape.mesh()?, &shape.positions[..]))).collect(),
+            Casters::Rigid { shapes, .. } => {
+                shapes.iter().map(|shape| Ok((shape.mesh()?, &shape.positions[..]))).collect()
+            }
             Casters::Walking(walk) => {
                 let geometries = walk.model.geometries().iter();
                 let mesh = |positions: &[_], faces: &[_]| Mesh::from_faces(positions.len(), faces.to_vec());

@@ -204,7 +204,8 @@ impl SkipRow {
             let stages = entry.stage_names().into_iter();
             let stages = stages.map(|stage| json!({ "stage": stage, "ms": summary(entry.stage(stage)) }));
             let counters = COUNTERS.iter();
-            let counters = counters.map(|counter| json!({ "counter": counter.id, "count": (counter.of)(&entry.counted) }));
+            let counters =
+                counters.map(|counter| json!({ "counter": counter.id, "count": (counter.of)(&entry.counted) }));
             json!({
                 "variant": entry.variant.id(),
                 "parts": parts,
