@@ -11,7 +11,7 @@ use crate::input_args::DeviceArgs;
 #[command(help_template = verbatim(EXAMPLES), after_help = REMARKS)]
 pub(crate) struct BenchArgs {
     /// Measure smaller meshes, one scene of each class, fewer casters and fewer rounds. It takes about a minute instead of
-    /// about fifteen
+    /// about half an hour
     #[arg(long)]
     pub(crate) quick: bool,
 

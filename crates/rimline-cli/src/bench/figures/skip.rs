@@ -34,9 +34,9 @@ pub(in super::super) fn skipping(results: &SkipResults) -> Section {
         title: "Where a frame's work goes, and what is skipped".to_owned(),
         lead: format!(
             "Each scene with all levels of skipping off, with all on, and with each level off while the others are on, \
-             {size} × {size} pixels. All choices ran in turn, round by round. In `still` nothing moves among figures of \
-             4,000 faces. In `city` a sun lights buildings of 12 to 92 faces, and the eye is in a street. In `crowd` skinned \
-             figures walk, and each of the lamps reaches few of them. The ground receives and does not cast."
+             {size} × {size} pixels. All choices ran in turn, round by round. In the scene still nothing moves among \
+             figures of 4,000 faces. In the city a sun lights buildings of 12 to 92 faces, and the eye is in a street. In the \
+             crowd skinned figures walk, and each of the lamps reaches few of them. The ground receives and does not cast."
         ),
         figures: vec![work(results), frames(results), stages(results), counters(results)],
     }
