@@ -88,10 +88,10 @@ fn measure_row(
     let rounds = Rounds { least: plan.rounds.least.min(3), ..plan.rounds };
     let Some(frames) = measure::frames(rounds, draws, &setting, plan.size)? else { return Ok(None) };
     let entries = Variant::all().zip(stages).zip(frames);
-    let entries = entries.map(|((variant, stages), Frames { frames, counted, fragments })| SkipEntry {
+    let entries = entries.map(|((variant, stages), Frames { runs, counted, fragments })| SkipEntry {
         variant,
         stages,
-        frames,
+        frames: runs,
         counted,
         fragments,
     });

@@ -108,7 +108,7 @@ impl FrameRun {
 
 /// What frames with draws showed of a variant.
 pub(super) struct Frames {
-    pub(super) frames: Vec<FrameRun>,
+    pub(super) runs: Vec<FrameRun>,
     pub(super) counted: Counted,
     pub(super) fragments: Option<u64>,
 }
@@ -139,7 +139,7 @@ pub(super) fn frames(
         let counted = one.recorder.counted(gpu).map_err(|error| error.on(gpu))?;
         let draw = |pass: &mut wgpu::RenderPass<'_>, light| one.recorder.draw(pass, &stopwatch.pipelines, light);
         let fragments = counter.as_ref().map(|counter| counter.count(stopwatch, &draw)).transpose()?;
-        found.push(Frames { frames: Vec::new(), counted, fragments });
+        found.push(Frames { runs: Vec::new(), counted, fragments });
         drawn.push(one);
     }
     let stopwatch = RefCell::new(stopwatch);
@@ -148,8 +148,8 @@ pub(super) fn frames(
         Box::new(move || one.frame(&mut stopwatch.borrow_mut()))
     });
     let Some(rounds) = interleave(rounds, contenders.collect(), is_interrupted)? else { return Ok(None) };
-    for (found, frames) in found.iter_mut().zip(rounds) {
-        found.frames = frames;
+    for (found, runs) in found.iter_mut().zip(rounds) {
+        found.runs = runs;
     }
     Ok(Some(found))
 }

@@ -63,10 +63,11 @@ impl Receivers {
         let mut bodies = Vec::new();
         match (&setting.casters, deformed) {
             (Casters::Rigid { shapes, placed }, _) => {
-                bodies.extend(shapes.iter().enumerate().map(|(number, shape)| {
+                for (number, shape) in shapes.iter().enumerate() {
                     let matrices = placed.iter().filter(|(of, _)| *of == number).map(|(_, matrix)| *matrix);
-                    body(vertices(&shape.positions), &shape.faces, &matrices.collect::<Vec<_>>(), 0)
-                }))
+                    let matrices: Vec<_> = matrices.collect();
+                    bodies.push(body(vertices(&shape.positions), &shape.faces, &matrices, 0));
+                }
             }
             (Casters::Walking(walk), Some(deformed)) => {
                 if let Some(geometry) = walk.model.geometries().first() {

@@ -62,6 +62,9 @@ pub(super) fn model_failure(source: ModelError) -> Failure {
     Failure::Input { file: "crowd".into(), source: source.into() }
 }
 
+/// A mesh with its positions at rest.
+type Given<'a> = (Mesh, &'a [[f32; 3]]);
+
 /// A scene with some levels on.
 pub(super) struct SkipRecorder<'a> {
     setting: &'a Setting,
@@ -88,7 +91,7 @@ impl<'a> SkipRecorder<'a> {
             encoded: None,
             frames: 0,
         };
-        let meshes: Result<Vec<(Mesh, &[[f32; 3]])>, MeshError> = match &setting.casters {
+        let meshes: Result<Vec<Given<'_>>, MeshError> = match &setting.casters {
             Casters::Rigid { shapes, .. } => {
                 shapes.iter().map(|shape| Ok((shape.mesh()?, &shape.positions[..]))).collect()
             }
@@ -102,7 +105,7 @@ impl<'a> SkipRecorder<'a> {
         Ok(recorder)
     }
 
-    fn fill(&mut self, meshes: &[(Mesh, &[[f32; 3]])], deforming: &Deforming<'_>) -> Result<(), GpuError> {
+    fn fill(&mut self, meshes: &[Given<'_>], deforming: &Deforming<'_>) -> Result<(), GpuError> {
         let scene = &mut self.scene;
         let mut handles = Vec::with_capacity(meshes.len());
         for (mesh, positions) in meshes {

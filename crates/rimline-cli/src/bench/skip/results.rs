@@ -49,6 +49,7 @@ pub(crate) struct StageRun {
 
 /// Milliseconds of a frame with its draws.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_field_names, reason = "a time's name ends in its unit")]
 pub(crate) struct FrameRun {
     /// The stencil passes of all lights.
     pub(crate) stencil_ms: f64,
