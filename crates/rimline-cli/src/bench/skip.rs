@@ -19,7 +19,7 @@ use crate::failure::{Failure, NoDevice};
 use crate::output::{note, print};
 use crate::progress::Progress;
 use levels::Variant;
-use measure::Frames;
+use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
 use setting::SkipScene;
 
@@ -78,22 +78,17 @@ pub(super) fn measure_all(
 /// `None` where Ctrl-C came first.
 fn measure_row(
     plan: &SkipPlan,
-    [stages, draws]: &mut [Stopwatch<'_>; 2],
+    devices: &mut [Stopwatch<'_>; 2],
     scene: SkipScene,
     casters: usize,
 ) -> Result<Option<SkipRow>, Failure> {
     let setting = scene.setting(casters).map_err(recorder::model_failure)?;
-    let Some(stages) = measure::stages(plan.rounds, stages, &setting)? else { return Ok(None) };
     // Frames of many volumes take seconds.
     let rounds = Rounds { least: plan.rounds.least.min(3), ..plan.rounds };
-    let Some(frames) = measure::frames(rounds, draws, &setting, plan.size)? else { return Ok(None) };
-    let entries = Variant::all().zip(stages).zip(frames);
-    let entries = entries.map(|((variant, stages), Frames { runs, counted, fragments })| SkipEntry {
-        variant,
-        stages,
-        frames: runs,
-        counted,
-        fragments,
+    let Some(measured) = measure::measure(rounds, devices, &setting, plan.size)? else { return Ok(None) };
+    let entries = Variant::all().zip(measured).map(|(variant, Measured { runs, counted, fragments })| {
+        let (stages, frames) = runs.into_iter().unzip();
+        SkipEntry { variant, stages, frames, counted, fragments }
     });
     Ok(Some(SkipRow {
         scene,

@@ -131,7 +131,7 @@ fn bench_negative() -> Outcome {
     let counters = json!([{ "counter": "faces", "count": 12 }]);
     let variant = json!({
         "variant": "all-off", "parts": [{ "part": "compute", "ms": summary, "ratio": null }],
-        "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null, "fragments_ratio": 1.5,
+        "parts_of_frame": summary, "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null, "fragments_ratio": 1.5,
     });
     let row_of_skipping = json!({
         "scene": "city", "view": "oblique", "casters": 1, "faces": 12, "lights": 1, "pairs_in_range": 0, "variants": [variant],
@@ -171,6 +171,7 @@ fn bench_negative() -> Outcome {
         ("/skipping/rows/0/variants/0/parts/0/ms", json!(null)),
         ("/skipping/rows/0/variants/0/stages/0/ms", json!(1.0)),
         ("/skipping/rows/0/variants/0/counters/0/count", json!(-1)),
+        ("/skipping/rows/0/variants/0/parts_of_frame", json!(1.0)),
         ("/skipping/rows/0/variants/0/fragments", json!(0.5)),
         ("/skipping/rows/0/variants/0/fragments_ratio", json!("none")),
         ("/skipping/levels/0", json!("shadow-reach")),

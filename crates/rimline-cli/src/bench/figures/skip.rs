@@ -146,14 +146,16 @@ fn or_dash(text: Option<String>) -> String {
 /// A frame's parts, and how they compare with those with all levels on.
 fn frames(results: &SkipResults) -> Figure {
     let head = PARTS.iter().flat_map(|part| [format!("{}, ms", part.name()), "÷ all on".to_owned()]);
+    let head = head.chain(["parts ÷ frame".to_owned()]);
     let table = table(results, head.collect(), |row, entry| {
+        let together = or_dash(entry.parts_of_frame().map(|share| format!("{:.2}", share.median)));
         let cells = PARTS.into_iter().flat_map(|part| {
             let ratio = row.ratio(entry, part).map(|ratio| format!("{:.2}", ratio.median));
             // What is not done takes no time.
             let ms = entry.part(part).filter(|ms| ms.median > 0.0).map(|ms| figures(ms.median));
             [or_dash(ms), or_dash(ratio)]
         });
-        cells.collect()
+        cells.chain([together]).collect()
     });
     Figure {
         id: "skipping_frames",
@@ -161,7 +163,8 @@ fn frames(results: &SkipResults) -> Figure {
         lead: "Medians, and medians of each round's time divided by that with all levels on: larger means that the levels \
                save more. The whole frame is by the clock, from the submission on: deforming, all compute stages, and the \
                stencil passes of all lights. Depths that volumes are tested against are drawn before and not timed. Recording \
-               is CPU time."
+               is CPU time. The last column is deforming, compute and stencil passes together divided by the whole frame of the \
+               same round: far from 1, the machine was busy, and times are not to be trusted."
             .to_owned(),
         chart: None,
         table,

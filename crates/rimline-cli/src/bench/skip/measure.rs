@@ -21,31 +21,25 @@ use crate::output::is_interrupted;
 /// Frames before one is counted, so that what does not change was computed before.
 const SETTLED: usize = 2;
 
-/// The stages' times of each variant. Nothing is drawn. `None` where Ctrl-C came first.
-pub(super) fn stages(
-    rounds: Rounds,
-    stopwatch: &mut Stopwatch<'_>,
-    setting: &Setting,
-) -> Result<Option<Vec<Vec<StageRun>>>, Failure> {
-    let deforming = Deforming::new(stopwatch.gpu, setting)?;
-    let stopwatch = RefCell::new(stopwatch);
-    let contender = |variant| -> Result<Contender<'_, StageRun>, Failure> {
-        let mut recorder = SkipRecorder::new(stopwatch.borrow().gpu, setting, &deforming, variant)?;
-        let (deforming, stopwatch) = (&deforming, &stopwatch);
-        Ok(Box::new(move || {
-            let pose = deforming.pose(recorder.frames)?;
-            recorder.frames += 1;
-            let Timed { clock_ms, times, .. } = stopwatch.borrow_mut().timed(|encoder, mut timer, _| {
-                deforming.encode(encoder, pose.as_ref(), timer.as_deref_mut())?;
-                recorder.encode(encoder, timer)
-            })?;
-            // Without timestamps all that is known is their sum.
-            let stages = times.map_or_else(|| vec![("all stages", clock_ms)], |(stages, _)| stages);
-            Ok(StageRun { stages })
-        }))
-    };
-    let contenders = Variant::all().map(contender).collect::<Result<Vec<_>, _>>()?;
-    interleave(rounds, contenders, is_interrupted)
+/// A variant whose stages are timed, on a device on which nothing is drawn.
+struct Timing<'a> {
+    recorder: SkipRecorder<'a>,
+    deforming: &'a Deforming<'a>,
+}
+
+impl Timing<'_> {
+    fn stages(&mut self, stopwatch: &mut Stopwatch<'_>) -> Result<StageRun, Failure> {
+        let Self { recorder, deforming } = self;
+        let pose = deforming.pose(recorder.frames)?;
+        recorder.frames += 1;
+        let Timed { clock_ms, times, .. } = stopwatch.timed(|encoder, mut timer, _| {
+            deforming.encode(encoder, pose.as_ref(), timer.as_deref_mut())?;
+            recorder.encode(encoder, timer)
+        })?;
+        // Without timestamps all that is known is their sum.
+        let stages = times.map_or_else(|| vec![("all stages", clock_ms)], |(stages, _)| stages);
+        Ok(StageRun { stages })
+    }
 }
 
 /// A variant in frames that are drawn.
@@ -106,46 +100,55 @@ impl FrameRun {
     }
 }
 
-/// What frames with draws showed of a variant.
-pub(super) struct Frames {
-    pub(super) runs: Vec<FrameRun>,
+/// What is found of a variant.
+pub(super) struct Measured {
+    /// Both of the same rounds.
+    pub(super) runs: Vec<(StageRun, FrameRun)>,
     pub(super) counted: Counted,
     pub(super) fragments: Option<u64>,
 }
 
-/// Times of whole frames of each variant, what they counted, and the fragments of their volumes. `None` where Ctrl-C came
-/// first.
-pub(super) fn frames(
+/// Times of each variant, what its stages counted, and the fragments of its volumes. Stages and whole frames take turns, so
+/// that a drift of the machine's speed hits both alike. `None` where Ctrl-C came first.
+pub(super) fn measure(
     rounds: Rounds,
-    stopwatch: &mut Stopwatch<'_>,
+    [stages, draws]: &mut [Stopwatch<'_>; 2],
     setting: &Setting,
     size: u32,
-) -> Result<Option<Vec<Frames>>, Failure> {
-    let gpu = stopwatch.gpu;
-    let deforming = &Deforming::new(gpu, setting)?;
+) -> Result<Option<Vec<Measured>>, Failure> {
+    let gpu = draws.gpu;
+    let [deforming_stages, deforming] = [Deforming::new(stages.gpu, setting)?, Deforming::new(gpu, setting)?];
     let receivers = &Receivers::new(gpu, setting, deforming.positions());
-    let depth = &stopwatch.depth(size);
-    let counter = FragmentCounter::new(stopwatch, size, setting.lights.len())?;
-    let (mut drawn, mut found) = (Vec::new(), Vec::new());
+    let depth = &draws.depth(size);
+    let counter = FragmentCounter::new(draws, size, setting.lights.len())?;
+    let (mut pairs, mut found) = (Vec::new(), Vec::new());
     for variant in Variant::all() {
-        let recorder = SkipRecorder::new(gpu, setting, deforming, variant)?;
-        let mut one = Drawn { recorder, depth, receivers, deforming };
+        let recorder = SkipRecorder::new(gpu, setting, &deforming, variant)?;
+        let mut drawn = Drawn { recorder, depth, receivers, deforming: &deforming };
         for _ in 0..=SETTLED {
             if is_interrupted() {
                 return Ok(None);
             }
-            one.frame(stopwatch)?;
+            drawn.frame(draws)?;
         }
-        let counted = one.recorder.counted(gpu).map_err(|error| error.on(gpu))?;
-        let draw = |pass: &mut wgpu::RenderPass<'_>, light| one.recorder.draw(pass, &stopwatch.pipelines, light);
-        let fragments = counter.as_ref().map(|counter| counter.count(stopwatch, &draw)).transpose()?;
-        found.push(Frames { runs: Vec::new(), counted, fragments });
-        drawn.push(one);
+        let counted = drawn.recorder.counted(gpu).map_err(|error| error.on(gpu))?;
+        let draw = |pass: &mut wgpu::RenderPass<'_>, light| drawn.recorder.draw(pass, &draws.pipelines, light);
+        let fragments = counter.as_ref().map(|counter| counter.count(draws, &draw)).transpose()?;
+        found.push(Measured { runs: Vec::new(), counted, fragments });
+        let recorder = SkipRecorder::new(stages.gpu, setting, &deforming_stages, variant)?;
+        let mut timing = Timing { recorder, deforming: &deforming_stages };
+        for _ in 0..=SETTLED {
+            timing.stages(stages)?;
+        }
+        pairs.push((timing, drawn));
     }
-    let stopwatch = RefCell::new(stopwatch);
-    let contenders = drawn.iter_mut().map(|one| -> Contender<'_, FrameRun> {
-        let stopwatch = &stopwatch;
-        Box::new(move || one.frame(&mut stopwatch.borrow_mut()))
+    let (stages, draws) = (RefCell::new(stages), RefCell::new(draws));
+    let contenders = pairs.iter_mut().map(|(timing, drawn)| -> Contender<'_, (StageRun, FrameRun)> {
+        let (stages, draws) = (&stages, &draws);
+        Box::new(move || {
+            let of_stages = timing.stages(&mut stages.borrow_mut())?;
+            Ok((of_stages, drawn.frame(&mut draws.borrow_mut())?))
+        })
     });
     let Some(rounds) = interleave(rounds, contenders.collect(), is_interrupted)? else { return Ok(None) };
     for (found, runs) in found.iter_mut().zip(rounds) {

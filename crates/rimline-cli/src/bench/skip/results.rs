@@ -157,6 +157,15 @@ impl SkipEntry {
         Summary::of(self.rounds(part))
     }
 
+    /// Deforming, compute and stencil passes together, divided by the whole frame of the same round. About 1 where times can be
+    /// trusted: stages and frames are timed one after the other, and only the frame is by the clock.
+    pub(crate) fn parts_of_frame(&self) -> Option<Summary> {
+        let [deform, compute, stencil, frame] =
+            [SkipPart::Deform, SkipPart::Compute, SkipPart::Stencil, SkipPart::Frame].map(|part| self.rounds(part));
+        let share = |round: usize| Some((deform[round] + compute[round] + stencil.get(round)?) / frame.get(round)?);
+        Summary::of((0..deform.len()).filter_map(share).filter(|share| share.is_finite()))
+    }
+
     /// The names of all stages, in the order of the frame.
     pub(crate) fn stage_names(&self) -> Vec<&'static str> {
         let mut names = Vec::new();
@@ -210,6 +219,7 @@ impl SkipRow {
             json!({
                 "variant": entry.variant.id(),
                 "parts": parts,
+                "parts_of_frame": summary(entry.parts_of_frame()),
                 "stages": stages.collect::<Vec<_>>(),
                 "counters": counters.collect::<Vec<_>>(),
                 "fragments": entry.fragments,
@@ -272,6 +282,8 @@ mod tests {
         assert_eq!(median(0, SkipPart::Deform), Some(1.0));
         assert_eq!(median(0, SkipPart::Recording), None, "no ratio of zeros");
         assert_eq!(row.entries[0].part(SkipPart::Compute).map(|ms| ms.median), Some(12.0));
+        // (8 + 2 · 6 + 6) / 60, the median of its rounds.
+        assert_eq!(row.entries[0].parts_of_frame().map(|share| share.median), Some(26.0 / 60.0));
         assert_eq!([0, 1, 2].map(|entry| row.fragments_ratio(&row.entries[entry])), [Some(2.5), Some(1.0), None]);
     }
 

@@ -19,7 +19,7 @@ pub(super) fn row(row: &SkipRow) -> String {
     for part in PARTS {
         let _ = write!(text, " {:>22}", part.name());
     }
-    let _ = writeln!(text, " {:>22}", "volume fragments");
+    let _ = writeln!(text, " {:>22} {:>14}", "volume fragments", "parts ÷ frame");
     for entry in &row.entries {
         let _ = write!(text, "  {:<28}", entry.variant.name());
         let mut cell = |value: String, ratio: Option<f64>| {
@@ -32,7 +32,8 @@ pub(super) fn row(row: &SkipRow) -> String {
         }
         let fragments = entry.fragments.map_or_else(|| "–".to_owned(), |fragments| grouped(fragments as usize));
         cell(fragments, row.fragments_ratio(entry));
-        text.push('\n');
+        let together = entry.parts_of_frame().map_or_else(|| "–".to_owned(), |share| format!("{:.2}", share.median));
+        let _ = writeln!(text, " {together:>14}");
     }
     for entry in &row.entries {
         let counts: Vec<String> = COUNTERS
