@@ -15,6 +15,7 @@ mod report;
 mod results;
 mod row;
 mod shadows;
+mod skip;
 mod summary_json;
 mod text;
 
@@ -58,6 +59,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         planned_rows: plan.rows(),
         shadows: gpu.map(|_| plan.shadows.empty_results()).filter(|shadows| shadows.planned_rows > 0),
         casters: gpu.map(|_| plan.casters.empty_results()).filter(|casters| casters.planned_rows > 0),
+        skipping: gpu.map(|_| plan.skipping.empty_results()).filter(|skipping| skipping.planned_rows > 0),
     };
     let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {
@@ -99,11 +101,16 @@ fn measure_all(
     if let (Some(gpu), Some(shadows)) = (gpu, &mut results.shadows) {
         shadows::measure_all(&plan.shadows, gpu, progress, shadows)?;
     }
-    match (gpu, &mut results.casters) {
-        (Some(gpu), Some(casters)) if !is_interrupted() => {
-            let another = device::open_gpu(wanted)?;
-            casters::measure_all(&plan.casters, gpu, &another, progress, casters)
-        }
+    let Some(gpu) = gpu.filter(|_| results.casters.is_some() || results.skipping.is_some()) else { return Ok(()) };
+    if is_interrupted() {
+        return Ok(());
+    }
+    let another = device::open_gpu(wanted)?;
+    if let Some(casters) = &mut results.casters {
+        casters::measure_all(&plan.casters, gpu, &another, progress, casters)?;
+    }
+    match &mut results.skipping {
+        Some(skipping) if !is_interrupted() => skip::measure_all(&plan.skipping, gpu, &another, progress, skipping),
         _ => Ok(()),
     }
 }

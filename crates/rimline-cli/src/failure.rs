@@ -165,7 +165,10 @@ pub(crate) enum UsageError {
     NothingToMeasure,
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
-    #[error("--casters is for the scene `casters`, which --scenes leaves out; add `casters` to --scenes")]
+    #[error(
+        "--casters is for the scenes `casters`, `still`, `city` and `crowd`, which --scenes leaves out; add one of them to \
+         --scenes"
+    )]
     CastersWithoutScene,
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,

@@ -2,8 +2,8 @@
 //! and silhouettes that are not those of the merged mesh.
 
 pub(crate) mod field;
-mod measure;
-mod recorder;
+pub(crate) mod measure;
+pub(crate) mod recorder;
 pub(crate) mod results;
 mod text;
 

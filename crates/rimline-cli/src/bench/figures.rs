@@ -7,6 +7,7 @@ mod error;
 mod lights;
 mod shadows;
 mod size;
+mod skip;
 mod stages;
 
 use super::bench_mesh::ORDINARY;
@@ -16,9 +17,10 @@ use crate::page::Section;
 
 pub(super) use casters::casters;
 pub(super) use shadows::shadows;
+pub(super) use skip::skipping;
 
 /// Every plot that a report may have.
-pub(super) const PLOTS: [&str; 11] = [
+pub(super) const PLOTS: [&str; 12] = [
     "time_against_error",
     "time_against_size",
     "speed_against_2003",
@@ -30,6 +32,7 @@ pub(super) const PLOTS: [&str; 11] = [
     "shadow_frame",
     "shadow_paths",
     casters::RECORDING,
+    skip::WORK,
 ];
 
 /// The number of lights that plots are about which show one: eight where they were measured.

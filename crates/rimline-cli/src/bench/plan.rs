@@ -9,6 +9,8 @@ use super::bench_mesh::BenchMesh;
 use super::casters::CastersPlan;
 use super::measure::Rounds;
 use super::shadows::ShadowPlan;
+use super::skip::SkipPlan;
+use super::skip::setting::SkipScene;
 use crate::device::Wanted;
 use crate::failure::UsageError;
 
@@ -20,6 +22,7 @@ pub(crate) struct Plan {
     pub(crate) rounds: Rounds,
     pub(crate) shadows: ShadowPlan,
     pub(crate) casters: CastersPlan,
+    pub(crate) skipping: SkipPlan,
 }
 
 const MESHES: [usize; 7] = [1 << 10, 1 << 12, 1 << 14, 1 << 16, 1 << 18, 1 << 20, 1 << 22];
@@ -40,8 +43,9 @@ const QUICK_SCENES: [&str; 10] = [
     "touching-boxes",
 ];
 const LIGHTS: [usize; 3] = [1, 8, 32];
-/// The name of the scenes of many casters, beside those of stress scenes.
+/// Beside the names of stress scenes: the scenes of many casters, and those that measure skipping.
 const CASTERS: &str = "casters";
+const SKIPPING: [&str; 3] = ["still", "city", "crowd"];
 const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
 const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
 /// Faces of a single caster.
@@ -66,7 +70,7 @@ impl Plan {
         let lights_of_scenes = given.unwrap_or_else(|| vec![8]);
         let mut subjects: Vec<_> =
             meshes.into_iter().map(|faces| (BenchMesh::Torus(faces), lights_of_meshes.clone())).collect();
-        let Scenes { stress, casters } = Scenes::new(args)?;
+        let Scenes { stress, casters, skipping } = Scenes::new(args)?;
         for name in stress {
             subjects.push((BenchMesh::Scene(name, scene_faces), lights_of_scenes.clone()));
         }
@@ -82,13 +86,14 @@ impl Plan {
         let rounds_of_paths = Rounds { least: most.min(3), ..rounds };
         let shadows = ShadowPlan { models, frames, size, rounds: rounds_of_paths };
         // The CPU records no scenes either.
-        let numbers = if draws { casters } else { Vec::new() };
+        let (numbers, scenes) = if draws { (casters, skipping) } else { (Vec::new(), Vec::new()) };
         let one_mesh = if args.quick { QUICK_ONE_CASTER.into() } else { ONE_CASTER.into() };
         let casters = CastersPlan { numbers, one_mesh, size, rounds };
-        if subjects.is_empty() && shadows.rows() == 0 && casters.rows() == 0 {
+        let skipping = SkipPlan { scenes, size, rounds };
+        if subjects.is_empty() && shadows.rows() + casters.rows() + skipping.rows() == 0 {
             return Err(UsageError::NothingToMeasure);
         }
-        Ok(Self { subjects, rounds, shadows, casters })
+        Ok(Self { subjects, rounds, shadows, casters, skipping })
     }
 
     /// How many rows of extraction that makes.
@@ -103,43 +108,62 @@ struct Scenes {
     stress: Vec<&'static str>,
     /// Numbers of casters.
     casters: Vec<usize>,
+    /// Scenes that measure skipping, with their numbers of casters.
+    skipping: Vec<(SkipScene, usize)>,
+}
+
+/// The names of `--scenes`, by what they are of.
+struct Names {
+    stress: Vec<&'static str>,
+    has_casters: bool,
+    skipping: Vec<&'static str>,
 }
 
 impl Scenes {
     fn new(args: &BenchArgs) -> Result<Self, UsageError> {
-        let (stress, has_casters) = Self::named(args)?;
-        let casters = match &args.casters {
-            Some(numbers) => Number::counts(numbers),
-            None if args.quick => QUICK_NUMBERS_OF_CASTERS.into(),
-            None => NUMBERS_OF_CASTERS.into(),
-        };
-        match (has_casters, &args.casters) {
-            (true, _) => Ok(Self { stress, casters }),
-            (false, Some(_)) if !casters.is_empty() => Err(UsageError::CastersWithoutScene),
-            _ => Ok(Self { stress, casters: Vec::new() }),
+        let Names { stress, has_casters, skipping } = Names::new(args)?;
+        let given = args.casters.as_deref().map(Number::counts);
+        let is_of_casters = has_casters || !skipping.is_empty();
+        if !is_of_casters && given.as_ref().is_some_and(|numbers| !numbers.is_empty()) {
+            return Err(UsageError::CastersWithoutScene);
         }
+        let scenes = skipping.into_iter().filter_map(SkipScene::named).flatten();
+        let skipping = scenes.flat_map(|&scene| {
+            let numbers = given.clone().unwrap_or_else(|| vec![scene.usual(args.quick)]);
+            numbers.into_iter().filter(move |number| *number <= scene.most()).map(move |number| (scene, number))
+        });
+        let skipping = skipping.collect();
+        let usual = if args.quick { &QUICK_NUMBERS_OF_CASTERS[..] } else { &NUMBERS_OF_CASTERS };
+        let casters = if has_casters { given.clone().unwrap_or_else(|| usual.into()) } else { Vec::new() };
+        Ok(Self { stress, casters, skipping })
     }
+}
 
-    /// The stress scenes of `--scenes`, and whether scenes of many casters are among the names.
-    fn named(args: &BenchArgs) -> Result<(Vec<&'static str>, bool), UsageError> {
+impl Names {
+    fn new(args: &BenchArgs) -> Result<Self, UsageError> {
+        let all = |stress| Self { stress, has_casters: true, skipping: SKIPPING.into() };
         let Some(wanted) = &args.scenes else {
-            return Ok((if args.quick { QUICK_SCENES.into() } else { stress::names().collect() }, true));
+            return Ok(all(if args.quick { QUICK_SCENES.into() } else { stress::names().collect() }));
         };
+        let mut names = Self { stress: Vec::new(), has_casters: false, skipping: Vec::new() };
         match wanted.as_slice() {
-            [one] if one == "all" => Ok((stress::names().collect(), true)),
-            [one] if one == "none" => Ok((Vec::new(), false)),
-            wanted => {
-                let known = |wanted: &String| stress::names().find(|name| name == wanted);
-                let unknown = |wanted: &String| UsageError::Scene {
-                    wanted: wanted.clone(),
-                    there: stress::names().chain([CASTERS]).collect::<Vec<_>>().join(", "),
-                };
-                let stress = wanted.iter().filter(|name| *name != CASTERS);
-                let stress =
-                    stress.map(|wanted| known(wanted).ok_or_else(|| unknown(wanted))).collect::<Result<_, _>>()?;
-                Ok((stress, wanted.iter().any(|name| name == CASTERS)))
+            [one] if one == "all" => return Ok(all(stress::names().collect())),
+            [one] if one == "none" => return Ok(names),
+            _ => {}
+        }
+        for wanted in wanted {
+            if wanted == CASTERS {
+                names.has_casters = true;
+            } else if let Some(name) = SKIPPING.into_iter().find(|name| name == wanted) {
+                names.skipping.push(name);
+            } else if let Some(name) = stress::names().find(|name| name == wanted) {
+                names.stress.push(name);
+            } else {
+                let there = stress::names().chain([CASTERS]).chain(SKIPPING).collect::<Vec<_>>().join(", ");
+                return Err(UsageError::Scene { wanted: wanted.clone(), there });
             }
         }
+        Ok(names)
     }
 }
 

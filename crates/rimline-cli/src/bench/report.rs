@@ -140,5 +140,6 @@ fn sections(results: &Results) -> Vec<Section> {
     let extraction = (!results.rows.is_empty()).then(|| figures::extraction(results));
     let shadows = results.shadows.as_ref().filter(|shadows| !shadows.rows.is_empty()).map(figures::shadows);
     let casters = results.casters.as_ref().filter(|casters| casters.rows_done() > 0).map(figures::casters);
-    extraction.into_iter().chain(shadows).chain(casters).collect()
+    let skipping = results.skipping.as_ref().filter(|skipping| !skipping.rows.is_empty()).map(figures::skipping);
+    extraction.into_iter().chain(shadows).chain(casters).chain(skipping).collect()
 }

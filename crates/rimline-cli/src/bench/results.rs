@@ -8,6 +8,7 @@ use super::machine::{Adapter, Machine};
 use super::measure::{Sample, Summary};
 use super::method::{CONTESTANTS, Contestant};
 use super::shadows::results::ShadowResults;
+use super::skip::results::SkipResults;
 use super::summary_json::summary_json;
 
 /// Everything one run of the command found.
@@ -22,6 +23,8 @@ pub(crate) struct Results {
     pub(crate) shadows: Option<ShadowResults>,
     /// `None` where none were asked for.
     pub(crate) casters: Option<CastersResults>,
+    /// `None` where none were asked for.
+    pub(crate) skipping: Option<SkipResults>,
 }
 
 /// A mesh that was measured.
@@ -59,16 +62,18 @@ impl Results {
         self.rows_done() == 0
     }
 
-    /// Rows measured, of extraction, of shadows and of scenes of many casters.
+    /// Rows measured, of extraction, of shadows, of scenes of many casters and of skipping.
     pub(crate) fn rows_done(&self) -> usize {
         let shadows = self.shadows.as_ref().map_or(0, |shadows| shadows.rows.len());
-        self.rows.len() + shadows + self.casters.as_ref().map_or(0, CastersResults::rows_done)
+        let skipping = self.skipping.as_ref().map_or(0, |skipping| skipping.rows.len());
+        self.rows.len() + shadows + self.casters.as_ref().map_or(0, CastersResults::rows_done) + skipping
     }
 
     /// Rows that there would be, had nothing stopped the run.
     pub(crate) fn rows_planned(&self) -> usize {
         let shadows = self.shadows.as_ref().map_or(0, |shadows| shadows.planned_rows);
-        self.planned_rows + shadows + self.casters.as_ref().map_or(0, |casters| casters.planned_rows)
+        let casters = self.casters.as_ref().map_or(0, |casters| casters.planned_rows);
+        self.planned_rows + shadows + casters + self.skipping.as_ref().map_or(0, |skipping| skipping.planned_rows)
     }
 
     pub(crate) fn is_complete(&self) -> bool {
@@ -104,6 +109,7 @@ impl Results {
             },
             "shadows": self.shadows.as_ref().map(ShadowResults::json),
             "casters": self.casters.as_ref().map(CastersResults::json),
+            "skipping": self.skipping.as_ref().map(SkipResults::json),
         })
     }
 

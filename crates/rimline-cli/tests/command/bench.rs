@@ -12,6 +12,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("bench::report_and_data_are_as_described", report),
     ("bench::one_device_and_many_lights", on_the_cpu),
     ("bench::scenes_of_many_casters", many_casters),
+    ("bench::scenes_that_measure_skipping", skipping),
     ("bench::the_schema_is_printed", schema_is_printed),
     ("bench::wrong_options_write_nothing", wrong_options),
     #[cfg(unix)]
@@ -50,9 +51,10 @@ fn check_data(data: &Value) -> Outcome {
     let rows = extraction["rows"].as_array().map_or(0, Vec::len) as u64;
     let shadow_rows = check_shadows(&data["shadows"])?;
     let caster_rows = check_casters(&data["casters"])?;
+    let skip_rows = check_skipping(&data["skipping"], data["adapter"]["timestamps"] == true)?;
     let planned = |part: &str| data[part]["planned_rows"].as_u64().unwrap_or(0);
-    let is_complete =
-        ["extraction", "shadows", "casters"].map(planned).iter().sum::<u64>() == rows + shadow_rows + caster_rows;
+    let all = ["extraction", "shadows", "casters", "skipping"].map(planned).iter().sum::<u64>();
+    let is_complete = all == rows + shadow_rows + caster_rows + skip_rows;
     ensure!(data["complete"].as_bool() == Some(is_complete), "{rows} rows, complete: {}", data["complete"]);
     ensure!(data["date"].as_str().is_some_and(|date| date.len() == 20 && date.ends_with('Z')), "{}", data["date"]);
     Ok(())
@@ -105,6 +107,45 @@ fn check_casters(casters: &Value) -> Result<u64, String> {
         ensure!(row["wrong_lights"] == 0, "lights of {row} differ");
     }
     Ok((rows.len() + one_mesh.len()) as u64)
+}
+
+/// Each row has all choices of levels with all parts and counters, and ratios to all levels on; returns the number of rows.
+fn check_skipping(skipping: &Value, has_timestamps: bool) -> Result<u64, String> {
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let rows = list(&skipping["rows"]);
+    let mut expected = vec!["all-off".to_owned(), "all-on".to_owned()];
+    expected.extend(
+        list(&skipping["levels"]).iter().filter_map(|level| Some(format!("without-{}", level["id"].as_str()?))),
+    );
+    for row in &rows {
+        let variants = list(&row["variants"]);
+        ensure!(variants.iter().map(|variant| &variant["variant"]).eq(&expected), "variants of {row}");
+        let is_deformed = row["scene"] == "crowd";
+        for variant in &variants {
+            ensure!(parts(&variant["parts"]) == ["deform", "compute", "stencil", "frame", "recording"], "{variant}");
+            let stages = list(&variant["stages"]);
+            let deforms = stages.iter().any(|stage| stage["stage"] == "deform");
+            ensure!(!stages.is_empty() && (!has_timestamps || deforms == is_deformed), "stages of {variant}");
+            for part in list(&variant["parts"]) {
+                let is_timed = part["part"] != "deform" || (is_deformed && has_timestamps);
+                ensure!(is_timed || part["ms"]["median"] == 0.0, "{part} of {row}");
+                ensure!(part["ratio"].is_object() == is_timed, "no ratio of {part}");
+                ensure!(variant["variant"] != "all-on" || !is_timed || part["ratio"]["median"] == 1.0, "{part}");
+            }
+            let (one, all_on) = (variant["fragments"].as_f64(), variants[1]["fragments"].as_f64());
+            let ratio = one.zip(all_on).map(|(one, all_on)| one / all_on).filter(|ratio| ratio.is_finite());
+            ensure!(variant["fragments_ratio"].as_f64() == ratio, "fragments of {variant}");
+            // What is skipped is not seen, so this may be fewer fragments and never more.
+            ensure!(ratio.is_none_or(|ratio| ratio >= 1.0), "levels add fragments: {variant}");
+        }
+    }
+    Ok(rows.len() as u64)
+}
+
+/// What a variant's stages counted.
+fn count(variant: &Value, counter: &str) -> Option<u64> {
+    let counters = variant["counters"].as_array()?;
+    counters.iter().find(|found| found["counter"] == counter)?["count"].as_u64()
 }
 
 /// The parts of a frame that are timed.
@@ -297,6 +338,71 @@ fn many_casters() -> Outcome {
     Ok(())
 }
 
+fn skipping() -> Outcome {
+    let folder = folder();
+    let (report, json) = (folder.path().join("report"), folder.path().join("data.json"));
+    let line = "bench --scene still,city,crowd --casters 3,12 --meshes none --frames 0 --rounds 1 --quick";
+    let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
+    let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
+    run.expect(0, &["8/8"])?;
+    ensure!(
+        run.stdout.contains("city, 12 buildings, obliquely") && run.stdout.contains("whole frame"),
+        "{}",
+        run.stdout
+    );
+    let data = read_json(&json)?;
+    check_data(&data)?;
+    ensure!(data["complete"] == true && data["casters"].is_null(), "more was measured");
+    let rows = data["skipping"]["rows"].as_array().ok_or("no rows")?;
+    let expected = [("still", "whole", 5), ("city", "along-street", 1), ("city", "oblique", 1), ("crowd", "whole", 32)];
+    let expected = expected.iter().flat_map(|&(scene, view, lights)| {
+        [3, 12].map(|casters| [Value::from(scene), view.into(), casters.into(), lights.into()])
+    });
+    let found = rows.iter().map(|row| ["scene", "view", "casters", "lights"].map(|key| row[key].clone()));
+    ensure!(found.eq(expected), "{rows:?}");
+    for row in rows {
+        let number = |key: &str| row[key].as_u64().unwrap_or(0);
+        let of = |name: &str| row["variants"].as_array().into_iter().flatten().find(|one| one["variant"] == name);
+        let of = |name: &str| of(name).ok_or(format!("no {name} in {row}"));
+        let [off, on, moved] = [of("all-off")?, of("all-on")?, of("without-nothing-moved")?];
+        let pairs = number("casters") * number("lights");
+        ensure!(number("pairs_in_range") <= pairs, "{row}");
+        ensure!(count(off, "faces") == Some(number("faces")), "faces of {off}");
+        ensure!(count(off, "pairs") == Some(pairs) && count(off, "kept-pairs") == Some(0), "pairs of {off}");
+        ensure!(count(moved, "kept-pairs") == Some(0), "pairs of {moved}");
+        // Where nothing moves nothing is tested, and lamps may reach none of few figures.
+        if row["scene"] != "crowd" {
+            ensure!(on["fragments"] != 0, "no fragments of {on}");
+            let tested = ["faces", "edges", "kept-pairs"].map(|counter| count(on, counter));
+            ensure!(tested == [Some(0), Some(0), Some(pairs)], "{on}");
+        }
+    }
+    let html = check_report(&report)?;
+    ensure!(html.contains("work goes, and what is skipped"), "no section");
+    ensure!(report.join("skipping_work.png").exists(), "no plot");
+
+    // Negative controls of the checks above.
+    let wrong_values = [
+        ("/skipping/rows/0/scene", "village".into()),
+        ("/skipping/rows/1/variants/0/variant", "all-on".into()),
+        ("/skipping/rows/2/variants/0/parts/3/ratio", Value::Null),
+        ("/skipping/rows/2/variants/1/parts/3/ratio/median", 2.into()),
+        ("/skipping/rows/2/variants/1/parts/0/ms/median", 1.0.into()),
+        ("/skipping/rows/6/variants/1/stages/0/stage", "reach".into()),
+        ("/skipping/rows/6/variants/1/counters/0/count", "none".into()),
+        ("/skipping/rows/3/variants/1/fragments", 1.into()),
+        ("/skipping/rows/3/variants/0/fragments_ratio", 0.5.into()),
+        ("/skipping/levels/0/id", "other".into()),
+        ("/skipping/planned_rows", 9.into()),
+    ];
+    for (pointer, wrong) in wrong_values {
+        let mut other = data.clone();
+        *other.pointer_mut(pointer).ok_or_else(|| format!("nothing is at {pointer}"))? = wrong;
+        ensure!(check_data(&other).is_err(), "a wrong {pointer} passed");
+    }
+    Ok(())
+}
+
 fn schema_is_printed() -> Outcome {
     let run = rimline(["bench", "--schema"]);
     ensure!(run.json()? == schema()?, "another schema than the repository's");
@@ -308,12 +414,14 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
-        ("--scenes casters,nowhere", "three-sheets, casters, `all` and `none`"),
+        ("--scenes casters,nowhere", "three-sheets, casters, still, city, crowd, `all` and `none`"),
         ("--meshes none --scenes none --frames 0", "--meshes"),
         ("--meshes none --scenes none --device cpu", "--meshes"),
         ("--meshes none --scene casters --frames 0 --casters none", "--meshes"),
         ("--meshes none --scene casters --frames 0 --device cpu", "--meshes"),
-        ("--scenes plate-third --casters 3", "add `casters` to --scenes"),
+        ("--scenes plate-third --casters 3", "add one of them to --scenes"),
+        ("--meshes none --scene city --frames 0 --casters none", "--meshes"),
+        ("--meshes none --scene crowd --frames 0 --device cpu", "--meshes"),
         ("--casters 0", "--casters"),
         ("--casters 100001", "100,000"),
         ("--meshes 0", "--meshes"),

@@ -128,10 +128,20 @@ fn bench_negative() -> Outcome {
     part["ratio"] = summary.clone();
     let one_mesh = json!({ "faces": 1024, "gpu": [part], "silhouette_edges": [60, 70], "wrong_lights": 0 });
     let casters = json!({ "planned_rows": 2, "lights": 2, "size": 256, "rows": [scene], "one_mesh": [one_mesh] });
+    let counters = json!([{ "counter": "faces", "count": 12 }]);
+    let variant = json!({
+        "variant": "all-off", "parts": [{ "part": "compute", "ms": summary, "ratio": null }],
+        "parts_of_frame": summary, "stages": [{ "stage": "facing", "ms": summary }], "counters": counters, "fragments": null, "fragments_ratio": 1.5,
+    });
+    let row_of_skipping = json!({
+        "scene": "city", "view": "oblique", "casters": 1, "faces": 12, "lights": 1, "pairs_in_range": 0, "variants": [variant],
+    });
+    let levels = json!([{ "id": "shadow-reach", "name": "shadow reach" }]);
+    let skipping = json!({ "planned_rows": 1, "size": 256, "levels": levels, "rows": [row_of_skipping] });
     let data = json!({
         "format": "rimline-bench", "version": 1, "complete": true, "rimline": "0.1.0", "date": "2026-01-02T03:04:05Z",
         "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true }, "adapter": null, "shadows": null,
-        "casters": casters,
+        "casters": casters, "skipping": skipping,
         "extraction": { "planned_rows": 1, "methods": [], "subjects": [], "rows": [row] },
     });
     validate(&schema, &data)?;
@@ -154,13 +164,30 @@ fn bench_negative() -> Outcome {
         ("/casters/rows/0/silhouette_edges/0", json!(0.5)),
         ("/casters/one_mesh/0/gpu", json!(null)),
         ("/casters/one_mesh/0/wrong_lights", json!("none")),
+        ("/skipping/rows/0/scene", json!("casters")),
+        ("/skipping/rows/0/view", json!("above")),
+        ("/skipping/rows/0/casters", json!(0)),
+        ("/skipping/rows/0/variants/0/parts/0/part", json!("light")),
+        ("/skipping/rows/0/variants/0/parts/0/ms", json!(null)),
+        ("/skipping/rows/0/variants/0/stages/0/ms", json!(1.0)),
+        ("/skipping/rows/0/variants/0/counters/0/count", json!(-1)),
+        ("/skipping/rows/0/variants/0/parts_of_frame", json!(1.0)),
+        ("/skipping/rows/0/variants/0/fragments", json!(0.5)),
+        ("/skipping/rows/0/variants/0/fragments_ratio", json!("none")),
+        ("/skipping/levels/0", json!("shadow-reach")),
     ] {
         let mut changed = data.clone();
         *changed.pointer_mut(pointer).ok_or("nothing is there")? = wrong;
         ensure!(validate(&schema, &changed).is_err(), "a wrong {pointer} passed");
     }
     let places = ["", "/machine", "/extraction/rows/0", "/extraction/rows/0/results/0/ratios/0"];
-    for place in places.into_iter().chain(["/casters", "/casters/rows/0/gpu/0", "/casters/one_mesh/0"]) {
+    for place in places.into_iter().chain([
+        "/casters",
+        "/casters/rows/0/gpu/0",
+        "/casters/one_mesh/0",
+        "/skipping",
+        "/skipping/rows/0/variants/0",
+    ]) {
         let mut changed = data.clone();
         changed.pointer_mut(place).ok_or("nothing is there")?["unheard_of"] = json!(0);
         ensure!(validate(&schema, &changed).is_err(), "a key that is not described passed at `{place}`");

@@ -48,7 +48,7 @@ impl CasterMesh {
         format!("{} {}", super::super::grouped::grouped(casters), if casters == 1 { one } else { many })
     }
 
-    pub(super) fn shape(self) -> Shape {
+    pub(in super::super) fn shape(self) -> Shape {
         match self {
             Self::Cube => shapes::cube(),
             Self::Figure => on_grid(shapes::torus(50, 40, 1.0, 0.4)),
@@ -64,19 +64,19 @@ fn on_grid(mut shape: Shape) -> Shape {
 }
 
 /// Casters, lights and a camera. The same each time.
-pub(super) struct Field {
-    pub(super) shape: Shape,
+pub(in super::super) struct Field {
+    pub(in super::super) shape: Shape,
     /// Where casters stand.
-    pub(super) places: Vec<[f32; 3]>,
+    pub(in super::super) places: Vec<[f32; 3]>,
     /// Where they may move to, turned.
     pub(super) turned: Vec<Matrix3x4>,
-    pub(super) lights: Vec<Light>,
+    pub(in super::super) lights: Vec<Light>,
     /// It sees about half of the cube.
-    pub(super) camera: ShadowCamera,
+    pub(in super::super) camera: ShadowCamera,
 }
 
 impl Field {
-    pub(super) fn new(shape: Shape, casters: usize) -> Self {
+    pub(in super::super) fn new(shape: Shape, casters: usize) -> Self {
         let mut random = Random::new(1);
         let mut whole = |from: i16, to: i16| f32::from(from) + random.below((to - from) as usize + 1) as f32;
         let lights = (0..LIGHTS).map(|_| {
@@ -104,7 +104,7 @@ impl Field {
     }
 
     /// Where a caster stands, as a matrix.
-    pub(super) fn transform(&[x, y, z]: &[f32; 3]) -> Matrix3x4 {
+    pub(in super::super) fn transform(&[x, y, z]: &[f32; 3]) -> Matrix3x4 {
         [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
     }
 

@@ -13,9 +13,9 @@ use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 
 /// What every device has.
-const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
+pub(in super::super) const DEPTH: TextureFormat = TextureFormat::Depth24PlusStencil8;
 /// The passes that draw, as the timer has them.
-const STENCIL: &str = "stencil";
+pub(in super::super) const STENCIL: &str = "stencil";
 /// The stages that extract, of a scene and of a single mesh.
 const EXTRACTION: [&str; 6] = ["reach", "chunks", "facing", "exact_facing", "edges", "arguments"];
 
@@ -38,28 +38,38 @@ pub(crate) struct DrawTimes {
 }
 
 /// The milliseconds of each stage, and from the first stage's beginning to the last one's end.
-type Timestamps = (Vec<(&'static str, f64)>, f64);
+pub(in super::super) type Timestamps = (Vec<(&'static str, f64)>, f64);
+
+/// What was recorded and run.
+pub(in super::super) struct Timed {
+    /// Milliseconds of the CPU for recording.
+    pub(in super::super) recording_ms: f64,
+    /// By the clock, from the submission on.
+    pub(in super::super) clock_ms: f64,
+    /// Times of the passes. `None` without a timer.
+    pub(in super::super) times: Option<Timestamps>,
+}
 
 /// Records frames and runs them on one device.
 ///
 /// On Mesa's software device the timestamps of compute passes mean nothing once the device has drawn anything: each is
 /// taken when the next one is asked for. So stages are timed on a device of their own, on which nothing is drawn.
-pub(super) struct Stopwatch<'a> {
-    pub(super) gpu: &'a Gpu,
-    pub(super) pipelines: DrawPipelines,
+pub(in super::super) struct Stopwatch<'a> {
+    pub(in super::super) gpu: &'a Gpu,
+    pub(in super::super) pipelines: DrawPipelines,
     /// `None`: times are by the clock.
     timer: Option<StageTimer>,
 }
 
 impl<'a> Stopwatch<'a> {
-    pub(super) fn new(gpu: &'a Gpu) -> Result<Self, Failure> {
+    pub(in super::super) fn new(gpu: &'a Gpu) -> Result<Self, Failure> {
         let format = ShadowFormat { depth_stencil: DEPTH, ..ShadowFormat::default() };
         let pipelines = DrawPipelines::new(gpu, &format).map_err(|error| error.on(gpu))?;
         Ok(Self { gpu, pipelines, timer: StageTimer::new(&gpu.device, &gpu.queue) })
     }
 
-    /// A depth buffer without any surface, so many pixels across and down.
-    pub(super) fn depth(&self, size: u32) -> wgpu::TextureView {
+    /// A depth buffer, so many pixels across and down.
+    pub(in super::super) fn depth(&self, size: u32) -> wgpu::TextureView {
         let depth = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depth"),
             size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 1 },
@@ -67,13 +77,13 @@ impl<'a> Stopwatch<'a> {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: DEPTH,
-            usage: TextureUsages::RENDER_ATTACHMENT,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
         depth.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
-    fn encoder(&self) -> wgpu::CommandEncoder {
+    pub(in super::super) fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
@@ -101,21 +111,43 @@ impl<'a> Stopwatch<'a> {
     }
 
     /// Submits and waits. Returns the milliseconds that this took.
-    fn run(&self, commands: wgpu::CommandBuffer) -> Result<f64, Failure> {
+    pub(in super::super) fn run(&self, commands: wgpu::CommandBuffer) -> Result<f64, Failure> {
         let begin = Instant::now();
         self.gpu.queue.submit([commands]);
         self.gpu.wait()?;
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
-    /// Times of the stages.
-    pub(super) fn stages(&mut self, recorder: &mut dyn Recorder, until: Until) -> Result<StageTimes, Failure> {
+    /// Whether passes have times of their own.
+    pub(in super::super) fn has_timer(&self) -> bool {
+        self.timer.is_some()
+    }
+
+    /// Runs what `record` records, and waits for it.
+    pub(in super::super) fn timed(
+        &mut self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&mut StageTimer>, &DrawPipelines) -> Result<(), GpuError>,
+    ) -> Result<Timed, Failure> {
+        let begin = Instant::now();
+        let mut encoder = self.encoder();
         if let Some(timer) = &mut self.timer {
             timer.clear();
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            recorder.encode(&mut encoder, until, Some(timer)).map_err(|error| error.on(self.gpu))?;
-            self.finish(encoder)?;
-            if let Some((stages, _)) = self.read()? {
+        }
+        record(&mut encoder, self.timer.as_mut(), &self.pipelines).map_err(|error| error.on(self.gpu))?;
+        if let Some(timer) = &self.timer {
+            timer.resolve(&mut encoder);
+        }
+        let commands = encoder.finish();
+        let recording_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let clock_ms = self.run(commands)?;
+        Ok(Timed { recording_ms, clock_ms, times: self.read()? })
+    }
+
+    /// Times of the stages.
+    pub(super) fn stages(&mut self, recorder: &mut dyn Recorder, until: Until) -> Result<StageTimes, Failure> {
+        if self.timer.is_some() {
+            let Timed { times, .. } = self.timed(|encoder, timer, _| recorder.encode(encoder, until, timer))?;
+            if let Some((stages, _)) = times {
                 return Ok(StageTimes::of(&stages));
             }
         }
@@ -130,28 +162,21 @@ impl<'a> Stopwatch<'a> {
         recorder: &mut dyn Recorder,
         depth: &wgpu::TextureView,
     ) -> Result<DrawTimes, Failure> {
-        let gpu = self.gpu;
         let stages_ms = if self.timer.is_some() { 0.0 } else { self.stages_by_clock(recorder, Until::Volumes)? };
-        let mut encoder = self.encoder();
-        if let Some(timer) = &mut self.timer {
-            timer.clear();
-        }
-        let recorded = recorder.encode(&mut encoder, Until::Volumes, self.timer.as_mut());
-        recorded.and_then(|()| self.draw(&mut encoder, recorder, depth)).map_err(|error| error.on(gpu))?;
-        let clock_ms = self.finish(encoder)?;
+        let Timed { clock_ms, times, .. } = self.timed(|encoder, mut timer, pipelines| {
+            recorder.encode(encoder, Until::Volumes, timer.as_deref_mut())?;
+            for light in 0..LIGHTS {
+                // Depth is reversed: 0 is farthest.
+                let mut pass = stencil_pass(encoder, depth, LoadOp::Clear(0.0), timer.as_deref_mut(), None);
+                recorder.draw(&mut pass, pipelines, light)?;
+            }
+            Ok(())
+        })?;
         let by_clock = DrawTimes { stencil_ms: (clock_ms - stages_ms).max(0.0), frame_ms: clock_ms };
-        let Some((stages, span_ms)) = self.read()? else { return Ok(by_clock) };
+        let Some((stages, span_ms)) = times else { return Ok(by_clock) };
         let stencil_ms = stages.iter().filter(|(name, _)| *name == STENCIL).map(|(_, ms)| ms).sum();
         let is_software = self.timer.as_ref().is_some_and(StageTimer::is_software);
         Ok(DrawTimes { stencil_ms, frame_ms: if is_software { clock_ms } else { span_ms } })
-    }
-
-    /// Runs what is recorded.
-    fn finish(&self, mut encoder: wgpu::CommandEncoder) -> Result<f64, Failure> {
-        if let Some(timer) = &self.timer {
-            timer.resolve(&mut encoder);
-        }
-        self.run(encoder.finish())
     }
 
     /// Times of the stages and their span. `None` without a timer, and from the first timestamps on that mean nothing.
@@ -167,32 +192,28 @@ impl<'a> Stopwatch<'a> {
             }
         }
     }
+}
 
-    /// The stencil passes of all lights.
-    fn draw(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        recorder: &dyn Recorder,
-        depth: &wgpu::TextureView,
-    ) -> Result<(), GpuError> {
-        for light in 0..LIGHTS {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(STENCIL),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: depth,
-                    // Depth is reversed: 0 is farthest.
-                    depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
-                    stencil_ops: Some(Operations { load: LoadOp::Clear(0), store: StoreOp::Store }),
-                }),
-                timestamp_writes: self.timer.as_mut().and_then(|timer| timer.render_pass(STENCIL)),
-                occlusion_query_set: None,
-                multiview_mask: None,
-            });
-            recorder.draw(&mut pass, &self.pipelines, light)?;
-        }
-        Ok(())
-    }
+/// A pass that counts the volumes of a light, from 0 on. `queries` are for the caller's own.
+pub(in super::super) fn stencil_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    depth: &wgpu::TextureView,
+    load: LoadOp<f32>,
+    timer: Option<&mut StageTimer>,
+    queries: Option<&wgpu::QuerySet>,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(STENCIL),
+        color_attachments: &[],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(Operations { load, store: StoreOp::Store }),
+            stencil_ops: Some(Operations { load: LoadOp::Clear(0), store: StoreOp::Store }),
+        }),
+        timestamp_writes: timer.and_then(|timer| timer.render_pass(STENCIL)),
+        occlusion_query_set: queries,
+        multiview_mask: None,
+    })
 }
 
 impl StageTimes {

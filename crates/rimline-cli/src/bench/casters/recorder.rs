@@ -39,8 +39,8 @@ pub(super) trait Recorder {
 }
 
 /// What volumes are drawn with.
-pub(super) struct DrawPipelines {
-    pub(super) scene: ScenePipelines,
+pub(in super::super) struct DrawPipelines {
+    pub(in super::super) scene: ScenePipelines,
     pub(super) volumes: ShadowPipelines,
 }
 
@@ -54,7 +54,7 @@ impl DrawPipelines {
 }
 
 /// Why a way cannot be made.
-pub(super) fn mesh_failure(source: MeshError) -> Failure {
+pub(in super::super) fn mesh_failure(source: MeshError) -> Failure {
     Failure::Input { file: "casters".into(), source: source.into() }
 }
 
