@@ -481,6 +481,8 @@ shared_structs! {
         averted: u32,
         /// The counting method that was asked for: 0 z-pass, 1 ZP+, 2 z-fail, 3 z-pass or ZP+, 4 ZP+ as published.
         counting: u32,
+        /// 1: skip casters that the light's range does not reach.
+        skip_unreached: u32,
         /// 1: skip casters where the camera cannot see their shadow.
         skip_unseen: u32,
         /// 1: volumes end at the range of their light.

@@ -152,6 +152,7 @@ fn choose(scene: &Scene, skip_unseen: bool) -> Chosen {
         averted: u32::from(is_closed),
         counting: COUNT_AUTO,
         skip_unseen: u32::from(skip_unseen),
+        skip_unreached: 1,
         ..bytemuck::Zeroable::zeroed()
     };
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();

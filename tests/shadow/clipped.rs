@@ -295,6 +295,7 @@ fn clipped() -> Result<(), String> {
             counting: [COUNT_ZP_PLUS, COUNT_AUTO, COUNT_Z_PASS][number % 3],
             proxies: u32::from(number / 3 % 2 == 0),
             end_at_range: u32::from(number % 5 == 0),
+            skip_unreached: 1,
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();

@@ -102,6 +102,7 @@ fn compare(
         averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         counting: COUNT_Z_FAIL,
         end_at_range,
+        skip_unreached: 1,
         ..bytemuck::Zeroable::zeroed()
     };
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();

@@ -128,6 +128,7 @@ fn as_the_twin(frame: &Frame, counted: &Counted) -> Result<[u32; 2], String> {
             averted: u32::from(mesh.is_closed()),
             counting: COUNT_AUTO,
             skip_unseen: 1,
+            skip_unreached: 1,
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights = [light];

@@ -57,6 +57,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         averted: u32::from(counts.boundary == 0 && counts.inconsistent == 0),
         counting: COUNT_AUTO,
         skip_unseen: 1,
+        skip_unreached: 1,
         end_at_range: 0,
         choices_at,
         measures_at: choices_at + 2 * batches,

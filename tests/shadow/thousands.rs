@@ -81,6 +81,7 @@ impl Model {
             averted: u32::from(self.is_closed),
             counting: COUNT_AUTO,
             skip_unseen: 1,
+            skip_unreached: 1,
             ..bytemuck::Zeroable::zeroed()
         };
         let mut lights = [light];

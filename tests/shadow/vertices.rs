@@ -46,7 +46,7 @@ impl<'a> Cast<'a> {
         let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
         let counts = mesh.edges().counts();
         let averted = u32::from(counts.boundary == 0 && counts.inconsistent == 0);
-        let shape = ShadowShape { averted, counting: COUNT_ZP_PLUS, ..bytemuck::Zeroable::zeroed() };
+        let shape = ShadowShape { averted, counting: COUNT_ZP_PLUS, skip_unreached: 1, ..bytemuck::Zeroable::zeroed() };
         cpu::choose(&shape, &view, cpu::bounds(positions, mesh.faces()), false, &mut lights);
         let plain = &scene.lights;
         let facing = cpu::facing(positions, mesh.faces(), plain, Predicate::Exact, Threads::ONE);

@@ -73,6 +73,8 @@ struct ShadowShape {
   averted: u32,
   // One of the constants below.
   counting: u32,
+  // 1: skip casters that the light's range does not reach.
+  skip_unreached: u32,
   // 1: skip casters where the camera cannot see their shadow.
   skip_unseen: u32,
   // 1: volumes end at the range of their light.

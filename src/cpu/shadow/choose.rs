@@ -45,7 +45,8 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
     light.excludes = 0;
     let [.., has_holes] = bounds;
     let Some(caster) = Bounds::of(bounds) else { return };
-    if out_of_range(light, caster) || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
+    let is_reached = shape.skip_unreached == 0 || !out_of_range(light, caster);
+    if !is_reached || (shape.skip_unseen != 0 && is_unseen(view, light, caster)) {
         return;
     }
     let light_is_inside = light_meets(light, caster);

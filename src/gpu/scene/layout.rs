@@ -175,7 +175,7 @@ impl Layout {
         limits: &DispatchLimits,
     ) -> Result<(), MemoryError> {
         let parts = std::mem::take(&mut table.parts);
-        *table = Table { parts, casters: self.order.len(), batches: lights.batches() };
+        *table = Table { parts, casters: self.order.len(), batches: lights.batches(), ..*table };
         let mut next = table.pairs_at();
         // Casters in world space share their lights if they have the same.
         let mut in_world: HashMap<LightMask, u32> = HashMap::new();

@@ -22,6 +22,10 @@ pub struct SceneOptions {
     pub counting: Counting,
     /// Every face casts, always; see [`ShadowOptions::every_face`](crate::gpu::ShadowOptions::every_face).
     pub every_face: bool,
+    /// Compute nothing of a caster for a light whose range does not reach it: the box of a rigid caster, or the one that
+    /// [`Scene::set_bounds`](crate::gpu::Scene::set_bounds) states. And draw no volume of a caster whose own box it does not
+    /// reach.
+    pub skip_unreached: bool,
     /// Skip a caster for a light and a view where the camera cannot see its shadow.
     pub skip_unseen: bool,
     /// Skip a caster for a light and a view if none of the view's receivers can be in its volume. It takes effect in views
@@ -64,6 +68,7 @@ impl SceneOptions {
             every_face,
             keep_bits,
             keep_lists,
+            skip_unreached,
             skip_unseen,
             end_at_range,
             bound_counts,
@@ -75,6 +80,7 @@ impl SceneOptions {
         VolumeSettings {
             counting,
             averted: !every_face,
+            skip_unreached,
             skip_unseen,
             end_at_range,
             bound_counts,
@@ -88,7 +94,8 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, unseen and hidden shadows skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
+    /// where they suffice, what lights do not reach, and shadows that are unseen or hidden,
+    /// skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -97,6 +104,7 @@ impl Default for SceneOptions {
             undecided_capacity: None,
             counting: Counting::Auto,
             every_face: false,
+            skip_unreached: true,
             skip_unseen: true,
             skip_hidden: true,
             end_at_range: false,

@@ -89,7 +89,7 @@ impl Scene {
             casters: SlotMap::new(),
             sources: Sources::default(),
             pages: Pages::new(),
-            table: Table::default(),
+            table: Table { heeds_ranges: options.skip_unreached, ..Table::default() },
             moved: Vec::new(),
             structure: None,
             last: None,

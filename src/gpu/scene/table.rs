@@ -22,6 +22,8 @@ pub(crate) struct Table {
     pub(crate) parts: Vec<Part>,
     pub(crate) casters: usize,
     pub(crate) batches: usize,
+    /// Lights do not matter to casters out of their range.
+    pub(crate) heeds_ranges: bool,
 }
 
 /// The slots of a caster.
@@ -172,8 +174,9 @@ impl Table {
 
     /// Writes the ranges of all lights, 0 for no limit, and their versions.
     pub(crate) fn put_ranges(&mut self, lights: &Lights) {
+        let heeds_ranges = self.heeds_ranges;
         let range = |bit| match lights.get(bit) {
-            Some(Light { range, w, .. }) if range.is_finite() && w != 0.0 => range.to_bits(),
+            Some(Light { range, w, .. }) if heeds_ranges && range.is_finite() && w != 0.0 => range.to_bits(),
             _ => 0,
         };
         for part in 0..RANGE_PARTS * self.batches {

@@ -30,6 +30,7 @@ pub(crate) struct VolumeSettings {
     pub(crate) counting: Counting,
     /// Averted faces alone cast, where they suffice.
     pub(crate) averted: bool,
+    pub(crate) skip_unreached: bool,
     pub(crate) skip_unseen: bool,
     pub(crate) end_at_range: bool,
     pub(crate) bound_counts: bool,
@@ -274,6 +275,7 @@ impl VolumeSizes {
             far_capacity: room.far,
             averted: u32::from(settings.averted),
             counting: settings.counting.code(),
+            skip_unreached: u32::from(settings.skip_unreached),
             skip_unseen: u32::from(settings.skip_unseen),
             end_at_range: u32::from(settings.end_at_range),
             choices_at: self.choices_at as u32,

@@ -130,6 +130,7 @@ impl ShadowVolumes {
         let settings = VolumeSettings {
             counting: pipelines.counting(),
             averted: !every_face,
+            skip_unreached: true,
             skip_unseen,
             end_at_range,
             bound_counts,

@@ -24,6 +24,7 @@ const CLOSED: ShadowShape = ShadowShape {
     averted: 1,
     counting: COUNT_AUTO,
     skip_unseen: 0,
+    skip_unreached: 1,
     end_at_range: 0,
     choices_at: 0,
     measures_at: 0,

@@ -21,7 +21,7 @@ const WORKS: [Work; 6] = [
     Work { name: "what is needed", colour: 6, stages: &["reach", "chunks"] },
     Work { name: "facing", colour: 3, stages: &["facing", "exact_facing"] },
     Work { name: "edges", colour: 1, stages: &["edges", "arguments"] },
-    Work { name: "choices", colour: 5, stages: &["bounds", "choose"] },
+    Work { name: "choices", colour: 5, stages: &["receiver_depth", "receiver_pyramid", "relist", "bounds", "choose"] },
     Work { name: "caps and sides", colour: 4, stages: &["caps", "list_sides", "shadow_arguments"] },
 ];
 const OTHER: Key = Key { name: String::new(), colour: 7, shape: 1, hollow: false };
@@ -36,7 +36,8 @@ pub(in super::super) fn skipping(results: &SkipResults) -> Section {
             "Each scene with all levels of skipping off, with all on, and with each level off while the others are on, \
              {size} × {size} pixels. All choices ran in turn, round by round. In the scene still nothing moves among \
              figures of 4,000 faces. In the city a sun lights buildings of 12 to 92 faces, and the eye is in a street. In the \
-             crowd skinned figures walk, and each of the lamps reaches few of them. The ground receives and does not cast."
+             crowd skinned figures walk, and each of the lamps reaches few of them. The ground receives and does not cast. Depths are \
+             drawn in whole frames alone, so the times of stages are those of frames that know no receivers."
         ),
         figures: vec![work(results), frames(results), stages(results), counters(results)],
     }

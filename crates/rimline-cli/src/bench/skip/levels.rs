@@ -13,8 +13,14 @@ pub(crate) struct Level {
 
 /// All levels that have a switch.
 pub(crate) static LEVELS: &[Level] = &[
+    Level { id: "light-reach", name: "light reach", switch: |options, on| options.skip_unreached = on },
     Level { id: "shadow-reach", name: "shadow reach", switch: |options, on| options.skip_unseen = on },
-    Level { id: "nothing-moved", name: "nothing moved", switch: |options, on| options.keep_bits = on },
+    Level {
+        id: "nothing-moved",
+        name: "nothing moved",
+        switch: |options, on| (options.keep_bits, options.keep_lists) = (on, on),
+    },
+    Level { id: "hidden-receivers", name: "hidden receivers", switch: |options, on| options.skip_hidden = on },
 ];
 
 /// Which levels are on.

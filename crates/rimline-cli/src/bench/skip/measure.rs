@@ -34,7 +34,7 @@ impl Timing<'_> {
         recorder.frames += 1;
         let Timed { clock_ms, times, .. } = stopwatch.timed(|encoder, mut timer, _| {
             deforming.encode(encoder, pose.as_ref(), timer.as_deref_mut())?;
-            recorder.encode(encoder, timer)
+            recorder.encode(encoder, None, timer)
         })?;
         // Without timestamps all that is known is their sum.
         let stages = times.map_or_else(|| vec![("all stages", clock_ms)], |(stages, _)| stages);
@@ -65,6 +65,10 @@ impl Drawn<'_> {
         let mut encoder = stopwatch.encoder();
         receivers.draw(&mut encoder, depth);
         stopwatch.run(encoder.finish())?;
+        let seen = depth.texture().create_view(&wgpu::TextureViewDescriptor {
+            aspect: wgpu::TextureAspect::DepthOnly,
+            ..wgpu::TextureViewDescriptor::default()
+        });
         let passes = |encoder: &mut wgpu::CommandEncoder,
                       recorder: &SkipRecorder<'_>,
                       mut timer: Option<&mut StageTimer>,
@@ -78,7 +82,7 @@ impl Drawn<'_> {
         // Without timestamps the clock tells the passes from the stages, if they are submitted apart.
         let is_apart = !stopwatch.has_timer();
         let all = stopwatch.timed(|encoder, mut timer, pipelines| {
-            recorder.encode(encoder, timer.as_deref_mut())?;
+            recorder.encode(encoder, Some(&seen), timer.as_deref_mut())?;
             if is_apart { Ok(()) } else { passes(encoder, recorder, timer, pipelines) }
         })?;
         run.add(&all);

@@ -1,8 +1,8 @@
 //! Records the frames of a setting with some levels of skipping on.
 
 use rimline::gpu::{
-    Caster, Deformer, DeformerOptions, LightHandle, Scene, SceneFrame, SceneStatistics, ShadowStatistics, StageTimer,
-    read_back_vec,
+    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame, SceneStatistics,
+    ShadowStatistics, StageTimer, read_back_vec,
 };
 use rimline::{Mesh, MeshError, ModelError, Pose, wgpu};
 
@@ -70,6 +70,8 @@ pub(super) struct SkipRecorder<'a> {
     setting: &'a Setting,
     scene: Scene,
     lights: Vec<LightHandle>,
+    /// Figures that walk.
+    figures: Vec<CasterHandle>,
     encoded: Option<SceneFrame>,
     /// Frames so far.
     pub(super) frames: usize,
@@ -88,6 +90,7 @@ impl<'a> SkipRecorder<'a> {
             setting,
             scene: scene.map_err(|error| GpuError::from(error).on(gpu))?,
             lights: Vec::with_capacity(lights),
+            figures: Vec::new(),
             encoded: None,
             frames: 0,
         };
@@ -120,7 +123,8 @@ impl<'a> SkipRecorder<'a> {
             (Casters::Walking(walk), Some(deformer)) => {
                 for (number, instance) in walk.model.instances().iter().enumerate() {
                     if let Some(positions) = deformer.instance_positions(number) {
-                        scene.insert(Caster::in_buffer(handles[instance.geometry()], positions))?;
+                        let caster = Caster::in_buffer(handles[instance.geometry()], positions);
+                        self.figures.push(scene.insert(caster)?);
                     }
                 }
             }
@@ -132,13 +136,21 @@ impl<'a> SkipRecorder<'a> {
         Ok(())
     }
 
-    /// Records all stages of the frame at hand.
+    /// Records all stages of the frame at hand. `depth` is what the eye sees, if it is drawn.
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
+        depth: Option<&wgpu::TextureView>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        self.encoded = Some(self.scene.encode(encoder, &[self.setting.camera], timer)?);
+        // As a game would that knows where its figures are.
+        if let Casters::Walking(walk) = &self.setting.casters {
+            for (&figure, bounds) in self.figures.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
+                self.scene.set_bounds(figure, Some(bounds))?;
+            }
+        }
+        let receivers = depth.map(|depth| Receivers { depth, sky_receives: false });
+        self.encoded = Some(self.scene.encode_for(encoder, &[self.setting.camera], &[receivers], timer)?);
         Ok(())
     }
 

@@ -86,6 +86,8 @@ pub(crate) static COUNTERS: &[Counter] = &[
     Counter { id: "faces", name: "faces tested", of: |counted| counted.scene.faces },
     Counter { id: "edges", name: "edges tested", of: |counted| counted.scene.edges },
     Counter { id: "skipped-volumes", name: "volumes skipped", of: |counted| counted.shadows.skipped },
+    Counter { id: "hidden-volumes", name: "of which no receiver is in", of: |counted| counted.shadows.hidden },
+    Counter { id: "kept-lists", name: "lists kept", of: |counted| counted.shadows.kept_lists },
     Counter { id: "capped-volumes", name: "volumes with near caps", of: |counted| counted.shadows.capped },
 ];
 
