@@ -76,6 +76,12 @@ pub mod model {
     }
 }
 
+/// Clusters of faces that are decided whole.
+pub mod clusters {
+    pub use crate::cpu::scene::clusters::{LEAST, PRODUCT, Whole, clusters, height_and_spread};
+    pub use crate::mesh::clusters::*;
+}
+
 /// The CPU twin of each stage. File, function and tests have the same name as the stage's WGSL. Tests compare the two
 /// bit for bit.
 pub mod cpu {

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "reference")]
 mod bounds;
+#[cfg(feature = "reference")]
+pub(crate) mod clusters;
 mod diagnostics;
 mod faces;
 mod topology;

@@ -1,4 +1,6 @@
-//! Meshes: welding and edge records.
+//! Meshes: welding, edge records and clusters.
 
+mod cluster_meshes;
+mod clusters;
 mod topology;
 mod weld;

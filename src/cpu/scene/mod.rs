@@ -1,5 +1,6 @@
 //! Twins of the stages that only scenes have. Facing, exact facing and edges have the same twins as for a single mesh.
 
 pub(crate) mod chunks;
+pub(crate) mod clusters;
 pub(crate) mod reach;
 pub(crate) mod table;

@@ -2,6 +2,7 @@
 //! towards zero, at random or against the result, subnormals flushed or not, products fused or not, sums in any order.
 
 mod boxes;
+mod clusters;
 mod pairs;
 mod rounding_models;
 

@@ -127,9 +127,8 @@ impl RoundingModels {
         let u: [f32; 3] = std::array::from_fn(|i| self.sum(b[i], -a[i], for_u[i]));
         let v: [f32; 3] = std::array::from_fn(|i| self.sum(c[i], -a[i], for_v[i]));
         let t: [f32; 3] = std::array::from_fn(|i| self.product_sum(-w, a[i], l[i], for_t[i]));
-        let first = self.random.below(3);
         let mut sum = 0.0;
-        for axis in [first, (first + 1) % 3, (first + 2) % 3] {
+        for axis in self.axes() {
             let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
             let n = self.cross([u[y], u[z]], [v[y], v[z]], for_n[axis]);
             sum = self.product_sum(n, t[axis], sum, 1.0);
@@ -137,8 +136,14 @@ impl RoundingModels {
         self.flush(sum)
     }
 
+    /// The axes, in the order in which a sum takes them.
+    pub(crate) fn axes(&mut self) -> [usize; 3] {
+        let first = self.random.below(3);
+        [first, (first + 1) % 3, (first + 2) % 3]
+    }
+
     /// Runs with every rounding of a bound against it, where they are not at random: smaller is worse.
-    fn as_bound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+    pub(crate) fn as_bound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
         let rounding = self.rounding;
         if matches!(rounding, Rounding::Larger | Rounding::Smaller) {
             self.rounding = Rounding::TowardsZero;
@@ -148,11 +153,11 @@ impl RoundingModels {
         result
     }
 
-    fn add(&mut self, x: f32, y: f32) -> f32 {
+    pub(crate) fn add(&mut self, x: f32, y: f32) -> f32 {
         self.sum(x, y, 1.0)
     }
 
-    fn product(&mut self, x: f32, y: f32) -> f32 {
+    pub(crate) fn product(&mut self, x: f32, y: f32) -> f32 {
         self.product_sum(x, y, 0.0, 1.0)
     }
 

@@ -13,6 +13,7 @@ pub(super) struct Mutation {
 
 const DEFORM: &[&str] = &["--test deform_gpu", "--test deform_cpu"];
 const SCENES: &[&str] = &["--test scene_gpu", "--test shadow_gpu"];
+const CLUSTERS: &[&str] = &["--test mesh clusters", "--test rounding clusters"];
 const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -479,5 +480,102 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             "(0 * first_byte) as u32",
         )],
         tests: &["--test query_gpu"],
+    },
+    Mutation {
+        name: "clusters: bounds have no room for rounding",
+        changes: &[(
+            "src/mesh/clusters/bound.rs",
+            "pub const WIDENING: f64 = 14.0",
+            "pub const WIDENING: f64 = 0.0 * 14.0",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: heights are those of the first face",
+        changes: &[(
+            "src/mesh/clusters/bound.rs",
+            "heights.add(height_and_distance(plane));",
+            "heights.add(height_and_distance(&planes[0 * plane.len()]));",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: faces that name a vertex twice may be facing",
+        changes: &[(
+            "src/mesh/clusters/bound.rs",
+            "(_, true, true) => cluster_kinds::AT_MOST_AVERTED",
+            "(_, true, true) => cluster_kinds::BOUNDED",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: faces without a bound are left out",
+        changes: &[(
+            "src/mesh/clusters/bound.rs",
+            "(true, _, _) => cluster_kinds::MIXED",
+            "(true, _, _) => cluster_kinds::BOUNDED",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: needles have a normal",
+        changes: &[(
+            "src/mesh/clusters/plane.rs",
+            "largest > LEAST_NORMAL * terms",
+            "largest > 0.0 * LEAST_NORMAL * terms",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: large coordinates have a bound",
+        changes: &[(
+            "src/mesh/clusters/plane.rs",
+            "magnitude < LARGE.to_bits() as i32 &&",
+            "magnitude < f32::INFINITY.to_bits() as i32 &&",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: the range of heights is forgotten",
+        changes: &[(
+            "src/cpu/scene/clusters.rs",
+            "+ half[3] * w.abs().max(inexact_w);",
+            "+ 0.0 * half[3] * w.abs().max(inexact_w);",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: the height of the centre is forgotten",
+        changes: &[("src/cpu/scene/clusters.rs", "+ middle[3] * w;", "+ 0.0 * middle[3] * w;")],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: the rounding of the light's product is forgotten",
+        changes: &[("src/cpu/scene/clusters.rs", "PRODUCT * inexact_w *", "0.0 * PRODUCT * inexact_w *")],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: underflow is forgotten",
+        changes: &[("src/cpu/scene/clusters.rs", "+ LEAST]", "+ 0.0 * LEAST]")],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: planes that hold the light are decided",
+        changes: &[("src/cpu/scene/clusters.rs", "height.abs() <= spread", "height.abs() < 0.0 * spread")],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: inconsistent records are skipped",
+        changes: &[(
+            "src/mesh/clusters/edges.rs",
+            "if face_1 == NO_FACE || face_0 & INCONSISTENT_BIT != 0 {",
+            "if face_1 == NO_FACE {",
+        )],
+        tests: CLUSTERS,
+    },
+    Mutation {
+        name: "clusters: faces are counted from the run of a thread",
+        changes: &[("src/mesh/clusters/order.rs", "(first + keys.len()) as u64", "(0 * first + keys.len()) as u64")],
+        tests: CLUSTERS,
     },
 ];

@@ -1,0 +1,118 @@
+//! `cargo bench --bench clusters`: how long clusters take to build beside the topology, how much memory they take, and
+//! which part of the faces and edges is left to test one by one. `--quick` for small meshes, `--large` for up to 16
+//! million faces.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use rimline::reference::clusters::{CLUSTER_FACES, Clusters, Whole, clusters};
+use rimline::reference::cpu::{self, Threads};
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::random::Random;
+use rimline_measure::shapes::{Shape, blob, sphere, torus};
+
+/// Runs of each method. They take turns, so that a slow spell of the machine hits all of them.
+const ROUNDS: usize = 11;
+/// Lights of each kind.
+const LIGHTS: usize = 32;
+const SEED: u64 = 14;
+
+fn main() {
+    let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
+    let sizes: &[u32] = match (has("--quick"), has("--large")) {
+        (true, _) => &[32, 64],
+        (_, true) => &[90, 181, 362, 724, 1448],
+        _ => &[90, 181, 362],
+    };
+    println!("seed {SEED}; one thread; least of {ROUNDS} runs, milliseconds; {LIGHTS} lights of each kind");
+    println!(
+        "| mesh | faces | topology | clusters | ratio | bytes a face | inner edges, % | faces left, %: far | near | at infinity | have to be: far | edges left, %: far |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    for &size in sizes {
+        let shapes = [
+            ("sphere", sphere(size)),
+            ("torus", torus(2 * size, 2 * size, 1.0, 0.4)),
+            ("blob", blob(size, 0.4, 1)),
+            ("blob, shuffled", blob(size, 0.4, 1).shuffled(1)),
+        ];
+        for (name, shape) in &shapes {
+            measure(name, shape);
+        }
+    }
+}
+
+fn measure(name: &str, shape: &Shape) {
+    let (mut topology, mut building) = (Vec::new(), Vec::new());
+    let mesh = shape.mesh().expect("a mesh");
+    for _ in 0..ROUNDS {
+        let faces = shape.faces.clone();
+        topology.push(time(|| Mesh::from_faces(shape.positions.len(), black_box(faces))));
+        building.push(time(|| Clusters::new(black_box(&mesh), &shape.positions, Threads::ONE)));
+    }
+    let (topology, building) = (least(&topology), least(&building));
+    let found = Clusters::new(&mesh, &shape.positions, Threads::all());
+    let inner: usize = (0..found.bounds().len()).map(|cluster| found.edges().inner(cluster).len()).sum();
+    let mut random = Random::new(SEED);
+    let around = |random: &mut Random, distance: f32| Light::point(random.direction().map(|c| c * distance));
+    let far: Vec<Light> = (0..LIGHTS).map(|_| around(&mut random, 6.0)).collect();
+    let near: Vec<Light> = (0..LIGHTS).map(|_| around(&mut random, 1.6)).collect();
+    let infinite: Vec<Light> = (0..LIGHTS).map(|_| Light::directional(random.direction())).collect();
+    let least = mixed(&found, shape, &far);
+    let [(far, edges), (near, _), (infinite, _)] = [far, near, infinite].map(|lights| left(&found, &mesh, &lights));
+    println!(
+        "| {name} | {} | {:.1} | {:.1} | {:.2} | {:.1} | {:.1} | {far:.2} | {near:.2} | {infinite:.2} | {least:.2} | {edges:.2} |",
+        shape.faces.len(),
+        topology.as_secs_f64() * 1e3,
+        building.as_secs_f64() * 1e3,
+        building.as_secs_f64() / topology.as_secs_f64(),
+        found.bytes() as f64 / shape.faces.len() as f64,
+        100.0 * inner as f64 / mesh.edges().len() as f64,
+    );
+}
+
+/// The part of the faces and of the edges that are left, in a hundred.
+fn left(found: &Clusters, mesh: &Mesh, lights: &[Light]) -> (f64, f64) {
+    let (mut faces, mut edges) = (0, 0);
+    for light in lights {
+        let whole: Vec<Whole> = found.bounds().iter().map(|bound| clusters(bound, light.to_array())).collect();
+        let mut of_faces = vec![Whole::Mixed; mesh.faces().len()];
+        for (slot, &face) in found.faces().iter().enumerate() {
+            of_faces[face as usize] = whole[slot / CLUSTER_FACES];
+        }
+        faces += of_faces.iter().filter(|&&whole| whole == Whole::Mixed).count();
+        let is_left = |face_0: u32, face_1: Option<u32>| {
+            let first = of_faces[face_0 as usize];
+            first == Whole::Mixed || face_1.is_none_or(|face| of_faces[face as usize] != first)
+        };
+        edges += mesh.edges().iter().filter(|edge| is_left(edge.face_0, edge.face_1)).count();
+    }
+    let percent = |count: usize, all: usize| 100.0 * count as f64 / (lights.len() * all.max(1)) as f64;
+    (percent(faces, mesh.faces().len()), percent(edges, mesh.edges().len()))
+}
+
+/// The part of the faces, in a hundred, whose clusters have faces on both sides. No bound can decide these.
+fn mixed(found: &Clusters, shape: &Shape, lights: &[Light]) -> f64 {
+    let facing = cpu::facing(&shape.positions, &shape.faces, lights, Predicate::Exact, Threads::all());
+    let mixed = found.faces().chunks(CLUSTER_FACES).map(|slots| {
+        let [all, any] = slots.iter().fold([u32::MAX, 0], |[all, any], &face| {
+            let mask = facing[face as usize];
+            [all & mask, any | mask]
+        });
+        slots.len() * (all ^ any).count_ones() as usize
+    });
+    100.0 * mixed.sum::<usize>() as f64 / (lights.len() * shape.faces.len()) as f64
+}
+
+fn time<T>(run: impl FnOnce() -> T) -> Duration {
+    let start = Instant::now();
+    let result = black_box(run());
+    let elapsed = start.elapsed();
+    drop(result);
+    elapsed
+}
+
+/// The least, since others may use the machine at the same time.
+fn least(times: &[Duration]) -> Duration {
+    times.iter().min().copied().unwrap_or_default()
+}

@@ -1,0 +1,278 @@
+//! The order of faces in space: by the axis that the normal is nearest to, and then along a Hilbert curve.
+//!
+//! Faces with another axis come apart, so both sides of a thin wall do, and the two sides of a sharp edge. In all
+//! clusters but five at most, all normals have one axis in common, which makes the bounds narrow.
+
+use super::plane::{Batch, Kind, LANES, LARGE, Plane};
+use crate::cpu::Threads;
+use crate::cpu::common::positions::position;
+
+/// Cells of the curve along each axis: 2 to this power.
+const LEVELS: u32 = 10;
+/// The last cell along an axis.
+const LAST_CELL: u32 = (1 << LEVELS) - 1;
+/// Bits of a face's index. [`crate::mesh::MAX_FACES`] is below 2³⁰.
+const INDEX_BITS: u32 = 30;
+/// Bits that a pass of the sort takes: three passes for 3 bits of the axis and 30 of the curve.
+const DIGIT_BITS: u32 = 11;
+const DIGITS: usize = 1 << DIGIT_BITS;
+
+/// Faces that no bound is made of, behind those of six axes.
+const IRREGULAR: u32 = 6;
+/// Faces that name a vertex twice.
+const DEGENERATE: u32 = 7;
+
+/// Planes in the order of the mesh, and the order of faces in space.
+pub(super) struct Order {
+    pub(super) planes: Vec<Plane>,
+    /// For each slot the face. Faces with equal keys keep the order of the mesh.
+    pub(super) faces: Vec<u32>,
+}
+
+impl Order {
+    pub(super) fn new(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads) -> Self {
+        let grid = Grid::of(&Extent::of(positions, faces));
+        let mut planes = vec![[[0.0; 3]; 2]; faces.len()];
+        let keys = threads.share(&mut planes, |first, planes| {
+            let mut keys = Vec::with_capacity(planes.len());
+            for (planes, faces) in planes.chunks_mut(LANES).zip(faces[first..].chunks(LANES)) {
+                let batch = Batch::new(positions, faces);
+                let cells = grid.cells(&batch);
+                for (lane, plane) in planes.iter_mut().enumerate() {
+                    *plane = batch.plane(lane);
+                    let key = u64::from(axis(plane)) << (3 * LEVELS) | u64::from(hilbert(cells[lane]));
+                    keys.push(key << INDEX_BITS | (first + keys.len()) as u64);
+                }
+            }
+            keys
+        });
+        let keys = keys.into_iter().reduce(|all, keys| [all, keys].concat()).unwrap_or_default();
+        Self { planes, faces: sorted(keys) }
+    }
+}
+
+/// The axis that the normal is nearest to, and its direction: 0 to 5. Or why there is none.
+fn axis(plane: &Plane) -> u32 {
+    let [[x, y, z], _] = *plane;
+    // The largest component is 1 or −1.
+    let axis = if x.abs() == 1.0 { 0 } else { 1 + u32::from(z.abs() == 1.0) };
+    match Kind::of(plane) {
+        Kind::Regular => 2 * axis + u32::from([x, y, z][axis as usize] < 0.0),
+        Kind::Irregular => IRREGULAR,
+        Kind::Degenerate => DEGENERATE,
+    }
+}
+
+/// The box around the first corners of faces.
+#[derive(Clone, Copy)]
+struct Extent {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Extent {
+    fn of(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
+        let mut extent = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+        // A part of the faces will do: what lies beyond goes to the outermost cells.
+        let step = if faces.len() > 4096 { 8 } else { 1 };
+        for &[first, ..] in faces.iter().step_by(step) {
+            let corner = position(positions, first);
+            for (axis, &c) in corner.iter().enumerate().filter(|(_, c)| c.abs() < LARGE) {
+                extent.low[axis] = if c < extent.low[axis] { c } else { extent.low[axis] };
+                extent.high[axis] = if c > extent.high[axis] { c } else { extent.high[axis] };
+            }
+        }
+        extent
+    }
+}
+
+/// Cubic cells.
+struct Grid {
+    low: [f32; 3],
+    cells_per_unit: f32,
+}
+
+impl Grid {
+    fn of(extent: &Extent) -> Self {
+        let longest = (0..3).fold(0.0_f32, |longest, axis| longest.max(extent.high[axis] - extent.low[axis]));
+        Self { low: extent.low, cells_per_unit: (1 << LEVELS) as f32 / longest }
+    }
+
+    /// The cells of the centres of faces, as three bits for each level. Nothing but speed depends on them. So
+    /// where the numbers are too large or not finite, any cell will do.
+    fn cells(&self, batch: &Batch) -> [u32; LANES] {
+        let [a, b, c] = &batch.corners;
+        let mut cells = [0; LANES];
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let centre = (a[axis][lane] + b[axis][lane] + c[axis][lane]) * (1.0 / 3.0);
+                cells[lane] |= spread(self.cell(axis, centre)) << axis;
+            }
+        }
+        cells
+    }
+
+    #[inline]
+    fn cell(&self, axis: usize, centre: f32) -> u32 {
+        let cell = (centre - self.low[axis]) * self.cells_per_unit;
+        // A NaN becomes 0.
+        let cell = if cell > 0.0 { cell } else { 0.0 };
+        let cell = if cell < LAST_CELL as f32 { cell } else { LAST_CELL as f32 };
+        // The lowest bits of 2²³ and a number are the number, rounded. This is quicker than a cast.
+        (cell + 8_388_608.0).to_bits() & LAST_CELL
+    }
+}
+
+/// Sorts keys by the bits above [`INDEX_BITS`], in stable passes. Returns the bits below.
+fn sorted(mut keys: Vec<u64>) -> Vec<u32> {
+    let mut counts = vec![[0_u32; DIGITS]; 3];
+    for &key in &keys {
+        for (pass, counts) in counts.iter_mut().enumerate() {
+            counts[digit(key, pass)] += 1;
+        }
+    }
+    for next in &mut counts {
+        let mut sum = 0;
+        for next in next {
+            sum += std::mem::replace(next, sum);
+        }
+    }
+    let mut places = vec![0; keys.len()];
+    for (pass, next) in counts[..2].iter_mut().enumerate() {
+        for &key in &keys {
+            let next = &mut next[digit(key, pass)];
+            places[*next as usize] = key;
+            *next += 1;
+        }
+        std::mem::swap(&mut keys, &mut places);
+    }
+    let mut sorted = vec![0; keys.len()];
+    for key in keys {
+        let next = &mut counts[2][digit(key, 2)];
+        sorted[*next as usize] = (key & ((1 << INDEX_BITS) - 1)) as u32;
+        *next += 1;
+    }
+    sorted
+}
+
+/// The digit of a key that a pass sorts by.
+fn digit(key: u64, pass: usize) -> usize {
+    (key >> (INDEX_BITS + pass as u32 * DIGIT_BITS)) as usize % DIGITS
+}
+
+/// The place of a cell along a Hilbert curve, two levels at a time. `octants` has three bits for each level.
+fn hilbert(octants: u32) -> u32 {
+    let (mut along, mut state) = (0, 0);
+    for pair in (0..LEVELS / 2).rev() {
+        let step = PAIRS[(state << 6 | octants >> (6 * pair) & 63) as usize];
+        along = along << 6 | u32::from(step & 63);
+        state = u32::from(step >> 6);
+    }
+    along
+}
+
+/// Bit i of the lowest ten goes to bit 3·i.
+fn spread(bits: u32) -> u32 {
+    let bits = (bits | bits << 16) & 0x0300_00ff;
+    let bits = (bits | bits << 8) & 0x0300_f00f;
+    let bits = (bits | bits << 4) & 0x030c_30c3;
+    (bits | bits << 2) & 0x0924_9249
+}
+
+/// For each state of the curve and two octants, one within the other: their numbers along the curve, and from bit 6 on
+/// the state within.
+static PAIRS: [u16; 24 << 6] = {
+    let mut pairs = [0; 24 << 6];
+    let mut index = 0;
+    while index < pairs.len() {
+        let (first, state) = step((index >> 6) as u8, (index >> 3 & 7) as u8);
+        let (second, state) = step(state, (index & 7) as u8);
+        pairs[index] = (state as u16) << 6 | (first as u16) << 3 | second as u16;
+        index += 1;
+    }
+    pairs
+};
+
+/// The number of an octant along the curve, and the state of the curve within. C. Hamilton, "Compact Hilbert Indices"
+/// (2006), section 2: a state is the corner where the curve enters and the axis along which it leaves.
+const fn step(state: u8, octant: u8) -> (u8, u8) {
+    let (entry, axis) = (state / 3, state % 3);
+    let number = gray_inverse(rotate_right(octant ^ entry, axis + 1));
+    let entry = entry ^ rotate_left(entry_of(number), axis + 1);
+    (number, 3 * entry + (axis + axis_of(number) + 1) % 3)
+}
+
+const fn rotate_left(bits: u8, by: u8) -> u8 {
+    let by = by % 3;
+    (bits << by | bits >> (3 - by)) & 7
+}
+
+const fn rotate_right(bits: u8, by: u8) -> u8 {
+    rotate_left(bits, 3 - by % 3)
+}
+
+const fn gray_inverse(code: u8) -> u8 {
+    code ^ code >> 1 ^ code >> 2
+}
+
+/// The corner where the curve enters octant `number`.
+const fn entry_of(number: u8) -> u8 {
+    if number == 0 {
+        return 0;
+    }
+    let even = (number - 1) / 2 * 2;
+    even ^ even >> 1
+}
+
+/// The axis along which the curve runs within octant `number`.
+const fn axis_of(number: u8) -> u8 {
+    match number {
+        0 => 0,
+        _ if number.is_multiple_of(2) => ((number - 1).trailing_ones() % 3) as u8,
+        _ => (number.trailing_ones() % 3) as u8,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn octants([x, y, z]: [u32; 3]) -> u32 {
+        spread(x) | spread(y) << 1 | spread(z) << 2
+    }
+
+    #[test]
+    fn the_curve_goes_from_cell_to_neighbour_and_visits_each_once() {
+        let side = 1 << LEVELS;
+        // The first 32³ cells of the curve are a cube, too.
+        let cube = 32;
+        let mut cells = vec![None; cube * cube * cube];
+        for index in 0..cells.len() {
+            let cell = [index % cube, index / cube % cube, index / cube / cube].map(|c| c as u32);
+            let along = hilbert(octants(cell)) as usize;
+            assert!(along < cells.len() && cells[along].is_none(), "{cell:?} at {along}");
+            cells[along] = Some(cell);
+        }
+        let cells: Vec<_> = cells.into_iter().flatten().collect();
+        for pair in cells.windows(2) {
+            let distance: u32 = (0..3).map(|axis| pair[0][axis].abs_diff(pair[1][axis])).sum();
+            assert_eq!(distance, 1, "{pair:?}");
+        }
+        assert!(hilbert(octants([side - 1; 3])) < 1 << (3 * LEVELS));
+    }
+
+    #[test]
+    fn the_sort_is_stable() {
+        let mut state = 7_u64;
+        let keys: Vec<u64> = (0..5000)
+            .map(|index| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (state >> 31 & ((1 << 33) - 1) & [0x1_8000_0403, u64::MAX][index % 2]) << INDEX_BITS | index as u64
+            })
+            .collect();
+        let mut expected = keys.clone();
+        expected.sort_unstable();
+        let expected: Vec<u32> = expected.into_iter().map(|key| (key & ((1 << INDEX_BITS) - 1)) as u32).collect();
+        assert_eq!(sorted(keys), expected);
+    }
+}

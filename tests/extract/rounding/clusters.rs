@@ -1,0 +1,224 @@
+//! The decision of clusters in any arithmetic that WGSL allows: no face of a decided cluster has another sign.
+//! NUMERICS.md, "Clusters".
+
+use rimline::reference::clusters::{ClusterBound, Clusters, LEAST, PRODUCT, WIDENING, height_and_spread};
+use rimline::reference::cpu::Threads;
+use rimline::reference::layout::LightBatch;
+use rimline::{Light, Mesh};
+use rimline_measure::band::{facing_bound, gamma};
+use rimline_measure::oracle::ExactFace;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+
+use super::pairs;
+use super::rounding_models::RoundingModels;
+
+type Outcome = Result<(), String>;
+
+/// What the bound has for rounding and underflow.
+#[derive(Clone, Copy)]
+struct Terms {
+    /// A part of the widening.
+    widening: f32,
+    product: f32,
+    least: f32,
+    /// Whether a tiny w counts as inexact.
+    tiny_w: bool,
+}
+
+const OWN: Terms = Terms { widening: 1.0, product: PRODUCT, least: LEAST, tiny_w: true };
+
+/// The height and the spread of `src/cpu/scene/clusters.rs`, in some arithmetic.
+fn modelled(with: &mut RoundingModels, bound: &ClusterBound, light: Light, terms: Terms) -> [f32; 2] {
+    let batch = LightBatch::new(&[light], 0, 3);
+    let ([x, y, z, w], mut inexact_w) = (batch.lights[0], batch.inexact_w[0][0]);
+    if !terms.tiny_w && w.abs() < 2.0_f32.powi(-60) {
+        inexact_w = 0.0;
+    }
+    let ClusterBound { centre: c, middle, mut half, .. } = *bound;
+    let l = [x, y, z];
+    let t: [f32; 3] = std::array::from_fn(|i| with.product_sum(-w, c[i], l[i], f64::from(middle[i])));
+    let mut height = with.product_sum(middle[3], w, 0.0, 1.0);
+    for axis in with.axes() {
+        height = with.product_sum(middle[axis], t[axis], height, 1.0);
+    }
+    // A cluster of one face has nothing else in its half.
+    half = half.map(|half| half * terms.widening);
+    let spread = with.as_bound(|with| {
+        let mut spread = with.product(half[3], w.abs().max(inexact_w));
+        for axis in with.axes() {
+            spread = with.product_sum(half[axis], t[axis].abs(), spread, 1.0);
+        }
+        let factor = with.product(terms.product, inexact_w);
+        let size = with.add(c[0].abs(), c[1].abs());
+        let size = with.add(size, c[2].abs());
+        let spread = with.product_sum(factor, size, spread, 1.0);
+        with.add(spread, terms.least)
+    });
+    [height, spread]
+}
+
+/// A face across an axis, so far away that even a tiny w counts, and a light along its plane.
+fn far_away(random: &mut Random) -> pairs::Pair {
+    let scale = random.between(30.0, 118.0).exp2();
+    let axis = random.below(3);
+    let level = scale * random.between(-1.0, 1.0);
+    let corners = [(); 3].map(|()| {
+        let mut corner = random.direction().map(|c| c * scale);
+        corner[axis] = level;
+        corner
+    });
+    let w = random.between(-149.0, -58.0).exp2() * [1.0, random.between(1.0, 2.0), -1.0][random.below(3)];
+    let mut light = random.direction();
+    light[axis] *= [0.0, w * level, random.between(-1e-5, 1e-5), 1.0][random.below(4)];
+    let [x, y, z] = light;
+    (corners, Light::homogeneous([x, y, z, w]))
+}
+
+/// A face so long and thin that `f64` loses its normal, and a light around it. The sides are whole numbers.
+fn needle(random: &mut Random) -> pairs::Pair {
+    let mut lattice = |most: usize| [(); 3].map(|()| random.below(2 * most + 1) as f32 - most as f32);
+    let (fine, side) = (lattice(7), lattice(7));
+    let (small, long) = (random.between(-20.0, -10.0).floor().exp2(), random.between(20.0, 60.0).floor().exp2());
+    let a = fine.map(|c| c * small);
+    let b = std::array::from_fn(|i| a[i] + side[i]);
+    let light = random.direction().map(|c| c * random.between(-3.0, 60.0).exp2());
+    ([a, b, side.map(|c| c * long)], Light::point(light))
+}
+
+/// One to three faces that hardly differ, and a light.
+fn case(random: &mut Random) -> (Vec<[[f32; 3]; 3]>, Light) {
+    let (corners, mut light) = match random.below(10) {
+        0 | 1 => far_away(random),
+        2 => needle(random),
+        _ => pairs::any(random),
+    };
+    let mut faces = vec![corners];
+    for _ in 0..random.below(3) {
+        let mut corners = corners;
+        let coordinate = &mut corners[random.below(3)][random.below(3)];
+        *coordinate = if random.below(2) == 0 { coordinate.next_up() } else { coordinate.next_down() };
+        faces.push(corners);
+    }
+    // So small that results are flushed.
+    if random.below(5) == 0 {
+        let largest = corners.as_flattened().iter().chain(&light.xyz).fold(0.0_f32, |most, c| most.max(c.abs()));
+        let by = (random.between(-124.0, -100.0) - largest.log2()).floor().exp2();
+        faces.iter_mut().flatten().flatten().for_each(|c| *c *= by);
+        light.xyz = light.xyz.map(|c| c * by);
+    }
+    (faces, light)
+}
+
+/// What trials of the decision came to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Trials {
+    bounded: usize,
+    decided: usize,
+    /// Decided, and not the exact sign of some face.
+    wrong: usize,
+    /// Of one face, and height or spread are not the twin's, but for rounding and underflow.
+    apart: usize,
+    /// The largest distance of a face's height from that of its cluster beside the spread, where a cluster has one face.
+    largest_error: f64,
+}
+
+fn trials(seed: u64, rounds: usize, terms: Terms) -> Result<Trials, String> {
+    let mut random = Random::new(seed);
+    let mut with = RoundingModels::new(seed + 1);
+    let mut trials = Trials::default();
+    for _ in 0..rounds {
+        let (corners, light) = case(&mut random);
+        if light.to_array() == [0.0; 4] {
+            continue;
+        }
+        let positions = corners.concat();
+        let faces: Vec<_> = (0..corners.len() as u32).map(|face| [0, 1, 2].map(|corner| 3 * face + corner)).collect();
+        let mesh = Mesh::from_faces(positions.len(), faces.clone()).map_err(|error| error.to_string())?;
+        let found = Clusters::new(&mesh, &positions, Threads::ONE);
+        let Some(bound) = found.bounds().first().filter(|bound| bound.kind == 1) else { continue };
+        trials.bounded += 1;
+        with.change();
+        let twin = height_and_spread(bound, light.to_array());
+        let [height, spread] = modelled(&mut with, bound, light, terms);
+        // With one face the halves are so small that rounding t does not show in the spread.
+        trials.apart += usize::from(faces.len() == 1 && is_apart([height, spread], twin));
+        let is_decided = height.abs() > spread;
+        trials.decided += usize::from(is_decided);
+        let mut is_wrong = false;
+        for (&face, corners) in faces.iter().zip(corners) {
+            let exact = ExactFace::new(&positions, face).ok_or("no face")?;
+            is_wrong |= is_decided && exact.sign(light) != if height > 0.0 { 1 } else { -1 };
+            // Exact to 2⁻²⁹ of the light's distance, since the normal is at least 2⁻²⁰ of its terms.
+            let height_of_face = facing_bound(corners, light).0 / largest_normal(corners);
+            let error = (f64::from(height) - height_of_face).abs() / f64::from(spread);
+            if faces.len() == 1 {
+                trials.largest_error = trials.largest_error.max(error);
+            }
+        }
+        trials.wrong += usize::from(is_wrong);
+    }
+    Ok(trials)
+}
+
+/// Whether a height and a spread differ by more than rounding and underflow.
+fn is_apart(one: [f32; 2], other: [f32; 2]) -> bool {
+    let [[height, spread], [other_height, other_spread]] = [one, other].map(|pair| pair.map(f64::from));
+    let least = 64.0 * f64::from(f32::MIN_POSITIVE);
+    (height - other_height).abs() > spread.max(other_spread)
+        || (spread - other_spread).abs() > 1e-5 * spread.max(other_spread) + least
+}
+
+fn largest_normal([a, b, c]: [[f32; 3]; 3]) -> f64 {
+    let side = |to: [f32; 3]| [0, 1, 2].map(|i| f64::from(to[i]) - f64::from(a[i]));
+    let (u, v) = (side(b), side(c));
+    let component = |i: usize, j: usize| (u[i] * v[j] - u[j] * v[i]).abs();
+    component(1, 2).max(component(2, 0)).max(component(0, 1))
+}
+
+fn holds(seed: u64, rounds: usize, terms: Terms) -> Outcome {
+    let trials = trials(seed, rounds, terms)?;
+    println!("seed {seed}: {trials:?} of {rounds}");
+    let Trials { bounded, decided, wrong, apart, largest_error } = trials;
+    if decided * 10 < bounded || decided * 10 > bounded * 9 || bounded * 2 < rounds {
+        return Err(format!("{trials:?}: neither side is tried enough"));
+    }
+    if apart != 0 {
+        return Err(format!("{apart} heights or spreads are not the twin's"));
+    }
+    if wrong != 0 || largest_error > 1.0 {
+        return Err(format!("{wrong} wrong, the largest error is {largest_error} of the spread"));
+    }
+    Ok(())
+}
+
+#[test]
+fn clusters_are_decided_rightly_for_any_rounding() -> Outcome {
+    let (seed, rounds) = (107, if is_long() { 5_000_000 } else { 100_000 });
+    holds(seed, rounds, OWN)?;
+    let is_wrong = |what: &str, terms| {
+        let found = trials(seed, rounds, terms)?;
+        println!("without {what}: {found:?}");
+        if found.wrong == 0 || (found.apart == 0) { Err(format!("nothing is wrong without {what}")) } else { Ok(()) }
+    };
+    is_wrong("most of the widening", Terms { widening: 0.1, ..OWN })?;
+    is_wrong("the rounding of w·centre", Terms { product: 0.0, ..OWN })?;
+    is_wrong("underflow", Terms { least: 0.0, ..OWN })?;
+    is_wrong("what a tiny w loses", Terms { tiny_w: false, ..OWN })?;
+    must_fail("a tenth of the widening", &holds(seed, rounds, Terms { widening: 0.1, ..OWN }))
+}
+
+/// The constants are what the derivation asks for, and no more than a quarter above it.
+#[test]
+fn the_constants_of_clusters_are_those_of_the_derivation() {
+    let u = 2.0_f64.powi(-23);
+    // A plane in f32 and f64, as a part of the largest component: rounding to f32, and what f64 loses.
+    let plane = u / 4.0 + 2.0_f64.powi(-29);
+    // The middle has four roundings and that of the difference; the half has six of its own, and may be 1.
+    let widening = (gamma(4) + 1.02 * u + 1.02 * u + plane + 6.0 * 1.01 * u) * (1.0 + 10.0 * u);
+    assert!((widening..1.25 * widening).contains(&WIDENING), "{WIDENING:e}, {widening:e} are needed");
+    let product = 2.06 * u / (1.0 - u).powi(9);
+    assert!((product..1.25 * product).contains(&f64::from(PRODUCT)), "{PRODUCT:e}, {product:e} are needed");
+    let least = 90.0 * 2.0_f64.powi(-126);
+    assert!((least..4.0 * least).contains(&f64::from(LEAST)), "{LEAST:e}, {least:e} are needed");
+}

@@ -1,0 +1,308 @@
+//! Clusters: orders, and decisions against exact signs in big integers.
+
+use std::collections::BTreeMap;
+
+use rimline::mesh::EdgeKind;
+use rimline::reference::clusters::{CLUSTER_FACES, ClusterBound, Clusters, Whole, clusters};
+use rimline::reference::cpu::{self, Threads};
+use rimline::reference::layout::CHUNK;
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::oracle::ExactFace;
+use rimline_measure::random::Random;
+use rimline_measure::shapes::{self, Shape};
+use rimline_measure::{is_long, must_fail, same};
+
+use crate::cluster_meshes::{Case, case};
+
+type Outcome = Result<(), String>;
+
+/// How a cluster is decided.
+type Decide = fn(&ClusterBound, Light) -> Whole;
+
+/// Faces of decided clusters, for all lights.
+#[derive(Clone, Copy, Debug, Default)]
+struct Decided {
+    facing: usize,
+    averted: usize,
+    all: usize,
+}
+
+fn decided(bound: &ClusterBound, light: Light) -> Whole {
+    clusters(bound, light.to_array())
+}
+
+/// Every face of a decided cluster has the sign that the cluster was decided to have, and no face is in the light's plane.
+fn check(shape: &Shape, lights: &[Light], decide: Decide, counts: &mut Decided) -> Outcome {
+    let mesh = shape.mesh().map_err(|error| error.to_string())?;
+    let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
+    let exact: Vec<_> = shape.faces.iter().map(|&face| ExactFace::new(&shape.positions, face)).collect();
+    for (slots, bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
+        for &light in lights {
+            let whole = decide(bound, light);
+            counts.all += slots.len();
+            let wanted = match whole {
+                Whole::Mixed => continue,
+                Whole::Facing => 1,
+                Whole::Averted => -1,
+            };
+            *if wanted > 0 { &mut counts.facing } else { &mut counts.averted } += slots.len();
+            for &face in slots {
+                let corners = shape.faces[face as usize].map(|vertex| shape.positions[vertex as usize]);
+                let sign = match &exact[face as usize] {
+                    Some(exact) => exact.sign(light),
+                    // It names a vertex twice, so it faces no light and is excluded for none.
+                    None if corners.iter().flatten().all(|c| c.is_finite()) => -1,
+                    None => 0,
+                };
+                if sign != wanted {
+                    return Err(format!("{whole:?} for {light:?}, but face {face} at {corners:?} has the sign {sign}"));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Lights that clusters of the case are only just decided for: moved from decided to mixed by bisection.
+fn marginal_lights(random: &mut Random, case: &Case) -> Result<Vec<Light>, String> {
+    let mesh = case.shape.mesh().map_err(|error| error.to_string())?;
+    let found = Clusters::new(&mesh, &case.shape.positions, Threads::ONE);
+    let pick = |random: &mut Random| case.lights[random.below(case.lights.len())].to_array();
+    let mut marginal = Vec::new();
+    for _ in 0..6 {
+        let bound = &found.bounds()[random.below(found.bounds().len())];
+        let (mut near, mut far) = (pick(random), pick(random));
+        if clusters(bound, near) == Whole::Mixed || clusters(bound, far) != Whole::Mixed {
+            continue;
+        }
+        for _ in 0..40 {
+            let middle: [f32; 4] = std::array::from_fn(|i| 0.5 * near[i] + 0.5 * far[i]);
+            if middle == [0.0; 4] {
+                break;
+            }
+            *if clusters(bound, middle) == Whole::Mixed { &mut far } else { &mut near } = middle;
+        }
+        marginal.push(Light::homogeneous(near));
+    }
+    Ok(marginal)
+}
+
+/// By the names of the cases.
+fn trials(seed: u64, count: usize, decide: Decide) -> Result<BTreeMap<&'static str, Decided>, String> {
+    let mut random = Random::new(seed);
+    let mut totals = BTreeMap::<_, Decided>::new();
+    for index in 0..count {
+        let mut case = case(&mut random, index);
+        case.lights.extend(marginal_lights(&mut random, &case)?);
+        let what = |error| format!("seed {seed}, case {index}, {}: {error}", case.name);
+        check(&case.shape, &case.lights, decide, totals.entry(case.name).or_default()).map_err(what)?;
+    }
+    Ok(totals)
+}
+
+#[test]
+fn decided_clusters_have_the_exact_signs() -> Outcome {
+    let seed = 1401;
+    println!("seed {seed}; pairs of face and light");
+    for (name, counts) in trials(seed, if is_long() { 20_000 } else { 400 }, decided)? {
+        println!("{name}: {counts:?}");
+        // Faces thrown at random have no side in common.
+        if name != "random faces" && counts.facing.min(counts.averted) * 50 < counts.all {
+            return Err(format!("{name}: {counts:?}: too few are decided to show anything"));
+        }
+    }
+    Ok(())
+}
+
+/// Bounds that lack a part go not unnoticed.
+#[test]
+fn bounds_without_a_part_are_noticed() -> Outcome {
+    fn without(bound: &ClusterBound, light: Light, change: fn(&mut ClusterBound)) -> Whole {
+        let mut bound = *bound;
+        change(&mut bound);
+        decided(&bound, light)
+    }
+    let changed: [(&str, Decide); 8] = [
+        ("the range of x", |bound, light| without(bound, light, |bound| bound.half[0] = 0.0)),
+        ("the range of y", |bound, light| without(bound, light, |bound| bound.half[1] = 0.0)),
+        ("the range of z", |bound, light| without(bound, light, |bound| bound.half[2] = 0.0)),
+        ("the range of heights", |bound, light| without(bound, light, |bound| bound.half[3] = 0.0)),
+        ("the middle height", |bound, light| without(bound, light, |bound| bound.middle[3] = 0.0)),
+        ("the centre", |bound, light| without(bound, light, |bound| bound.centre = [0.0; 3])),
+        ("what may not be facing", |bound, light| without(bound, light, |bound| bound.kind = bound.kind.min(1))),
+        ("what has no bound", |bound, light| without(bound, light, |bound| bound.kind = bound.kind.max(3))),
+    ];
+    for (what, decide) in changed {
+        must_fail(what, &trials(1401, 400, decide))?;
+    }
+    Ok(())
+}
+
+/// What a decided cluster stands for: the bit of facing, and none of the excluded.
+#[test]
+fn decided_clusters_have_the_bits_of_facing_and_exclude_no_face() -> Outcome {
+    let mut random = Random::new(1402);
+    let mut decided_pairs = 0;
+    for index in 0..100 {
+        let Case { name, shape, lights } = case(&mut random, index);
+        let mesh = shape.mesh().map_err(|error| error.to_string())?;
+        let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
+        let facing = cpu::facing(&shape.positions, &shape.faces, &lights, Predicate::Exact, Threads::ONE);
+        let excluded = cpu::excluded(&shape.positions, &shape.faces, &lights);
+        for (slots, bound) in found.faces().chunks(CLUSTER_FACES).zip(found.bounds()) {
+            for (bit, &light) in lights.iter().enumerate() {
+                let expected = match decided(bound, light) {
+                    Whole::Mixed => continue,
+                    Whole::Facing => [1, 0],
+                    Whole::Averted => [0, 0],
+                };
+                decided_pairs += slots.len();
+                for &face in slots {
+                    let got = [&facing, &excluded].map(|masks| masks[face as usize] >> bit & 1);
+                    same(&format!("{name}, case {index}, face {face}, {light:?}"), &got, &expected)?;
+                }
+            }
+        }
+    }
+    if decided_pairs == 0 { Err("nothing was decided".to_owned()) } else { Ok(()) }
+}
+
+/// Faces and edge records, each once, in whole chunks, and the same in every run and on any number of threads.
+fn check_orders(mesh: &Mesh, found: &Clusters) -> Outcome {
+    let is_permutation = |order: &[u32], count: usize| {
+        let mut sorted = order.to_vec();
+        sorted.sort_unstable();
+        sorted.into_iter().eq(0..count as u32)
+    };
+    let edges = found.edges();
+    if !is_permutation(found.faces(), mesh.faces().len()) {
+        return Err("faces: not each once".to_owned());
+    }
+    if !is_permutation(edges.records(), mesh.edges().len()) {
+        return Err("edge records: not each once".to_owned());
+    }
+    let count = found.bounds().len();
+    if count != mesh.faces().len().div_ceil(CLUSTER_FACES) || !CLUSTER_FACES.is_multiple_of(CHUNK as usize) {
+        return Err(format!("{count} clusters of {CLUSTER_FACES} for {} faces", mesh.faces().len()));
+    }
+    let mut cluster_of = vec![0; mesh.faces().len()];
+    for (slot, &face) in found.faces().iter().enumerate() {
+        cluster_of[face as usize] = slot / CLUSTER_FACES;
+    }
+    // In the words of `EdgeOrder`: 0 inner, 1 outer, 2 other, and the cluster.
+    let group = |record: u32| {
+        let edge = mesh.edges().get(record as usize)?;
+        let [first, second] = [Some(edge.face_0), edge.face_1].map(|face| face.map(|face| cluster_of[face as usize]));
+        Some(match (first, second, edge.kind) {
+            (Some(first), Some(second), EdgeKind::Consistent) if first == second => (0, first),
+            (Some(first), Some(second), EdgeKind::Consistent) => (1, first.min(second)),
+            _ => (2, 0),
+        })
+    };
+    let expected = (0..count)
+        .flat_map(|cluster| edges.inner(cluster).iter().map(move |&record| (record, (0, cluster))))
+        .chain((0..count).flat_map(|cluster| edges.outer(cluster).iter().map(move |&record| (record, (1, cluster)))))
+        .chain(edges.others().iter().map(|&record| (record, (2, 0))));
+    let expected: Vec<_> = expected.collect();
+    let records: Vec<u32> = expected.iter().map(|&(record, _)| record).collect();
+    same("the groups of edges, one after the other", edges.records(), &records)?;
+    if let Some(&(record, place)) = expected.iter().find(|&&(record, place)| group(record) != Some(place)) {
+        return Err(format!("record {record} is at {place:?}, and belongs to {:?}", group(record)));
+    }
+    let ordered = |pair: &[(u32, (i32, usize))]| pair[0].1 != pair[1].1 || pair[0].0 < pair[1].0;
+    if !expected.windows(2).all(ordered) {
+        return Err("a group does not keep the order of the mesh".to_owned());
+    }
+    if !edges.inner(count).is_empty() || !edges.outer(count).is_empty() {
+        return Err("edges of a cluster past the last".to_owned());
+    }
+    Ok(())
+}
+
+#[test]
+fn orders_hold_every_face_and_edge_once() -> Outcome {
+    let mut random = Random::new(1403);
+    for index in 0..100 {
+        let Case { name, shape, .. } = case(&mut random, index);
+        let mesh = shape.mesh().map_err(|error| error.to_string())?;
+        let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
+        check_orders(&mesh, &found).map_err(|error| format!("{name}, case {index}: {error}"))?;
+    }
+    // The check notices another order.
+    let mesh = shapes::torus(20, 20, 1.0, 0.4);
+    let found = Clusters::new(&mesh.mesh().map_err(|error| error.to_string())?, &mesh.positions, Threads::ONE);
+    let other = mesh.shuffled(1).mesh().map_err(|error| error.to_string())?;
+    must_fail("the orders of another mesh", &check_orders(&other, &found))
+}
+
+#[test]
+fn orders_do_not_depend_on_threads() -> Outcome {
+    for shape in [shapes::blob(90, 0.4, 1), shapes::torus(300, 90, 1.0, 0.4).shuffled(3)] {
+        let mesh = shape.mesh().map_err(|error| error.to_string())?;
+        let one = Clusters::new(&mesh, &shape.positions, Threads::ONE);
+        check_orders(&mesh, &one)?;
+        for threads in [1, 2, 3, 7] {
+            let found = Clusters::new(&mesh, &shape.positions, Threads::new(threads));
+            same("faces", found.faces(), one.faces())?;
+            same("bounds", found.bounds(), one.bounds())?;
+            same("edges", found.edges().records(), one.edges().records())?;
+        }
+        must_fail("another order", &same("faces", one.faces(), &(0..one.faces().len() as u32).collect::<Vec<_>>()))?;
+    }
+    Ok(())
+}
+
+/// Positions may be missing, and every face may be bad.
+#[test]
+fn bad_faces_have_no_bound() -> Outcome {
+    let shape = shapes::sphere(8);
+    let mesh = shape.mesh().map_err(|error| error.to_string())?;
+    let missing = Clusters::new(&mesh, &[], Threads::ONE);
+    let light = Light::point([3.0, 4.0, 5.0]);
+    assert!(missing.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    let twice = Mesh::from_faces(3, vec![[0, 0, 1]; 300]).map_err(|error| error.to_string())?;
+    let finite = Clusters::new(&twice, &[[0.0; 3], [1.0; 3], [2.0; 3]], Threads::ONE);
+    assert!(finite.bounds().iter().all(|bound| decided(bound, light) == Whole::Averted));
+    // Such a face is excluded for every light, so its exclusion is not what averted says.
+    let infinite = Clusters::new(&twice, &[[0.0; 3], [f32::INFINITY; 3], [2.0; 3]], Threads::ONE);
+    assert!(infinite.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    // Vertices of their own at one place: the light is in the plane, whatever it is.
+    let collapsed = Clusters::new(&mesh, &vec![[1.0; 3]; shape.positions.len()], Threads::ONE);
+    assert!(collapsed.bounds().iter().all(|bound| decided(bound, light) == Whole::Mixed));
+    Ok(())
+}
+
+/// The part of the faces in mixed clusters, for some lights around the mesh.
+fn mixed_part(shape: &Shape, lights: &[Light]) -> Result<f64, String> {
+    let mesh = shape.mesh().map_err(|error| error.to_string())?;
+    let found = Clusters::new(&mesh, &shape.positions, Threads::all());
+    let is_mixed = |light: Light| found.bounds().iter().filter(move |bound| decided(bound, light) == Whole::Mixed);
+    let mixed: usize = lights.iter().map(|&light| is_mixed(light).count()).sum();
+    Ok(mixed as f64 / (lights.len() * found.bounds().len()) as f64)
+}
+
+/// A kind of mesh, of any size.
+type Make = (&'static str, fn(u32) -> Shape);
+
+/// On smooth closed meshes with 16 times as many faces, about a fourth of the part is left.
+#[test]
+fn few_clusters_of_smooth_meshes_are_mixed() -> Outcome {
+    let mut random = Random::new(1404);
+    let mut lights: Vec<Light> = (0..8).map(|_| Light::point(random.direction().map(|c| 3.0 * c))).collect();
+    lights.extend((0..8).map(|_| Light::directional(random.direction())));
+    let make: [Make; 4] = [
+        ("sphere", shapes::sphere),
+        ("torus", |size| shapes::torus(2 * size, 2 * size, 1.0, 0.4)),
+        ("blob", |size| shapes::blob(size, 0.4, 1)),
+        ("blob, shuffled", |size| shapes::blob(size, 0.4, 1).shuffled(1)),
+    ];
+    for (name, make) in make {
+        let [few, many] = [90, 362].map(|size| mixed_part(&make(size), &lights));
+        let (few, many) = (few?, many?);
+        println!("{name}: {:.2} % of 65 thousand faces, {:.2} % of a million", 100.0 * few, 100.0 * many);
+        if few > 0.5 || many > 0.2 || many > 0.4 * few {
+            return Err(format!("{name}: {few} of the faces of the small mesh and {many} of the large one are left"));
+        }
+    }
+    Ok(())
+}
