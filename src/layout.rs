@@ -515,6 +515,8 @@ shared_structs! {
         needs_boxes: u32,
         /// Numbers up to that of the last light.
         used_lights: u32,
+        /// 1: views may have receivers. Then volumes may end behind all of them.
+        has_receivers: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.

@@ -73,6 +73,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         keeps: 0,
         needs_boxes: 0,
         used_lights: lights as u32,
+        has_receivers: 0,
     }
 }
 

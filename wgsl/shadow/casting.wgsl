@@ -8,10 +8,10 @@ fn has_near_cap(light: ShadowLight) -> bool {
   return light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005;
 }
 
-// Whether there are caps besides near caps: with z-fail, where the volume ends, and where the caster is not in the depth
-// buffer, so that the eye sees through its faces.
+// Whether there are caps besides near caps: with z-fail, where the volume ends at the range, and where the caster is not in
+// the depth buffer, so that the eye sees through its faces. A volume that ends behind all receivers needs no dark cap.
 fn has_far_caps(light: ShadowLight, flags: u32) -> bool {
-  return light.counting == COUNT_Z_FAIL || light.end > 0.0 || (flags & PROXY) != 0u;
+  return light.counting == COUNT_Z_FAIL || (light.end > 0.0 && shape.end_at_range != 0u) || (flags & PROXY) != 0u;
 }
 
 // A light has four lists of cap faces: near caps of both classes in one run, from the front and from the back, and other

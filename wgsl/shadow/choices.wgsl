@@ -30,7 +30,7 @@ fn measures_of(caster: u32, light: u32, view: u32) -> u32 {
 }
 
 fn has_measures() -> bool {
-  return shape.end_at_range != 0u || shape.counting == COUNT_ZP_PLUS_2005;
+  return shape.end_at_range != 0u || shape.has_receivers != 0u || shape.counting == COUNT_ZP_PLUS_2005;
 }
 
 // The light with the choices for a caster, whose first words are `first` and the next `excludes`. `near`: near caps are

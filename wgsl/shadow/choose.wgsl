@@ -230,6 +230,13 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
     atomicAdd(&shadow_statistics.skipped, 1u);
     return;
   }
+  if (light.end > 0.0) {
+    atomicAdd(&shadow_statistics.ended, 1u);
+  }
+  let receivers_at = seen[entry].version.y;
+  if (receivers_at != 0u && (light.counting == COUNT_Z_PASS || light.counting == COUNT_Z_FAIL)) {
+    light.end = max(light.end, end_behind(view, light, scale, own.low, own.high, receivers_at));
+  }
   atomicOr(&choices[at + CASTS], bit);
   if (light.casting == CAST_EVERY) {
     atomicOr(&choices[at + EVERY], bit);
@@ -241,9 +248,6 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
     atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding)], bit);
-  }
-  if (light.end > 0.0) {
-    atomicAdd(&shadow_statistics.ended, 1u);
   }
   if (has_measures()) {
     atomicStore(&choices[measures], bitcast<u32>(light.end));

@@ -124,6 +124,17 @@ fn farthest_through(low: vec2<f32>, high: vec2<f32>, at: u32) -> u32 {
   return key;
 }
 
+// Where a volume may end behind all receivers, as `ShadowLight::end` has it. 0: nowhere.
+fn end_behind(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> f32 {
+  let reach = reach_to(view, light, scale, low, high, at);
+  if (light.light.w > 0.0) {
+    return reach.factor;
+  }
+  // It may be farther away than need be. What is no number ends nowhere.
+  let end = min(1.0 / reach.factor, 0x1p20);
+  return select(0.0, end, reach.factor >= 0.0 && reach.factor < 0x1p100);
+}
+
 // Whether no receiver can be in the volume of a box.
 fn is_hidden(view: ShadowView, light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>, at: u32) -> bool {
   if (receivers[at + 4u] == 0u) {

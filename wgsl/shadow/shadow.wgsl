@@ -34,7 +34,8 @@ struct ShadowLight {
   // over that of the far end. For a light at infinity it is the height over the near plane.
   frustum_near: f32,
   // The end of the volume: the caster's distance over the range. Every far vertex, (position - light) / end from the
-  // light, is then out of range. 0: at infinity.
+  // light, is then out of range, or behind all receivers. Of a light at infinity a far vertex is 1 / end times the direction
+  // from the position. 0: at infinity.
   end: f32,
   // 1: faces of the caster may be excluded: those in whose plane the light is, and those that are not finite.
   excludes: u32,
@@ -102,6 +103,8 @@ struct ShadowShape {
   needs_boxes: u32,
   // Numbers up to that of the last light.
   used_lights: u32,
+  // 1: views may have receivers. Then volumes may end behind all of them.
+  has_receivers: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.
@@ -157,7 +160,11 @@ fn direction_to_clip(view: ShadowView, direction: vec3<f32>) -> vec4<f32> {
 
 // The far vertex of a position: at infinity, or where the volume ends.
 fn far_end(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
-  return direction_to_clip(view, extrusion(view, light, position)) + light.end * light.clip;
+  let far = direction_to_clip(view, extrusion(view, light, position));
+  if (light.light.w == 0.0 && light.end > 0.0) {
+    return far + light.end * to_clip(view, position);
+  }
+  return far + light.end * light.clip;
 }
 
 // Whether the camera is orthographic: clip w is the same everywhere.

@@ -81,7 +81,11 @@ pub fn direction_to_clip(view: &ShadowView, direction: Vec3) -> Vec4 {
 
 /// The far vertex of a position: at infinity, or where the volume ends.
 pub fn far_end(view: &ShadowView, light: &ShadowLight, position: [f32; 3]) -> Vec4 {
-    direction_to_clip(view, extrusion(view, light, position)) + light.end * Vec4::from_array(light.clip)
+    let far = direction_to_clip(view, extrusion(view, light, position));
+    if light.light[3] == 0.0 && light.end > 0.0 {
+        return far + light.end * to_clip(view, position);
+    }
+    far + light.end * Vec4::from_array(light.clip)
 }
 
 /// Whether the camera is orthographic: clip w is the same everywhere.

@@ -140,14 +140,17 @@ impl Scene {
         words: u64,
     ) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
         let before = self.receiver_words;
+        // The table has room for where volumes end, once there are receivers.
+        let set = |scene: &mut Self, words| {
+            (scene.receiver_words, scene.volumes) = (words, None);
+            scene.structure = scene.structure.take().filter(|_| before > 0);
+        };
         if words > before {
-            self.receiver_words = words;
-            self.volumes = None;
+            set(self, words);
         }
         let made = self.prepare_views(views);
         if made.is_err() && words > before {
-            self.receiver_words = before;
-            self.volumes = None;
+            set(self, before);
         }
         made
     }
@@ -165,7 +168,8 @@ impl Scene {
             return Ok(Arc::clone(volumes));
         }
         let Self { pipelines, options, meshes, sources, lights, pages, views, receiver_words, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views };
+        let has_receivers = *receiver_words > 0;
+        let making = Making { pipelines, meshes, sources, pages, lights, options, views: *views, has_receivers };
         let others = pages.bytes + structure.bytes();
         let made = Arc::new(Volumes::new(&making, structure, *views, *receiver_words, others)?);
         self.volumes = Some(Arc::clone(&made));
@@ -264,8 +268,9 @@ impl Scene {
         self.structures = self.structures.wrapping_add(1).max(1);
         let number = Number { structure: self.structures, encode: self.encode_number() };
         self.lights.renew(number.encode);
+        let (views, has_receivers) = (self.views, self.receiver_words > 0);
         let Self { pipelines, options, meshes, casters, sources, lights, pages, table, .. } = self;
-        let making = Making { pipelines, meshes, sources, pages, lights, options, views: self.views };
+        let making = Making { pipelines, meshes, sources, pages, lights, options, views, has_receivers };
         let made = Arc::new(Structure::new(&making, casters, table, self.last.as_deref(), number)?);
         self.passes = Passes::new(&making, &made)?;
         self.volumes = None;

@@ -28,7 +28,8 @@ pub struct SceneOptions {
     pub skip_unreached: bool,
     /// Skip a caster for a light and a view where the camera cannot see its shadow.
     pub skip_unseen: bool,
-    /// Skip a caster for a light and a view if none of the view's receivers can be in its volume. It takes effect in views
+    /// Skip a caster for a light and a view if none of the view's receivers can be in its volume. Volumes that are left end
+    /// behind all receivers, where z-pass or z-fail counts them. It takes effect in views
     /// with receivers ([`Scene::encode_for`](crate::gpu::Scene::encode_for)).
     pub skip_hidden: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
@@ -61,8 +62,8 @@ pub struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// What these say of volumes.
-    pub(crate) fn volumes(&self) -> VolumeSettings {
+    /// What these say of volumes. `has_receivers`: views may have receivers.
+    pub(crate) fn volumes(&self, has_receivers: bool) -> VolumeSettings {
         let Self {
             counting,
             every_face,
@@ -83,6 +84,7 @@ impl SceneOptions {
             skip_unreached,
             skip_unseen,
             end_at_range,
+            has_receivers,
             bound_counts,
             keeps: keep_bits && keep_lists,
             count_batches,

@@ -71,6 +71,8 @@ pub(crate) struct Making<'a> {
     pub(crate) options: &'a SceneOptions,
     /// Views that there is room for in the table.
     pub(crate) views: usize,
+    /// Whether views may have receivers.
+    pub(crate) has_receivers: bool,
 }
 
 impl Structure {
@@ -96,7 +98,7 @@ impl Structure {
             .collect();
         let (places, words) = work_places(&layout.groups, batches);
         let lit = (table.casters * batches) as u64;
-        let [_, choices] = options.volumes().choice_bytes(table.casters, 32 * batches, views);
+        let [_, choices] = options.volumes(making.has_receivers).choice_bytes(table.casters, 32 * batches, views);
         let table_bytes = (table.parts.len() * size_of::<Part>()) as u64 + choices;
         if table_bytes > limits.binding {
             let limit = limits.binding;

@@ -38,7 +38,7 @@ impl Volumes {
     ) -> Result<Self, SceneError> {
         let device = making.pipelines.device();
         let limits = DispatchLimits::new(&device.limits());
-        let settings = making.options.volumes();
+        let settings = making.options.volumes(making.has_receivers);
         let mut sizes = VolumeSizes { receivers, ..sizes(structure, settings, views, &limits) };
         sizes.fit_memory(others);
         let others = Allocation { label: "the scene without volumes", bytes: others };

@@ -33,6 +33,8 @@ pub(crate) struct VolumeSettings {
     pub(crate) skip_unreached: bool,
     pub(crate) skip_unseen: bool,
     pub(crate) end_at_range: bool,
+    /// Views may have receivers, behind which volumes end.
+    pub(crate) has_receivers: bool,
     pub(crate) bound_counts: bool,
     /// Lists are kept for views that did not change.
     pub(crate) keeps: bool,
@@ -45,7 +47,7 @@ pub(crate) struct VolumeSettings {
 impl VolumeSettings {
     /// Whether `choose` keeps two measures for each caster, light and view.
     fn has_measures(&self) -> bool {
-        self.end_at_range || self.counting.is_zp_plus_2005()
+        self.end_at_range || self.has_receivers || self.counting.is_zp_plus_2005()
     }
 
     /// Bytes of the choices of all casters, and with their measures.
@@ -292,6 +294,7 @@ impl VolumeSizes {
             keeps: u32::from(settings.keeps),
             needs_boxes: u32::from(settings.bound_counts),
             used_lights: self.used_lights() as u32,
+            has_receivers: u32::from(settings.has_receivers),
         }
     }
 }

@@ -133,6 +133,7 @@ impl ShadowVolumes {
             skip_unreached: true,
             skip_unseen,
             end_at_range,
+            has_receivers: false,
             bound_counts,
             keeps: false,
             count_batches: 1,

@@ -40,6 +40,7 @@ const CLOSED: ShadowShape = ShadowShape {
     keeps: 0,
     needs_boxes: 0,
     used_lights: 0,
+    has_receivers: 0,
 };
 
 /// A closed cube's faces with these lowest and highest corners.
