@@ -236,7 +236,7 @@ impl Staged {
         let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros]));
         let (shape, lights) = (uniform(gpu, &self.shape), gpu.storage(&seen));
         let lit = gpu.storage(&[0_u32]);
-        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics, &lit], 1)?;
+        stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics, &lit, &lit], 1)?;
         let words: Vec<u32> = gpu.read(&choices, usize::MAX)?;
         Ok((cpu::chosen(&self.shape, &seen, &words), gpu.read(&statistics, 1)?[0]))
     }
