@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::caster::CasterEntry;
-use super::errors::SceneError;
+use super::errors::{ReceiversError, SceneError};
 use super::frame::SceneFrame;
 use super::layout::put_lights;
-use super::receivers::{self, ReceiverStages, Receivers, ReceiversError};
+use super::receivers::{self, ReceiverStages, Receivers};
 use super::scene::Scene;
 use super::stages::Passes;
 use super::structure::{Making, Number, Structure};

@@ -1,6 +1,5 @@
 //! Why a scene refuses something.
 
-use super::receivers::ReceiversError;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -128,4 +127,35 @@ pub enum SceneError {
          last encode returned"
     )]
     StaleFrame,
+}
+
+/// Why the receivers of a view are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReceiversError {
+    /// There are more receivers than views.
+    #[error("{given} receivers given for {views} cameras; give at most one for each camera")]
+    TooMany {
+        /// Receivers given.
+        given: usize,
+        /// Cameras given.
+        views: usize,
+    },
+    /// The texture has no depth.
+    #[error("the receivers have the format {format:?}, which has no depth; give the depth attachment")]
+    NoDepth {
+        /// The format of the texture.
+        format: wgpu::TextureFormat,
+    },
+    /// The texture cannot be read.
+    #[error("the depth texture lacks the usage `TEXTURE_BINDING`; add it where the texture is made")]
+    Usage,
+    /// The device refuses to read the view.
+    #[error(
+        "the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
+    )]
+    Refused {
+        /// What the device says.
+        message: String,
+    },
 }

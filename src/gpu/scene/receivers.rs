@@ -2,7 +2,7 @@
 
 use glam::Mat4;
 
-use super::errors::SceneError;
+use super::errors::{ReceiversError, SceneError};
 use crate::ShadowCamera;
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
@@ -30,37 +30,6 @@ pub struct Receivers<'a> {
     /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. As a rule nothing is
     /// lit there.
     pub sky_receives: bool,
-}
-
-/// Why the receivers of a view are refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReceiversError {
-    /// There are more receivers than views.
-    #[error("{given} receivers given for {views} cameras; give at most one for each camera")]
-    TooMany {
-        /// Receivers given.
-        given: usize,
-        /// Cameras given.
-        views: usize,
-    },
-    /// The texture has no depth.
-    #[error("the receivers have the format {format:?}, which has no depth; give the depth attachment")]
-    NoDepth {
-        /// The format of the texture.
-        format: wgpu::TextureFormat,
-    },
-    /// The texture cannot be read.
-    #[error("the depth texture lacks the usage `TEXTURE_BINDING`; add it where the texture is made")]
-    Usage,
-    /// The device refuses to read the view.
-    #[error(
-        "the device cannot read the depth: {message}; give a view of the depth aspect alone, of one layer and level"
-    )]
-    Refused {
-        /// What the device says.
-        message: String,
-    },
 }
 
 impl Receivers<'_> {

@@ -260,8 +260,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "scene: cameras keep their version",
         changes: &[(
             "src/gpu/scene/encode.rs",
-            "Some((before, version)) if bytes(&before) == bytes(view) =>",
-            "Some((_, version)) =>",
+            "if bytes(&before) == bytes(view) && !has_receivers(number) =>",
+            "if !has_receivers(number) =>",
         )],
         tests: SCENES,
     },

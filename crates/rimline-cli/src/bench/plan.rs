@@ -10,7 +10,7 @@ use super::casters::CastersPlan;
 use super::measure::Rounds;
 use super::shadows::ShadowPlan;
 use super::skip::SkipPlan;
-use super::skip::setting::SkipScene;
+use super::skip::scenes::SkipScene;
 use crate::device::Wanted;
 use crate::failure::UsageError;
 

@@ -8,9 +8,11 @@ mod measure;
 mod receivers;
 mod recorder;
 pub(crate) mod results;
-pub(crate) mod setting;
+pub(crate) mod scenes;
+mod setting;
 mod still;
 mod text;
+mod walk;
 
 use super::casters::measure::Stopwatch;
 use super::measure::Rounds;
@@ -21,7 +23,7 @@ use crate::progress::Progress;
 use levels::Variant;
 use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
-use setting::SkipScene;
+use scenes::SkipScene;
 
 /// What is measured.
 #[derive(Clone, Debug)]

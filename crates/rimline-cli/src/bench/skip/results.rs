@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::super::measure::Summary;
 use super::super::summary_json::summary_json;
 use super::levels::{LEVELS, Variant};
-use super::setting::SkipScene;
+use super::scenes::SkipScene;
 
 /// Everything.
 pub(crate) struct SkipResults {
