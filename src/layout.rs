@@ -33,6 +33,12 @@ pub const CHUNK: u32 = 64;
 /// ends where the caster ends.
 pub const LANES: u32 = 8;
 
+/// A caster whose mesh has no clusters.
+pub const NO_CLUSTERS: u32 = u32::MAX;
+/// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, and those of them that the
+/// faces face.
+pub const FACE_ENTRY: u32 = 3;
+
 /// Flags of a [`SceneCaster`].
 pub(crate) mod caster_flags {
     /// The caster is closed and consistently oriented.
@@ -311,8 +317,8 @@ shared_structs! {
         group: u32,
         /// The first caster of the group.
         first_caster: u32,
-        /// 0.
-        reserved: u32,
+        /// The word of the page's clusters where those of its mesh begin, or [`NO_CLUSTERS`].
+        clusters: u32,
     }
 
     /// The lights of a caster of a scene in a batch.
@@ -360,6 +366,14 @@ shared_structs! {
         structure: u32,
         /// Whether bits of an earlier encode are kept.
         keeps: u32,
+        /// Word of what is kept where the clusters of the group and batch begin: two for each chunk of faces.
+        clusters_at: u32,
+        /// 0.
+        reserved_0: u32,
+        /// 0.
+        reserved_1: u32,
+        /// 0.
+        reserved_2: u32,
     }
 
     /// What an encode of a scene computed.
@@ -368,10 +382,14 @@ shared_structs! {
         pairs: u32,
         /// Those of them whose facing bits were kept from an earlier encode.
         kept_pairs: u32,
-        /// Faces that were decided, for each batch of 32 lights.
+        /// Faces that were tested, for each batch of 32 lights.
         faces: u32,
-        /// Edge records that were decided, for each batch of 32 lights.
+        /// Edge records that were tested, for each batch of 32 lights.
         edges: u32,
+        /// Faces that were not tested, since all faces of a cluster are on one side of each light.
+        spared_faces: u32,
+        /// Edge records that were not tested, since clusters tell that none is a silhouette edge.
+        spared_edges: u32,
     }
 
     /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.

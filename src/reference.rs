@@ -78,7 +78,9 @@ pub mod model {
 
 /// Clusters of faces that are decided whole.
 pub mod clusters {
-    pub use crate::cpu::scene::clusters::{LEAST, PRODUCT, Whole, clusters, height_and_spread};
+    pub use crate::cpu::scene::clusters::{
+        LEAST, ListedFaces, PRODUCT, Whole, clusters, height_and_spread, list_faces,
+    };
     pub use crate::mesh::clusters::*;
 }
 
@@ -97,7 +99,7 @@ pub mod cpu {
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
-    pub use crate::cpu::scene::chunks::chunks;
+    pub use crate::cpu::scene::chunks::{ListedEdges, chunks};
     pub use crate::cpu::scene::reach::{Taken, reach, take};
     pub use crate::cpu::scene::table::SceneTable;
     pub use crate::cpu::shadow::bounds::bounds;

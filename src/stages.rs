@@ -85,9 +85,18 @@ pub const ARGUMENTS: Stage =
 /// Finds the lights that matter to each caster of a scene.
 pub const REACH: Stage =
     Stage { name: "reach", files: files!["common/common", "scene/table", "scene/reach"], entry_points: &["reach"] };
-/// Lists the chunks of the casters of a scene that lights reach.
-pub const CHUNKS: Stage =
-    Stage { name: "chunks", files: files!["common/common", "scene/table", "scene/chunks"], entry_points: &["chunks"] };
+/// Decides clusters of faces of the casters of a scene as wholes, and lists the chunks of faces that are left.
+pub const CLUSTERS: Stage = Stage {
+    name: "clusters",
+    files: files!["common/common", "scene/table", "scene/many_casters", "scene/cluster_words", "scene/clusters"],
+    entry_points: &["clusters"],
+};
+/// Lists the chunks of edges of the casters of a scene that lights reach.
+pub const CHUNKS: Stage = Stage {
+    name: "chunks",
+    files: files!["common/common", "scene/table", "scene/cluster_words", "scene/chunks"],
+    entry_points: &["chunks"],
+};
 /// [`FACING`] for the casters of a scene.
 pub const SCENE_FACING: Stage = Stage {
     files: files![
@@ -317,7 +326,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 29] = [
+pub const STAGES: [Stage; 30] = [
     DEFORM,
     FACING,
     EXACT_FACING,
@@ -326,6 +335,7 @@ pub const STAGES: [Stage; 29] = [
     COMPACT,
     ARGUMENTS,
     REACH,
+    CLUSTERS,
     CHUNKS,
     SCENE_FACING,
     SCENE_EXACT_FACING,

@@ -2,7 +2,6 @@
 
 #[cfg(feature = "reference")]
 mod bounds;
-#[cfg(feature = "reference")]
 pub(crate) mod clusters;
 mod diagnostics;
 mod faces;

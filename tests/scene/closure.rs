@@ -100,7 +100,9 @@ fn boundary() -> Result<(), String> {
                             return Err(format!("caster {number}: what the caller excludes is not heeded"));
                         }
                         let (expected, zeros) = expected(&scene, own, light, is_given, [is_every, heeds])?;
-                        let listed = sides_of(&found, own, &scene, index, of_group.side_capacity, (&sides, bit))?;
+                        let order = frame.slot_order(own.handle);
+                        let place = (index, order);
+                        let listed = sides_of(&found, own, &scene, place, of_group.side_capacity, (&sides, bit))?;
                         let what = format!("caster {number}, light {light}, every face {is_every}");
                         compare(&what, &listed, &expected)?;
                         *(if is_every { &mut every } else { &mut averted }) += 1;
@@ -152,7 +154,7 @@ fn sides_of(
     found: &Found,
     own: &Own,
     scene: &RandomScene,
-    index: u32,
+    (index, order): (u32, Option<[&[u32]; 2]>),
     capacity: u32,
     (words, bit): (&[u32], u32),
 ) -> Result<Chain, String> {
@@ -168,7 +170,8 @@ fn sides_of(
         let edge = (entry & !cpu::WINDING).wrapping_sub(caster.first_edge_slot);
         if edge < caster.edges {
             let times = if entry & cpu::WINDING != 0 { 1 } else { -1 };
-            add(&mut chain, mesh.edges().vertices()[edge as usize], times);
+            let record = order.map_or(edge, |[_, records]| records[edge as usize]);
+            add(&mut chain, mesh.edges().vertices()[record as usize], times);
         }
     }
     Ok(chain)

@@ -42,6 +42,7 @@ fn fast() -> Result<(), String> {
     let mut silhouettes = 0;
     for seed in 2601..2611 {
         println!("seed {seed}");
+        // The order of slots is that of the mesh.
         let options = SceneOptions { predicate: Predicate::Fast, ..roomy(8) };
         let (scene, frame, found) = sample(gpu, seed, options)?;
         for own in &scene.content.casters {

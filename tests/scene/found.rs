@@ -137,8 +137,35 @@ fn lit_of(
     Ok(lit)
 }
 
+/// Masks of face slots in the order of the mesh.
+pub(crate) fn in_order(order: Option<[&[u32]; 2]>, masks: &[u32]) -> Vec<u32> {
+    let Some([faces, _]) = order else { return masks.to_vec() };
+    let mut sorted = vec![u32::MAX; masks.len()];
+    for (&face, &mask) in faces.iter().zip(masks) {
+        sorted[face as usize] = mask;
+    }
+    sorted
+}
+
+/// Entries of edge slots, counted from the first of their caster, as entries of edge records, in order.
+pub(crate) fn records(order: Option<[&[u32]; 2]>, mut list: Vec<u32>) -> Vec<u32> {
+    if let Some([_, records]) = order {
+        for entry in &mut list {
+            *entry = records[(*entry & !cpu::WINDING) as usize] | *entry & cpu::WINDING;
+        }
+        list.sort_by_key(|entry| entry & !cpu::WINDING);
+    }
+    list
+}
+
 /// Compares one caster's part of the results.
-fn check_caster(found: &Found, group: usize, index: u32, lit: &[u32], expected: &Expected) -> Result<usize, String> {
+fn check_caster(
+    found: &Found,
+    (index, group): (u32, usize),
+    order: Option<[&[u32]; 2]>,
+    lit: &[u32],
+    expected: &Expected,
+) -> Result<usize, String> {
     let caster = SceneTable(&found.table).caster(index);
     let faces = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
     let edges = caster.first_edge_slot..caster.first_edge_slot + caster.edges;
@@ -148,12 +175,14 @@ fn check_caster(found: &Found, group: usize, index: u32, lit: &[u32], expected: 
         let what = format!("caster {index}, batch {batch}");
         // Bits of other lights have no meaning.
         let of_lit = |masks: &[u32]| masks.iter().map(|mask| mask & lit).collect::<Vec<_>>();
-        let [facing, excluded] = [&results.facing, &results.excluded].map(|masks| of_lit(&masks[faces.clone()]));
+        let [facing, excluded] =
+            [&results.facing, &results.excluded].map(|masks| in_order(order, &of_lit(&masks[faces.clone()])));
         same(&format!("{what}, facing"), &facing, &of_lit(&expected.facing[batch]))?;
         same(&format!("{what}, lights in planes"), &excluded, &of_lit(&expected.excluded[batch]))?;
         for bit in 0..32 {
             let own = |entry: &&u32| edges.contains(&(**entry & !cpu::WINDING));
             let list: Vec<u32> = results.lists[bit].iter().filter(own).map(|entry| entry - edges.start).collect();
+            let list = records(order, list);
             let is_lit = lit >> bit & 1 != 0;
             let expected = &expected.lists[32 * batch + bit];
             same(&format!("{what}, list {bit}"), &list, if is_lit { expected } else { &[] })?;
@@ -172,7 +201,7 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
         let (index, group) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
         let lit = if batches == 0 { Vec::new() } else { lit_of(content, own, found, index, batches, &mut tally)? };
         let expected = content.alone(own, &lit)?;
-        tally.silhouettes += check_caster(found, group, index, &lit, &expected)?;
+        tally.silhouettes += check_caster(found, (index, group), frame.slot_order(own.handle), &lit, &expected)?;
         tally.in_planes += expected.excluded.iter().flatten().map(|mask| mask.count_ones()).sum::<u32>();
         let (mesh, positions) = content.mesh_and_positions(own);
         let is_finite = |face: &&[u32; 3]| face.iter().all(|&vertex| cpu::is_finite(positions[vertex as usize]));

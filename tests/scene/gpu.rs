@@ -1,11 +1,15 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+#[path = "../mesh/cluster_meshes.rs"]
+mod cluster_meshes;
 mod closure;
+mod clusters;
 mod exact;
 mod found;
 mod frames;
 mod histories;
 mod kept;
+mod lists;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -17,6 +21,7 @@ fn main() {
     let tests = [
         scenes::TESTS,
         closure::TESTS,
+        clusters::TESTS,
         exact::TESTS,
         stages::TESTS,
         frames::TESTS,

@@ -16,6 +16,7 @@ use rimline_measure::{must_fail, same, shapes};
 
 use crate::found::{Found, check_frame};
 use crate::histories::camera;
+use crate::lists::{Known, check_lists};
 use crate::random_scene::{Content, Placed, RandomScene};
 use crate::scenes::roomy;
 
@@ -170,7 +171,7 @@ fn twins() -> Result<(), String> {
     let mut kept_pairs = 0;
     for seed in 2601..2621 {
         let mut scene = filled(gpu, seed, roomy(40))?;
-        let mut before = Vec::new();
+        let (mut before, mut known) = (Vec::new(), Known::new());
         for _ in 0..5 {
             let frame = gpu.submit(|encoder| scene.encode(encoder))?;
             let results = frame.results().map_err(text)?;
@@ -185,30 +186,7 @@ fn twins() -> Result<(), String> {
             same("pairs taken", &taken, &twin.taken)?;
             same("what is noted", &kept, &twin.kept)?;
             kept_pairs += lit.iter().zip(&taken).map(|(lit, taken)| (lit & !taken).count_ones()).sum::<u32>();
-            let work: Vec<u32> = gpu.read(results.work, usize::MAX)?;
-            let mut tested = [0_u32; 2];
-            for group in &results.groups {
-                let dispatch = group.dispatch;
-                let part = group.group * first.batches as usize + group.batch;
-                let [faces, edges, anew, keeps] = [0, 1, 2, 3].map(|word| work[dispatch.work_count as usize + word]);
-                same("lists made anew, and bits kept", &[anew, keeps], &[twin.anew[part], twin.keeps[part]])?;
-                let expected = cpu::chunks(SceneTable(&table), &dispatch, &lit, &twin.taken, twin.anew[part]);
-                for (kind, count, from, expected, at) in [
-                    (0, faces, dispatch.face_work, &expected[0], dispatch.face_chunks_at),
-                    (1, edges, dispatch.edge_work, &expected[1], dispatch.edge_chunks_at),
-                ] {
-                    let mut listed = work[from as usize..][..count as usize].to_vec();
-                    listed.sort_unstable();
-                    same("chunks", &listed, expected)?;
-                    for chunk in listed {
-                        let caster = SceneTable(&table).word(at, chunk);
-                        let [slot, slots, ..] = table[8 * caster as usize + 5 + kind];
-                        tested[kind] += (slot + slots - 64 * chunk).min(64);
-                    }
-                }
-            }
-            let SceneStatistics { faces, edges, .. } = gpu.read(results.statistics, 1)?[0];
-            same("faces and edges tested", &[faces, edges], &tested)?;
+            check_lists(gpu, &frame, &lit, &twin, &mut known)?;
             before = kept;
             change(&mut scene, &mut Memory::default(), 0)?;
         }

@@ -30,7 +30,8 @@ pub(crate) fn check(gpu: &Gpu, scene: &mut RandomScene) -> Result<Tally, String>
 
 /// Lists that hold every edge, so that nothing overflows.
 pub(crate) fn roomy(max_lights: usize) -> SceneOptions {
-    SceneOptions { max_lights, list_capacity: Some(u32::MAX), ..Default::default() }
+    // Some meshes of random scenes are in clusters.
+    SceneOptions { max_lights, list_capacity: Some(u32::MAX), clusters_from: Some(100), ..Default::default() }
 }
 
 fn run(seed: u64, scenes: usize, lights: usize, casters: usize) -> Result<(), String> {

@@ -11,6 +11,7 @@ use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same};
 
+use crate::lists::{Known, check_lists};
 use crate::random_scene::{Content, Own, Placed, RandomScene};
 
 pub(crate) const TESTS: &[Test] =
@@ -62,28 +63,12 @@ fn twins() -> Result<(), String> {
             wrong[at] = 0;
             must_fail("a light that is left out", &check_lit(&wrong, [&exact, &exact, &exact]))?;
         }
-        let work: Vec<u32> = gpu.read(results.work, usize::MAX)?;
         // Nothing is kept in a first frame.
         let all = cpu::take(SceneTable(&table), &first, &lit, &[]);
         same("pairs taken", &all.taken, &lit)?;
-        for group in &results.groups {
-            let dispatch = group.dispatch;
-            let part = group.group * frame.batches() + group.batch;
-            let expected = cpu::chunks(SceneTable(&table), &dispatch, &lit, &all.taken, all.anew[part]);
-            for (kind, (expected, from)) in expected.iter().zip([dispatch.face_work, dispatch.edge_work]).enumerate() {
-                let count = work[dispatch.work_count as usize + kind] as usize;
-                let mut listed = work[from as usize..][..count].to_vec();
-                listed.sort_unstable();
-                let what = format!("chunks of kind {kind}, group {}, batch {}", group.group, group.batch);
-                same(&what, &listed, expected)?;
-                listed.pop();
-                if count > 0 {
-                    must_fail("a missing chunk", &same(&what, &listed, expected))?;
-                }
-                partly += usize::from(count > 0);
-            }
-            unlisted += (dispatch.face_chunks as usize).abs_diff(expected[0].len());
-        }
+        let listed = check_lists(gpu, &frame, &lit, &all, &mut Known::new())?;
+        partly += listed.faces;
+        unlisted += listed.unlisted;
     }
     if partly == 0 || unlisted == 0 { Err(format!("{partly} lists, {unlisted} chunks left out")) } else { Ok(()) }
 }

@@ -215,7 +215,8 @@ struct SceneCaster {
   group: u32,
   // The first caster of the group.
   first_caster: u32,
-  reserved: u32,
+  // The word of the page's clusters where those of its mesh begin, or NO_CLUSTERS.
+  clusters: u32,
 }
 
 // The draws of one light's shadow volume.

@@ -34,6 +34,9 @@ struct Signs {
 fn signs_of(n: vec3<f32>, a: vec3<f32>) -> Signs {
   var signs = Signs(0u, 0x1p127);
   for (var place = 0u; place < light_places(); place += 4u) {
+    if (((tested_places() >> place) & 15u) == 0u) {
+      continue;
+    }
     let d = vec4<f32>(
       determinant(n, a, place),
       determinant(n, a, place + 1u),
@@ -60,6 +63,13 @@ fn list(slot: u32) {
 
 // Decides a face. `slot` is its place in the masks, `index` that in the topology.
 fn take_item(slot: u32, index: u32) {
+  if (excluded_are_old() && slot < arrayLength(&excluded_masks)) {
+    excluded_masks[slot] = cleared(excluded_masks[slot]);
+  }
+  if (tested_places() == 0u) {
+    facing_masks[slot] = renewed(facing_masks[slot], 0u);
+    return;
+  }
   let corners = vec3<u32>(faces[3u * index], faces[3u * index + 1u], faces[3u * index + 2u]);
   let a_bits = position_bits(corners.x, position_offset(), position_stride());
   let b_bits = position_bits(corners.y, position_offset(), position_stride());
@@ -69,9 +79,6 @@ fn take_item(slot: u32, index: u32) {
   let v = bitcast<vec3<f32>>(c_bits) - a;
   let signs = signs_of(cross_product(u, v), a);
   let magnitude = largest_magnitude(a_bits, b_bits, c_bits);
-  if (excluded_are_old() && slot < arrayLength(&excluded_masks)) {
-    excluded_masks[slot] = renewed(excluded_masks[slot], 0u);
-  }
   if (EXACT) {
     let size = (abs(u.x) + abs(u.y) + abs(u.z)) * (abs(v.x) + abs(v.y) + abs(v.z));
     facing_masks[slot] = renewed(facing_masks[slot], signs.mask);

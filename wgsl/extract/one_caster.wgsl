@@ -68,6 +68,16 @@ fn renewed(mask: u32, bits: u32) -> u32 {
   return bits;
 }
 
+// A mask without these bits. It is not read.
+fn cleared(mask: u32) -> u32 {
+  return 0u;
+}
+
+// The places of the lights that are not decided yet.
+fn tested_places() -> u32 {
+  return 0xffffffffu;
+}
+
 // Whether masks of excluded faces are those of an earlier frame. They are cleared before.
 fn excluded_are_old() -> bool {
   return false;

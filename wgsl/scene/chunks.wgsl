@@ -1,16 +1,19 @@
-// Chunks: lists the chunks of faces of the casters with bits that are to be computed, and the chunks of edges of those with a
-// light whose list is made anew, in no particular order. And notes beside the bits what they are computed from.
+// Chunks: lists the chunks of edges of the casters with a light whose list is made anew, in no particular order, but for
+// those without a silhouette for such a light. And notes beside the bits what they are computed from.
 
 @group(0) @binding(3) var<storage, read> lit: array<u32>;
 // For each group and batch four words, then the chunks, where SceneDispatch says.
 @group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read> taken: array<u32>;
-@group(0) @binding(6) var<storage, read_write> kept: array<u32>;
-@group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
+@group(0) @binding(5) var<storage, read_write> kept: array<u32>;
+@group(0) @binding(6) var<storage, read_write> statistics: SceneStatistics;
 // For each light of the batch the number of its silhouette edges. Behind those: whether a light was in the plane of a face
 // whose bits are kept.
-@group(0) @binding(8) var<storage, read_write> list_counts: array<u32, 64>;
-@group(0) @binding(9) var<storage, read_write> record: FacingRecord;
+@group(0) @binding(7) var<storage, read_write> list_counts: array<u32, 64>;
+@group(0) @binding(8) var<storage, read_write> record: FacingRecord;
+
+// When a chunk has no silhouette: all its clusters are decided, or they are decided alike. Else it may have one.
+const SKIPPED_DECIDED: u32 = 1u;
+const SKIPPED_ALIKE: u32 = 2u;
 
 // Makes the lists and the record ready, for a light of the batch.
 fn prepare(light: u32) {
@@ -31,18 +34,47 @@ fn prepare(light: u32) {
   }
 }
 
-fn lists_faces(chunk: u32) -> bool {
-  return taken[group.batch * group.casters + caster_of(group.face_chunks_at, chunk)] != 0u;
+// Whether the clusters tell that no edge of a chunk is a silhouette for any of these lights.
+fn is_spared(caster: u32, chunk: u32, wanted: u32) -> bool {
+  let faces = caster_part(caster, 5u);
+  let edges = caster_part(caster, 6u);
+  let clusters = caster_part(caster, 7u).w;
+  // Behind the bounds of all clusters.
+  let at = clusters + BOUND_WORDS * ((faces.y + CLUSTER_FACES - 1u) / CLUSTER_FACES) + chunk - edges.x / CHUNK;
+  let begin = cluster_words[at];
+  let rule = begin >> PLACE_BITS;
+  if (rule != SKIPPED_DECIDED && rule != SKIPPED_ALIKE) {
+    return false;
+  }
+  let places = (1u << PLACE_BITS) - 1u;
+  let end = clusters + (cluster_words[at + 1u] & places);
+  var facing = 0u;
+  var averted = 0u;
+  for (var name = clusters + (begin & places); name < end; name++) {
+    let cluster = kept_cluster_at(faces.x / CHUNK + CLUSTER_CHUNKS * cluster_words[name]);
+    if ((wanted & ~kept[cluster]) != 0u) {
+      return false;
+    }
+    facing |= kept[cluster + 1u];
+    averted |= ~kept[cluster + 1u];
+  }
+  return rule == SKIPPED_DECIDED || (wanted & facing & averted) == 0u;
 }
 
-fn lists_edges(chunk: u32) -> bool {
-  let matter = lit[group.batch * group.casters + caster_of(group.edge_chunks_at, chunk)];
-  return (matter & atomicLoad(&work[group.work_count + 2u])) != 0u;
-}
-
-// Slots of a chunk that hold something: `run` has the first slot of a caster and their number.
-fn held(run: vec4<u32>, chunk: u32) -> u32 {
-  return min(CHUNK, run.x + run.y - CHUNK * chunk);
+fn take_edges(chunk: u32) {
+  let caster = caster_of(group.edge_chunks_at, chunk);
+  let wanted = lit[group.batch * group.casters + caster] & atomicLoad(&work[group.work_count + 2u]);
+  if (wanted == 0u) {
+    return;
+  }
+  let edges = caster_part(caster, 6u);
+  let count = min(CHUNK, edges.x + edges.y - CHUNK * chunk);
+  if (has_clusters(caster) && is_spared(caster, chunk, wanted)) {
+    atomicAdd(&statistics.spared_edges, count);
+    return;
+  }
+  atomicStore(&work[group.edge_work + atomicAdd(&work[group.work_count + 1u], 1u)], chunk);
+  atomicAdd(&statistics.edges, count);
 }
 
 @compute @workgroup_size(256)
@@ -50,17 +82,8 @@ fn chunks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
   if (id.x < 32u) {
     prepare(id.x);
   }
-  // Where no list is made anew, no bit is.
   let is_still = atomicLoad(&work[group.work_count + 2u]) == 0u;
-  let count = select(max(group.face_chunks, group.edge_chunks), 0u, is_still);
-  for (var chunk = id.x; chunk < count; chunk += 256u * groups.x) {
-    if (chunk < group.face_chunks && lists_faces(chunk)) {
-      atomicStore(&work[group.face_work + atomicAdd(&work[group.work_count], 1u)], chunk);
-      atomicAdd(&statistics.faces, held(caster_part(caster_of(group.face_chunks_at, chunk), 5u), chunk));
-    }
-    if (chunk < group.edge_chunks && lists_edges(chunk)) {
-      atomicStore(&work[group.edge_work + atomicAdd(&work[group.work_count + 1u], 1u)], chunk);
-      atomicAdd(&statistics.edges, held(caster_part(caster_of(group.edge_chunks_at, chunk), 6u), chunk));
-    }
+  for (var chunk = id.x; chunk < select(group.edge_chunks, 0u, is_still); chunk += 256u * groups.x) {
+    take_edges(chunk);
   }
 }

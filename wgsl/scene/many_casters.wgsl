@@ -21,6 +21,10 @@ var<private> of_faces: vec4<u32>;
 var<private> of_edges: vec4<u32>;
 var<private> lights: CasterLights;
 var<private> matter: u32;
+// Those of them that a cluster decides, for all its faces alike, those of these that it faces, and the places of the others.
+var<private> decided: u32;
+var<private> decided_facing: u32;
+var<private> tested: u32;
 
 fn take_caster(index: u32) {
   caster = index;
@@ -29,6 +33,18 @@ fn take_caster(index: u32) {
   of_edges = caster_part(caster, 6u);
   lights = caster_lights(caster, group.batch);
   matter = taken[group.batch * group.casters + caster];
+  decided = 0u;
+  decided_facing = 0u;
+  tested = 0xffffffffu;
+}
+
+// What a cluster decides of the lights of the caster at hand.
+fn take_decision(whole: u32, facing: u32) {
+  decided = whole;
+  decided_facing = facing;
+  if (decided != 0u) {
+    tested = places_of(matter & ~decided);
+  }
 }
 
 // The number of slots of faces.
@@ -98,7 +114,17 @@ fn live_lights() -> u32 {
 
 // A mask with new bits for the lights that are taken.
 fn renewed(mask: u32, bits: u32) -> u32 {
-  return (mask & ~matter) | bits;
+  return (mask & ~matter) | (bits & ~decided) | decided_facing;
+}
+
+// A mask without the lights that are taken.
+fn cleared(mask: u32) -> u32 {
+  return mask & ~matter;
+}
+
+// The places of the lights that are not decided. Places past the last light may be among them.
+fn tested_places() -> u32 {
+  return tested;
 }
 
 // Whether masks of excluded faces are those of an earlier frame.
@@ -108,10 +134,14 @@ fn excluded_are_old() -> bool {
 
 // The places of the lights that are taken.
 fn live_places() -> u32 {
+  return places_of(matter);
+}
+
+fn places_of(bits: u32) -> u32 {
   var places = 0u;
   var place = 0u;
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
-    places |= ((matter >> firstTrailingBit(rest)) & 1u) << place;
+    places |= ((bits >> firstTrailingBit(rest)) & 1u) << place;
     place++;
   }
   return places;

@@ -17,9 +17,12 @@ struct SceneStatistics {
   // Pairs of caster and light that matter, and those of them whose bits were kept.
   pairs: atomic<u32>,
   kept_pairs: atomic<u32>,
-  // Faces that were decided, for each batch, and edge records.
+  // Faces that were tested, for each batch, and edge records.
   faces: atomic<u32>,
   edges: atomic<u32>,
+  // Those that clusters spared.
+  spared_faces: atomic<u32>,
+  spared_edges: atomic<u32>,
 }
 
 // A dispatch over a group of casters for a batch of lights.
@@ -50,6 +53,11 @@ struct SceneDispatch {
   // The number of this layout, which tells what was computed for another, and whether bits are kept at all.
   structure: u32,
   keeps: u32,
+  // The word of what is kept where the clusters of the group and batch begin.
+  clusters_at: u32,
+  reserved_0: u32,
+  reserved_1: u32,
+  reserved_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> group: SceneDispatch;
@@ -60,6 +68,9 @@ fn caster_part(caster: u32, part: u32) -> vec4<u32> {
   return table[8u * caster + part];
 }
 
+// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, and those of them that the
+// faces face.
+const FACE_ENTRY: u32 = 3u;
 // Positions may have changed.
 const CHANGING: u32 = 32u;
 // The masks of the group's excluded faces are copied anew from those that the caller gives.
@@ -75,7 +86,8 @@ fn light_version(batch: u32, light: u32) -> u32 {
 
 // What was computed is told by words that lie beside it: the number of the layout, and from the fourth word on for each
 // batch the versions of its lights. For each batch and caster follow the caster's version and the lights whose bits are
-// right for these versions. Then for each group and batch the encodes that made the lists of its lights.
+// right for these versions. Then for each group and batch the encodes that made the lists of its lights,
+// and two words for each of its chunks of faces.
 fn kept_lights_at(batch: u32) -> u32 {
   return 4u + 32u * batch;
 }

@@ -5,7 +5,7 @@ use super::options::SceneOptions;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, guarded, padded};
 use crate::gpu::extract::buffers::RECORD_HEAD;
-use crate::layout::{CHUNK, DrawArguments, SceneStatistics};
+use crate::layout::{CHUNK, DrawArguments, FACE_ENTRY, SceneStatistics};
 use crate::method::Predicate;
 
 /// Bytes before the entries of lists: a count for each of 32 lights, and as much again, since bindings begin at multiples of
@@ -99,11 +99,21 @@ pub(crate) struct Wanted<'a> {
     /// Words for the lights of casters.
     pub(crate) lit: u64,
     pub(crate) batches: usize,
+    /// Face chunks of all groups.
+    pub(crate) face_chunks: u64,
     /// Words of work lists.
     pub(crate) work: u64,
     /// Bytes of the rest of the scene.
     pub(crate) others: u64,
     pub(crate) memory_limit: Option<u64>,
+}
+
+impl Wanted<'_> {
+    /// Words of what is kept.
+    fn kept_words(&self) -> u64 {
+        let (batches, groups) = (self.batches as u64, self.groups.len() as u64);
+        4 + 32 * batches + 2 * self.lit + batches * (32 * groups + CLUSTER_WORDS as u64 * self.face_chunks)
+    }
 }
 
 /// Makes buffers, or takes old ones that are large enough.
@@ -156,8 +166,8 @@ impl Buffers {
         wanted: &Wanted<'_>,
         limits: &DispatchLimits,
     ) -> Result<Self, MemoryError> {
-        let Wanted { lit, work, .. } = *wanted;
-        for (what, bytes) in [("versions of casters", 8 * lit), ("lists of chunks", 4 * work)] {
+        let kept = 4 * wanted.kept_words();
+        for (what, bytes) in [("versions of casters", kept), ("lists of chunks", 4 * wanted.work)] {
             if bytes > limits.binding {
                 return Err(MemoryError::Binding { what, bytes, limit: limits.binding });
             }
@@ -173,9 +183,8 @@ impl Buffers {
         limits: &DispatchLimits,
         headroom: u64,
     ) -> Result<Self, MemoryError> {
-        let Wanted { groups, lit, batches, work, others, memory_limit } = *wanted;
-        let parts = (groups.len() * batches) as u64;
-        let kept = 4 * (4 + 32 * batches as u64 + 2 * lit + 32 * parts);
+        let Wanted { groups, lit, work, others, memory_limit, .. } = *wanted;
+        let kept = 4 * wanted.kept_words();
         let takes_old = old.is_some_and(|old| Maker::fits(&old.kept, kept));
         let mut maker = Maker { device, takes_old, wanted: Vec::new(), headroom };
         let of_group = |group: usize, batch: usize| old?.groups.get(group)?.get(batch);
@@ -251,13 +260,17 @@ pub(crate) struct WorkPlace {
 /// anew, and those of which bits are kept.
 pub(crate) const WORK_WORDS: u64 = 4;
 
+/// Words that are kept for each chunk of faces and batch: the lights for which all faces of its cluster have one bit, and
+/// these bits.
+pub(crate) const CLUSTER_WORDS: usize = 2;
+
 /// The places of all groups and batches, and the number of words. Counts come first, so that they are cleared together.
 pub(crate) fn work_places(groups: &[Group], batches: usize) -> (Vec<Vec<WorkPlace>>, u64) {
     let mut next = WORK_WORDS * (groups.len() * batches) as u64;
     let mut count = 0;
     let mut place = |group: &Group| {
         let faces = next;
-        let edges = faces + u64::from(group.face_slots() / CHUNK);
+        let edges = faces + u64::from(FACE_ENTRY * (group.face_slots() / CHUNK));
         next = edges + u64::from(group.edge_slots() / CHUNK);
         count += WORK_WORDS;
         WorkPlace { count: count - WORK_WORDS, faces, edges }

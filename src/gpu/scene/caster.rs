@@ -8,6 +8,7 @@ use slotmap::DefaultKey;
 use super::handles::{LightHandle, MeshHandle};
 use super::mask::LightMask;
 use super::pages::Run;
+use super::topology::SlotOrder;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::light::MeshSpace;
 use crate::mesh::{EdgeCounts, is_degenerate};
@@ -86,11 +87,13 @@ pub(crate) struct MeshEntry {
     pub(crate) high: [f32; 3],
     /// Whether another face has a corner that is not finite.
     pub(crate) is_holed: bool,
+    /// What its slots hold, if they do not have its order: it is in clusters.
+    pub(crate) order: Option<Arc<SlotOrder>>,
     pub(crate) casters: usize,
 }
 
 impl MeshEntry {
-    pub(crate) fn new(run: Run, mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
+    pub(crate) fn new(run: Run, mesh: &Mesh, positions: &[[f32; 3]], order: Option<Arc<SlotOrder>>) -> Self {
         let (mut low, mut high, mut is_holed) = ([f32::MAX; 3], [f32::MIN; 3], false);
         for &face in mesh.faces() {
             let corners = face.map(|vertex| positions.get(vertex as usize).copied().unwrap_or([f32::NAN; 3]));
@@ -104,7 +107,7 @@ impl MeshEntry {
             }
         }
         let (vertices, faces, counts) = (mesh.vertex_count(), mesh.faces().len() as u32, mesh.edges().counts());
-        Self { run, vertices, faces, counts, is_closed: mesh.is_closed(), low, high, is_holed, casters: 0 }
+        Self { run, vertices, faces, counts, is_closed: mesh.is_closed(), low, high, is_holed, order, casters: 0 }
     }
 
     pub(crate) fn edges(&self) -> u32 {
@@ -121,7 +124,7 @@ pub(crate) struct CasterEntry {
     pub(crate) source: DefaultKey,
     pub(crate) lights: LightMask,
     pub(crate) in_depth: bool,
-    /// Faces that count nowhere, for a light each.
+    /// Slots of faces that count nowhere, counted from the first of the caster, for a light each.
     pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.

@@ -44,7 +44,7 @@ pub struct SceneGroupResults<'a> {
     pub group: usize,
     /// Bit `bit` of a mask is light `32 · batch + bit`.
     pub batch: usize,
-    /// One `u32` a face slot: the lights that the face faces. Bits of lights that do not reach the caster have no meaning.
+    /// One `u32` a face slot ([`SceneFrame::slot_order`]): the lights that the face faces. Bits of lights that do not reach the caster have no meaning.
     pub facing: &'a wgpu::Buffer,
     /// One `u32` a face slot: the lights in the plane of the face.
     pub excluded: &'a wgpu::Buffer,
@@ -62,6 +62,8 @@ pub struct SceneGroupResults<'a> {
     pub draws: &'a wgpu::Buffer,
     /// Begins with [`ExtractionStatistics`](crate::gpu::ExtractionStatistics).
     pub record: &'a wgpu::Buffer,
+    /// The clusters of its page, as [`Arranged::words`](crate::reference::clusters::Arranged::words) has them for each mesh.
+    pub clusters: &'a wgpu::Buffer,
     /// The uniform of the stages.
     pub dispatch: SceneDispatch,
 }
@@ -195,10 +197,11 @@ impl SceneFrame {
         self.check_current()?;
         let Structure { table, buffers, parts, .. } = &*self.structure;
         let of_part = parts.iter().zip(buffers.groups.iter().flatten()).enumerate();
-        let groups = of_part.map(|(number, (part, buffers))| {
+        let groups = of_part.filter_map(|(number, (part, buffers))| {
             let views = self.volumes.as_ref().and_then(|volumes| volumes.buffers.lists.get(number));
             let room = self.volumes.as_ref().and_then(|volumes| volumes.buffers.sizes.rooms.get(number));
-            SceneGroupResults {
+            Some(SceneGroupResults {
+                clusters: self.structure.clusters.get(part.group)?,
                 sides: views.into_iter().flatten().map(|lists| &lists.sides).collect(),
                 side_capacity: room.map_or(0, |room| room.sides),
                 group: part.group,
@@ -210,7 +213,7 @@ impl SceneFrame {
                 draws: &buffers.draws,
                 record: &buffers.record,
                 dispatch: part.dispatch,
-            }
+            })
         });
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
         let bytes = self.structure.bytes() + volumes;
@@ -235,6 +238,14 @@ impl SceneFrame {
             groups: groups.collect(),
             bytes,
         })
+    }
+
+    /// The face of each face slot of a caster, and the record of each edge slot. `None`: slots have the order of the mesh.
+    #[cfg(feature = "reference")]
+    pub fn slot_order(&self, caster: CasterHandle) -> Option<[&[u32]; 2]> {
+        let (index, _) = self.place(caster)?;
+        let order = self.structure.layout.slot_orders.get(index as usize)?.as_ref()?;
+        Some([&order.faces, &order.records])
     }
 
     /// The place of a caster in the scene table, and its group.

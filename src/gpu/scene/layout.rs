@@ -1,6 +1,8 @@
 //! Lays a scene out: groups, slots, and what lies where in the scene table.
 
 use std::collections::HashMap;
+#[cfg(feature = "reference")]
+use std::sync::Arc;
 
 use slotmap::{DefaultKey, SecondaryMap, SlotMap};
 
@@ -8,6 +10,8 @@ use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
+#[cfg(feature = "reference")]
+use super::topology::SlotOrder;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::MemoryError;
 use crate::layout::CHUNK;
@@ -41,6 +45,9 @@ pub(crate) struct Layout {
     pub(crate) groups: Vec<Group>,
     /// The casters in the order of the table.
     pub(crate) order: Vec<DefaultKey>,
+    /// What their slots hold, where a mesh is in clusters.
+    #[cfg(feature = "reference")]
+    pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
     /// The parts of the table that each encode uploads. The casters of the chunks, which follow, are written once.
     pub(crate) uploaded: usize,
 }
@@ -144,6 +151,8 @@ impl Layout {
                     ..group.add(mesh, caster.in_depth)
                 });
                 layout.order.push(key);
+                #[cfg(feature = "reference")]
+                layout.slot_orders.push(mesh.order.clone());
             }
             layout.groups.push(group);
         }

@@ -18,4 +18,5 @@ pub(crate) mod sources;
 pub(crate) mod stages;
 pub(crate) mod structure;
 pub(crate) mod table;
+pub(crate) mod topology;
 pub(crate) mod volumes;

@@ -57,6 +57,11 @@ pub struct SceneOptions {
     /// `None`: room for every face where every face may have a cap, else for a share. An overflow loses nothing: the draw
     /// then goes over all faces.
     pub cap_capacity: Option<u32>,
+    /// Meshes of at least so many faces are put in clusters of 128 faces that lie together. For a rigid caster, a cluster of
+    /// which all faces are on one side of a light is decided as a whole. So on a smooth mesh about the root of all faces is
+    /// tested. Adding such a mesh takes up to three times as long. `None`: no mesh is. See [`Predicate::Exact`], which clusters
+    /// need.
+    pub clusters_from: Option<u32>,
     /// The largest device memory for the scene, in bytes. It is checked before anything is allocated. `None`: no limit.
     pub memory_limit: Option<u64>,
 }
@@ -97,7 +102,7 @@ impl SceneOptions {
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
     /// where they suffice, what lights do not reach, and shadows that are unseen or hidden,
-    /// skipped, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
+    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -115,6 +120,7 @@ impl Default for SceneOptions {
             keep_lists: true,
             bound_counts: false,
             cap_capacity: None,
+            clusters_from: Some(4096),
             memory_limit: None,
         }
     }

@@ -1,26 +1,28 @@
-//! Pools of topology: the faces, edge records and positions of many meshes in few buffers.
+//! Pools of topology: the faces, edge records, positions and clusters of many meshes in few buffers.
 
 use std::ops::Range;
 
 use range_alloc::RangeAllocator;
 
-use crate::Mesh;
+use super::topology::Topology;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, any_error, buffer, check, guarded};
 use crate::gpu::common::requirements::DeviceError;
 
-/// Faces, edge records and vertices of the first page. Page k has 4^k times as many, so that few pages hold any scene.
-const FIRST: [u64; 3] = [1 << 14, 3 << 13, 1 << 14];
-/// Bytes of a face, an edge record in one of its two buffers, and a vertex.
-const BYTES: [u64; 3] = [12, 8, 12];
-const WHAT: [&str; 3] = ["faces", "edge records", "rest positions"];
+/// What a page has of each mesh: faces, edge records, vertices, and words of clusters.
+const KINDS: usize = 4;
+/// So many of each has the first page. Page k has 4^k times as many, so that few pages hold any scene.
+const FIRST: [u64; KINDS] = [1 << 14, 3 << 13, 1 << 14, 1 << 13];
+/// Bytes of a face, an edge record in one of its two buffers, a vertex, and a word.
+const BYTES: [u64; KINDS] = [12, 8, 12, 4];
+const WHAT: [&str; KINDS] = ["faces", "edge records", "rest positions", "clusters"];
 
-/// The place of a mesh: a page, and runs of its faces, edge records and vertices.
+/// The place of a mesh: a page, and its runs there.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Run {
     pub(crate) page: usize,
-    /// Faces, edge records and vertices.
-    pub(crate) ranges: [Range<u32>; 3],
+    /// Faces, edge records, vertices, and words of clusters.
+    pub(crate) ranges: [Range<u32>; KINDS],
 }
 
 /// The buffers of a page.
@@ -30,8 +32,10 @@ pub(crate) struct Page {
     pub(crate) edge_vertices: wgpu::Buffer,
     pub(crate) edge_faces: wgpu::Buffer,
     pub(crate) positions: wgpu::Buffer,
-    /// Free faces, edge records and vertices.
-    free: [RangeAllocator<u32>; 3],
+    /// The words of [`Topology::clusters`].
+    pub(crate) clusters: wgpu::Buffer,
+    /// What is free of each kind.
+    free: [RangeAllocator<u32>; KINDS],
 }
 
 /// All pages of a scene. A page keeps its buffers, so growing copies nothing.
@@ -45,21 +49,22 @@ pub(crate) struct Pages {
 }
 
 impl Page {
-    fn new(device: &wgpu::Device, items: [u64; 3]) -> Self {
+    fn new(device: &wgpu::Device, items: [u64; KINDS]) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let [faces, edges, vertices] = items;
+        let [faces, edges, vertices, words] = items;
         Self {
             faces: buffer(device, "scene faces", 12 * faces, usage),
             edge_vertices: buffer(device, "scene edge vertices", 8 * edges, usage),
             edge_faces: buffer(device, "scene edge faces", 8 * edges, usage),
             positions: buffer(device, "scene rest positions", 12 * vertices, usage),
+            clusters: buffer(device, "scene clusters", 4 * words, usage),
             free: items.map(|items| RangeAllocator::new(0..items as u32)),
         }
     }
 
-    /// Runs of so many faces, edge records and vertices, if there is room for all of them.
-    fn allocate(&mut self, items: [u64; 3]) -> Option<[Range<u32>; 3]> {
-        let mut ranges = [0..0, 0..0, 0..0];
+    /// Runs of so many of each kind, if there is room for all of them.
+    fn allocate(&mut self, items: [u64; KINDS]) -> Option<[Range<u32>; KINDS]> {
+        let mut ranges = [const { 0..0 }; KINDS];
         for (kind, free) in self.free.iter_mut().enumerate() {
             let Ok(range) = free.allocate_range(items[kind] as u32) else {
                 let taken = ranges.into_iter().take(kind);
@@ -85,12 +90,14 @@ impl Pages {
     pub(crate) fn add(
         &mut self,
         device: &wgpu::Device,
-        mesh: &Mesh,
+        mesh: &Topology<'_>,
+        vertices: u32,
         used: u64,
         memory_limit: Option<u64>,
     ) -> Result<Run, MemoryError> {
         // The allocator refuses empty runs.
-        let items = [mesh.faces().len(), mesh.edges().len(), mesh.vertex_count() as usize].map(|n| n.max(1) as u64);
+        let items = [mesh.faces.len(), mesh.edge_faces.len(), vertices as usize, mesh.clusters.len()];
+        let items = items.map(|n| n.max(1) as u64);
         for (page, pool) in self.all.iter_mut().enumerate() {
             if let Some(ranges) = pool.allocate(items) {
                 return Ok(Run { page, ranges });
@@ -99,20 +106,21 @@ impl Pages {
         let page = self.all.len();
         let limits = DispatchLimits::new(&device.limits());
         let sizes = page_sizes(page, items, limits.binding)?;
-        let [faces, edges, vertices] = sizes;
+        let [faces, edges, vertices, words] = sizes;
         let allocations = [
             Allocation { label: "scene faces", bytes: 12 * faces },
             Allocation { label: "scene edge vertices", bytes: 8 * edges },
             Allocation { label: "scene edge faces", bytes: 8 * edges },
             Allocation { label: "scene rest positions", bytes: 12 * vertices },
+            Allocation { label: "scene clusters", bytes: 4 * words },
             Allocation { label: "the rest of the scene", bytes: used + self.bytes },
         ];
-        let (own, rest) = (&allocations[..4], used + self.bytes);
+        let (own, rest) = (&allocations[..5], used + self.bytes);
         let bytes = check(own, limits.buffer, None)?;
         check(&allocations, u64::MAX, memory_limit)?;
         let mut made = guarded(device, bytes + rest, || Page::new(device, sizes))?;
         // A page is at least as large as the mesh.
-        let ranges = made.allocate(items).unwrap_or([0..0, 0..0, 0..0]);
+        let ranges = made.allocate(items).unwrap_or([const { 0..0 }; KINDS]);
         self.all.push(made);
         self.bytes += bytes;
         Ok(Run { page, ranges })
@@ -125,15 +133,16 @@ impl Pages {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         run: &Run,
-        mesh: &Mesh,
+        mesh: &Topology<'_>,
         positions: &[[f32; 3]],
     ) -> Result<(), DeviceError> {
         let Some(page) = self.all.get(run.page) else { return Ok(()) };
-        let [faces, edges, vertices] = run.ranges.clone().map(|range| u64::from(range.start));
+        let [faces, edges, vertices, words] = run.ranges.clone().map(|range| u64::from(range.start));
         let write = || {
-            queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(mesh.faces()));
-            queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(mesh.edges().vertices()));
-            queue.write_buffer(&page.edge_faces, 8 * edges, bytemuck::cast_slice(mesh.edges().packed_faces()));
+            queue.write_buffer(&page.faces, 12 * faces, bytemuck::cast_slice(&mesh.faces));
+            queue.write_buffer(&page.edge_vertices, 8 * edges, bytemuck::cast_slice(&mesh.edge_vertices));
+            queue.write_buffer(&page.edge_faces, 8 * edges, bytemuck::cast_slice(&mesh.edge_faces));
+            queue.write_buffer(&page.clusters, 4 * words, bytemuck::cast_slice(&mesh.clusters));
             queue.write_buffer(&page.positions, 12 * vertices, bytemuck::cast_slice(positions));
         };
         any_error(device, write).map_err(|message| DeviceError::Refused { message })
@@ -155,10 +164,10 @@ impl Pages {
     }
 }
 
-/// Faces, edge records and vertices of a new page. A mesh that is larger gets a page of its size.
-fn page_sizes(page: usize, items: [u64; 3], binding: u64) -> Result<[u64; 3], MemoryError> {
+/// How many of each kind a new page has. A mesh that is larger gets a page of its size.
+fn page_sizes(page: usize, items: [u64; KINDS], binding: u64) -> Result<[u64; KINDS], MemoryError> {
     let grown = 4_u64.pow(page.min(10) as u32);
-    let mut sizes = [0; 3];
+    let mut sizes = [0; KINDS];
     for (kind, size) in sizes.iter_mut().enumerate() {
         let most = binding / BYTES[kind];
         if items[kind] > most {
@@ -176,11 +185,11 @@ mod tests {
     #[test]
     fn pages_grow_and_large_meshes_get_their_size() {
         let binding = 128 << 20;
-        assert_eq!(page_sizes(0, [1, 1, 1], binding), Ok(FIRST));
-        assert_eq!(page_sizes(1, [1, 1, 1 << 20], binding), Ok([4 * FIRST[0], 4 * FIRST[1], 1 << 20]));
+        assert_eq!(page_sizes(0, [1; KINDS], binding), Ok(FIRST));
+        assert_eq!(page_sizes(1, [1, 1, 1 << 20, 1], binding), Ok([4 * FIRST[0], 4 * FIRST[1], 1 << 20, 4 * FIRST[3]]));
         let most = BYTES.map(|bytes| binding / bytes);
-        assert_eq!(page_sizes(usize::MAX, [1, 1, 1], binding), Ok(most));
-        let refused = page_sizes(0, [1, most[1] + 1, 1], binding);
+        assert_eq!(page_sizes(usize::MAX, [1; KINDS], binding), Ok(most));
+        let refused = page_sizes(0, [1, most[1] + 1, 1, 1], binding);
         assert!(matches!(refused, Err(MemoryError::Binding { what: "edge records", .. })), "{refused:?}");
     }
 }

@@ -16,11 +16,13 @@ use super::sources::{Sources, bind};
 use super::stages::Passes;
 use super::structure::Structure;
 use super::table::Table;
+use super::topology::Topology;
 use super::volumes::Volumes;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
 use crate::layout::ShadowView;
+use crate::method::Predicate;
 use crate::{Light, Matrix3x4, Mesh};
 
 /// Many casters and lights, whose silhouettes are extracted together. A mesh is stored once, however many casters have
@@ -117,13 +119,25 @@ impl Scene {
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
         let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
         let device = self.pipelines.device();
-        let run = self.pages.add(device, mesh, used, self.options.memory_limit)?;
-        if let Err(error) = self.pages.upload(device, &self.queue, &run, mesh, own) {
+        let topology = self.topology(mesh, own);
+        let run = self.pages.add(device, &topology, needed, used, self.options.memory_limit)?;
+        if let Err(error) = self.pages.upload(device, &self.queue, &run, &topology, own) {
             self.pages.free(run, self.encodes.load(Ordering::Relaxed));
             return Err(error.into());
         }
-        let key = self.meshes.insert(MeshEntry::new(run, mesh, own));
+        let key = self.meshes.insert(MeshEntry::new(run, mesh, own, topology.order));
         Ok(MeshHandle { scene: self.id, key })
+    }
+
+    /// What is uploaded of a mesh. Other predicates than the exact one may decide faces differently from clusters.
+    fn topology<'a>(&self, mesh: &'a Mesh, positions: &[[f32; 3]]) -> Topology<'a> {
+        let SceneOptions { predicate, clusters_from, .. } = self.options;
+        let is_in_clusters = clusters_from.is_some_and(|least| mesh.faces().len() >= least.max(1) as usize);
+        if is_in_clusters && predicate == Predicate::Exact {
+            Topology::in_clusters(mesh, positions)
+        } else {
+            Topology::plain(mesh)
+        }
     }
 
     /// Removes a mesh that no caster has. From the second encode after this on, a new mesh may take its place in the
@@ -333,13 +347,16 @@ impl Scene {
         let key = caster.key_in(self.id)?;
         self.lights.check(light)?;
         let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
-        let count = self.meshes.get(entry.mesh).map_or(0, |mesh| mesh.faces);
+        let mesh = self.meshes.get(entry.mesh);
+        let count = mesh.map_or(0, |mesh| mesh.faces);
         if let Some(&face) = faces.iter().find(|&&face| face >= count) {
             return Err(SceneError::NoSuchFace { face, faces: count });
         }
         entry.excluded.retain(|(of, _)| *of != light && self.lights.check(*of).is_ok());
         if !faces.is_empty() {
-            entry.excluded.push((light, faces.into()));
+            let order = mesh.and_then(|mesh| mesh.order.as_ref());
+            let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
+            entry.excluded.push((light, slots));
         }
         self.structure = None;
         Ok(())

@@ -12,7 +12,7 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{DrawShape, ExtractionStatistics, LANES, SceneDispatch};
 use crate::method::Predicate;
-use crate::stages::{ARGUMENTS, CHUNKS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
+use crate::stages::{ARGUMENTS, CHUNKS, CLUSTERS, REACH, SCENE_EDGES, SCENE_EXACT_FACING, SCENE_FACING, Stage};
 
 /// The number of invocations in a workgroup of `reach` and of exact facing.
 const SMALL_WORKGROUP: u64 = 64;
@@ -77,7 +77,8 @@ struct Binder<'a> {
 /// The size of what a stage walks along, for a group and batch.
 #[derive(Clone, Copy)]
 enum Items {
-    Chunks,
+    FaceChunks,
+    EdgeChunks,
     Faces,
     Edges,
 }
@@ -95,7 +96,8 @@ impl<'a> Binder<'a> {
         let facing = self.pipelines.compute(&SCENE_FACING, SCENE_FACING.name, &[plane, exact]);
         let mut passes = vec![
             self.reach(),
-            self.walk(self.stage(&CHUNKS), Items::Chunks, |part| self.chunks(part)),
+            self.walk(self.stage(&CLUSTERS), Items::FaceChunks, |part| self.clusters(part)),
+            self.walk(self.stage(&CHUNKS), Items::EdgeChunks, |part| self.chunks(part)),
             self.walk(facing, Items::Faces, |part| self.facing(part)),
         ];
         if predicate == Predicate::Exact {
@@ -120,7 +122,8 @@ impl<'a> Binder<'a> {
     fn reach(&self) -> Pass {
         let pipeline = self.stage(&REACH);
         let pairs = self.structure.layout.order.len() * self.structure.batches;
-        let resources = self.versions();
+        let Buffers { lit, taken, .. } = &self.structure.buffers;
+        let resources = self.versions(&[("lit", lit), ("taken", taken)]);
         let dispatches = vec![self.dispatch(&pipeline, &resources, 0, (pairs as u64).div_ceil(SMALL_WORKGROUP))];
         Pass { pipeline, dispatches }
     }
@@ -131,7 +134,8 @@ impl<'a> Binder<'a> {
         for part in &self.structure.parts {
             let Some(group) = self.structure.layout.groups.get(part.group) else { continue };
             let count = match items {
-                Items::Chunks => group.face_chunks.max(group.edge_chunks),
+                Items::FaceChunks => group.face_chunks,
+                Items::EdgeChunks => group.edge_chunks,
                 Items::Faces => LANES * group.face_chunks,
                 Items::Edges => LANES * group.edge_chunks,
             };
@@ -180,19 +184,32 @@ impl<'a> Binder<'a> {
         vec![("group", entry::<SceneDispatch>(uniforms)), ("table", table.as_entire_binding())]
     }
 
-    /// What is bound by those that find what changed.
-    fn versions(&self) -> Resources<'a> {
+    /// What is bound by those that find what changed, with these lights of casters.
+    fn versions(&self, lights: &[(&'static str, &'a wgpu::Buffer)]) -> Resources<'a> {
         let mut resources = self.with_work(self.common());
-        let Buffers { lit, taken, kept, statistics, .. } = &self.structure.buffers;
-        let named = [("lit", lit), ("taken", taken), ("kept", kept), ("statistics", statistics)];
+        let Buffers { kept, statistics, .. } = &self.structure.buffers;
+        let named = lights.iter().copied().chain([("kept", kept), ("statistics", statistics)]);
         resources.extend(named.map(|(name, buffer)| (name, buffer.as_entire_binding())));
         resources
     }
 
+    /// The clusters of a group's page.
+    fn cluster_words(&self, part: &GroupBatch) -> Option<(&'static str, BindingResource<'a>)> {
+        let (page, _) = self.structure.source(self.making, part.group)?;
+        Some(("cluster_words", page.clusters.as_entire_binding()))
+    }
+
+    fn clusters(&self, part: &GroupBatch) -> Option<Resources<'a>> {
+        let mut resources = self.versions(&[("taken", &self.structure.buffers.taken)]);
+        resources.push(self.cluster_words(part)?);
+        Some(resources)
+    }
+
     fn chunks(&self, part: &GroupBatch) -> Option<Resources<'a>> {
         let buffers = self.of(part)?;
-        let mut resources = self.versions();
+        let mut resources = self.versions(&[("lit", &self.structure.buffers.lit)]);
         resources.extend([
+            self.cluster_words(part)?,
             ("list_counts", binding(&buffers.lists, 0..LISTS_HEAD)),
             ("record", binding(&buffers.record, 0..part.sizes.record)),
         ]);

@@ -2,7 +2,7 @@
 
 use slotmap::{DefaultKey, SlotMap};
 
-use super::buffers::{Buffers, GroupSizes, Wanted, WorkPlace, work_places};
+use super::buffers::{Buffers, CLUSTER_WORDS, GroupSizes, Wanted, WorkPlace, work_places};
 use super::caster::{CasterEntry, MeshEntry};
 use super::errors::SceneError;
 use super::layout::{Group, Layout};
@@ -51,6 +51,9 @@ pub(crate) struct Structure {
     pub(crate) shapes: wgpu::Buffer,
     /// For each group and batch the masks of faces that callers exclude, if there are any.
     pub(crate) given: Vec<Option<wgpu::Buffer>>,
+    /// The clusters of the page of each group.
+    #[cfg(feature = "reference")]
+    pub(crate) clusters: Vec<wgpu::Buffer>,
 }
 
 /// Numbers of a structure and of the encode that lays it out.
@@ -109,7 +112,8 @@ impl Structure {
         let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
-        let wanted = Wanted { groups: &sizes, lit, batches, work: words, others, memory_limit };
+        let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();
+        let wanted = Wanted { groups: &sizes, lit, batches, face_chunks, work: words, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
@@ -122,7 +126,24 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let given =
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
-        Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes, given })
+        #[cfg(feature = "reference")]
+        let clusters = {
+            let page = |group: &Group| Some(pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
+            layout.groups.iter().filter_map(page).collect()
+        };
+        Ok(Self {
+            layout,
+            table: table_buffer,
+            choices_at,
+            buffers,
+            batches,
+            parts,
+            uniforms,
+            shapes,
+            given,
+            #[cfg(feature = "reference")]
+            clusters,
+        })
     }
 
     /// The size of all buffers in bytes.
@@ -152,8 +173,8 @@ fn given_masks(layout: &Layout, table: &Table, casters: &SlotMap<DefaultKey, Cas
             let Some(masks) = given.get_mut(number * batches + bit / 32) else { continue };
             let masks = masks.get_or_insert_with(|| vec![0; room as usize]);
             let first = table.first_face_slot(index);
-            for &face in &**faces {
-                if let Some(mask) = masks.get_mut((first + face) as usize) {
+            for &slot in &**faces {
+                if let Some(mask) = masks.get_mut((first + slot) as usize) {
                     *mask |= 1 << (bit % 32);
                 }
             }
@@ -190,8 +211,9 @@ fn parts(
     room: impl Fn(usize) -> u32,
     [structure, keeps]: [u32; 2],
 ) -> (Vec<GroupBatch>, UniformTable, UniformTable) {
-    // Behind the versions of casters.
+    // Behind the versions of casters, and behind those of lists.
     let kept = 4 + 32 * table.batches + 2 * table.batches * table.casters;
+    let mut clusters_at = kept + 32 * table.batches * layout.groups.len();
     let (mut parts, mut uniforms, mut shapes) = (Vec::new(), UniformTable::default(), UniformTable::default());
     let batches = layout.groups.iter().zip(sizes).zip(places).enumerate();
     for (number, ((group, sizes), places)) in batches {
@@ -213,7 +235,12 @@ fn parts(
                 capacity: sizes.capacity,
                 structure,
                 keeps,
+                clusters_at: clusters_at as u32,
+                reserved_0: 0,
+                reserved_1: 0,
+                reserved_2: 0,
             };
+            clusters_at += CLUSTER_WORDS * group.face_chunks as usize;
             let offset = uniforms.push(&dispatch);
             let shape = shapes.push(&DrawShape {
                 lights: 32,

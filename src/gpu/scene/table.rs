@@ -4,7 +4,7 @@ use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
 use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
-use crate::layout::{CasterLights, ScaledLight, SceneCaster};
+use crate::layout::{CasterLights, NO_CLUSTERS, ScaledLight, SceneCaster};
 use crate::light::Light;
 
 /// Words of the table, in fours.
@@ -72,7 +72,7 @@ impl Table {
 
     /// Writes a caster with its slots.
     pub(crate) fn put_caster(&mut self, entry: &CasterEntry, mesh: &MeshEntry, slots: Slots) {
-        let [faces, edges, vertices] = mesh.run.ranges.clone().map(|range| range.start);
+        let [faces, edges, vertices, clusters] = mesh.run.ranges.clone().map(|range| range.start);
         let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
         let (rigid, offset, stride) = match entry.placement {
             Placement::Rigid(rigid) => (Some(rigid), 3 * vertices, 3),
@@ -108,7 +108,7 @@ impl Table {
             version: entry.version,
             group: slots.group,
             first_caster: slots.first_caster,
-            reserved: 0,
+            clusters: if mesh.order.is_some() { clusters } else { NO_CLUSTERS },
         };
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }

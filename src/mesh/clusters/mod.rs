@@ -4,12 +4,15 @@
 //! The order in space is internal. A face or edge **slot** is a place in it. The mesh keeps its own order, and each slot
 //! names the face or edge record of the mesh that it holds.
 
+mod arranged;
 mod bound;
 mod edges;
 mod order;
 mod plane;
 
+#[cfg(feature = "reference")]
 pub(crate) use bound::cluster_kinds;
+pub use arranged::{Arranged, Spared};
 pub use bound::{ClusterBound, WIDENING};
 pub use edges::EdgeOrder;
 pub use plane::LARGE;
@@ -48,6 +51,11 @@ impl Clusters {
     /// For each face slot the mesh's face. Cluster `i` has the slots from `i·CLUSTER_FACES` on.
     pub fn faces(&self) -> &[u32] {
         &self.faces
+    }
+
+    /// Gives [`Self::faces`] away.
+    pub(crate) fn into_faces(self) -> Vec<u32> {
+        self.faces
     }
 
     /// The bound of each cluster.

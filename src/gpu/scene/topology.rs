@@ -1,0 +1,73 @@
+//! What the scene uploads of a mesh: its faces and edge records in the order of their slots.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use crate::Mesh;
+use crate::cpu::Threads;
+use crate::mesh::clusters::{Arranged, Clusters};
+
+/// The faces and edge records of a mesh in slots.
+#[derive(Debug)]
+pub(crate) struct Topology<'a> {
+    pub(crate) faces: Cow<'a, [[u32; 3]]>,
+    pub(crate) edge_vertices: Cow<'a, [[u32; 2]]>,
+    pub(crate) edge_faces: Cow<'a, [[u32; 2]]>,
+    /// The clusters, as the GPU has them. Empty: slots have the order of the mesh.
+    pub(crate) clusters: Vec<u32>,
+    pub(crate) order: Option<Arc<SlotOrder>>,
+}
+
+/// What the slots of a mesh hold, if they do not have its order.
+#[derive(Debug)]
+pub(crate) struct SlotOrder {
+    /// The face of each face slot.
+    pub(crate) faces: Vec<u32>,
+    /// The edge record of each edge slot.
+    #[cfg(feature = "reference")]
+    pub(crate) records: Vec<u32>,
+}
+
+impl<'a> Topology<'a> {
+    /// A mesh in its own order.
+    pub(crate) fn plain(mesh: &'a Mesh) -> Self {
+        Self {
+            faces: mesh.faces().into(),
+            edge_vertices: mesh.edges().vertices().into(),
+            edge_faces: mesh.edges().packed_faces().into(),
+            clusters: Vec::new(),
+            order: None,
+        }
+    }
+
+    /// A mesh in clusters, as it lies at `positions`.
+    pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
+        let clusters = Clusters::new(mesh, positions, Threads::all());
+        let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters);
+        let order = SlotOrder {
+            #[cfg(feature = "reference")]
+            records: clusters.edges().records().to_vec(),
+            faces: clusters.into_faces(),
+        };
+        Self {
+            faces: faces.into(),
+            edge_vertices: edge_vertices.into(),
+            edge_faces: edge_faces.into(),
+            clusters: words,
+            order: Some(Arc::new(order)),
+        }
+    }
+}
+
+impl SlotOrder {
+    /// The slots of some faces of the mesh.
+    pub(crate) fn slots(&self, faces: &[u32]) -> Vec<u32> {
+        let mut slots = vec![0; self.faces.len()];
+        for (slot, &face) in (0..).zip(&self.faces) {
+            if let Some(place) = slots.get_mut(face as usize) {
+                *place = slot;
+            }
+        }
+        faces.iter().filter_map(|&face| slots.get(face as usize).copied()).collect()
+    }
+}

@@ -1,0 +1,166 @@
+//! Clusters of rigid casters: every bit and every list is what it is without them, whatever moves, and they equal their twins.
+
+use std::sync::Arc;
+
+use rimline::Light;
+use rimline::gpu::{CasterPositions, SceneFrame, SceneOptions};
+use rimline::reference::cpu::{self, SceneTable};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::is_long;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{same, shapes};
+
+use crate::cluster_meshes::{self, Case};
+use crate::found::{Found, check_frame};
+use crate::lists::{Known, Listed, check_lists};
+use crate::random_scene::{Placed, RandomScene};
+use crate::scenes::roomy;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("clusters_change_no_bit", hostile),
+    ("clusters_are_right_after_late_and_dropped_frames", late),
+    ("clusters_spare_most_faces_of_smooth_meshes", smooth),
+];
+
+const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+fn options() -> SceneOptions {
+    SceneOptions { clusters_from: Some(1), ..roomy(40) }
+}
+
+/// A scene with one more mesh, and a caster of it that lies as the mesh does.
+fn with_mesh(gpu: &Gpu, seed: u64, shape: shapes::Shape) -> Result<RandomScene, String> {
+    let mut scene = RandomScene::new(gpu, seed, options())?;
+    let case = rimline_measure::cases::case("clusters", shape);
+    let handle = scene.scene.add_mesh(&case.2, &case.1).map_err(text)?;
+    scene.content.meshes.push((Arc::new(case), handle));
+    let mesh = scene.content.meshes.len() - 1;
+    scene.insert_as(mesh, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY))?;
+    Ok(scene)
+}
+
+fn put_lights(scene: &mut RandomScene, lights: &[Light]) -> Result<(), String> {
+    for (index, &light) in lights.iter().enumerate().take(40) {
+        if let Some((handle, old)) = scene.content.lights.get_mut(index) {
+            *old = light;
+            scene.scene.set_light(*handle, light).map_err(text)?;
+        } else {
+            let handle = scene.scene.add_light(light).map_err(text)?;
+            scene.content.lights.push((handle, light));
+        }
+    }
+    Ok(())
+}
+
+/// A frame against casters alone, and its lists against the twins.
+fn check(gpu: &Gpu, scene: &mut RandomScene, before: &mut Vec<u32>, known: &mut Known) -> Result<Listed, String> {
+    let frame: SceneFrame = gpu.submit(|encoder| scene.encode(encoder))?;
+    let found = Found::read(gpu, &frame)?;
+    check_frame(&scene.content, &frame, &found)?;
+    let results = frame.results().map_err(text)?;
+    let first = results.groups.first().ok_or("no group")?.dispatch;
+    let pairs = (first.casters * first.batches) as usize;
+    let lit = &found.lit[..pairs];
+    let twin = cpu::take(SceneTable(&found.table), &first, lit, before);
+    *before = gpu.read(results.kept, 4 + 32 * first.batches as usize + 2 * pairs)?;
+    check_lists(gpu, &frame, lit, &twin, known)
+}
+
+/// Smooth, flat, nearly flat, huge, tiny and spoilt meshes, with lights where a bound only just decides, in planes and on
+/// vertices. Lights and casters move from frame to frame.
+fn hostile() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut random = Random::new(4101);
+    println!("seed 4101");
+    let mut sum = Listed::default();
+    for index in 0..if is_long() { 600 } else { 60 } {
+        let Case { name, shape, lights } = cluster_meshes::case(&mut random, index);
+        let what = |error: String| format!("{name}, case {index}: {error}");
+        let mut scene = with_mesh(gpu, 4200 + index as u64, shape)?;
+        put_lights(&mut scene, &lights)?;
+        for _ in 0..3 {
+            scene.insert(gpu)?;
+        }
+        let (mut before, mut known) = (Vec::new(), Known::new());
+        for frame in 0..4 {
+            let listed = check(gpu, &mut scene, &mut before, &mut known).map_err(what)?;
+            sum = Listed {
+                faces: sum.faces + listed.faces,
+                edges: sum.edges + listed.edges,
+                unlisted: sum.unlisted + listed.unlisted,
+                spared: [0, 1].map(|kind| sum.spared[kind] + listed.spared[kind]),
+            };
+            if frame % 2 == 0 {
+                scene.move_lights()?;
+                scene.move_casters()?;
+            } else {
+                // Lights of the case take other bits.
+                let turned: Vec<Light> = lights.iter().cycle().skip(frame).take(lights.len()).copied().collect();
+                put_lights(&mut scene, &turned)?;
+            }
+        }
+    }
+    println!("{sum:?}");
+    let is_vacuous = sum.faces == 0 || sum.edges == 0 || sum.unlisted == 0 || sum.spared.contains(&0);
+    if is_vacuous { Err("not as meant".to_owned()) } else { Ok(()) }
+}
+
+/// What is known of clusters follows the order in which frames are submitted.
+fn late() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    for seed in 4301..if is_long() { 4401 } else { 4311 } {
+        println!("seed {seed}");
+        let mut scene = with_mesh(gpu, seed, shapes::blob(12, 0.3, seed as u32))?;
+        for _ in 0..9 {
+            scene.add_light()?;
+        }
+        for number in 0..8 {
+            let what = |error: String| format!("frame {number}: {error}");
+            match scene.random.below(4) {
+                0 => drop(scene.encode(&mut encoder())?),
+                1 => {
+                    let mut first = encoder();
+                    let frame = scene.encode(&mut first)?;
+                    let (results, content) = (frame.results().map_err(text)?, scene.content.clone());
+                    scene.move_lights()?;
+                    let mut second = encoder();
+                    let later = scene.encode(&mut second)?;
+                    gpu.queue.submit([second.finish()]);
+                    check_frame(&scene.content, &later, &Found::read(gpu, &later)?).map_err(what)?;
+                    gpu.queue.submit([first.finish()]);
+                    check_frame(&content, &frame, &Found::of(gpu, &results)?).map_err(what)?;
+                }
+                2 => scene.insert(gpu)?,
+                _ => {}
+            }
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?).map_err(what)?;
+            scene.move_lights()?;
+            scene.move_casters()?;
+        }
+    }
+    Ok(())
+}
+
+/// Four times the faces of a sphere leave about twice as many to test.
+fn smooth() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let mut tested = Vec::new();
+    for size in [32, 64] {
+        let shape = shapes::sphere(size);
+        let count = shape.faces.len();
+        let mut scene = with_mesh(gpu, 4401, shape)?;
+        scene.content.casters[0].lights = rimline::gpu::LightMask::ALL;
+        scene.set_all_lights()?;
+        put_lights(&mut scene, &[Light::point([3.0, 2.0, 1.0])])?;
+        let listed = check(gpu, &mut scene, &mut Vec::new(), &mut Known::new())?;
+        same("faces in all", &[listed.spared[0] as usize + 64 * listed.faces >= count], &[true])?;
+        tested.push(count as f64 - f64::from(listed.spared[0]));
+        println!("{count} faces, spared {:?}", listed.spared);
+    }
+    let growth = tested[1] / tested[0];
+    if growth < 2.6 { Ok(()) } else { Err(format!("{growth} times as many faces are tested")) }
+}

@@ -1,0 +1,122 @@
+// Clusters: decides whether all faces of a cluster face a light, or none does, for the lights that are taken. Lists the chunks
+// of faces with a bit that is to be tested or changed, in no particular order. NUMERICS.md, "Clusters".
+
+@group(0) @binding(4) var<storage, read_write> work: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> kept: array<u32>;
+@group(0) @binding(7) var<storage, read_write> statistics: SceneStatistics;
+
+// What a bound decides: nothing; that all faces face a light, or none; only that none does; that none ever does.
+const MIXED: u32 = 0u;
+const AT_MOST_AVERTED: u32 = 2u;
+const AVERTED: u32 = 3u;
+// 2.5 units in the last place: what the rounding of w centre may change the middle and the half by.
+const PRODUCT: f32 = 2.5 * 0x1p-23;
+// The most that underflow adds.
+const LEAST: f32 = 0x1p-118;
+
+// Lights that are decided for a whole cluster, and those of them that its faces face.
+struct Decision {
+  decided: u32,
+  facing: u32,
+}
+
+fn four_words(at: u32) -> vec4<u32> {
+  return vec4<u32>(cluster_words[at], cluster_words[at + 1u], cluster_words[at + 2u], cluster_words[at + 3u]);
+}
+
+// The lights that are taken for the caster at hand, as the bound decides them.
+fn decide(at: u32) -> Decision {
+  let first = four_words(at);
+  let kind = first.w;
+  if (kind == MIXED) {
+    return Decision(0u, 0u);
+  }
+  if (kind == AVERTED) {
+    return Decision(matter, 0u);
+  }
+  let centre = bitcast<vec3<f32>>(first.xyz);
+  let middle = bitcast<vec4<f32>>(four_words(at + 4u));
+  let half = bitcast<vec4<f32>>(four_words(at + 8u));
+  let size = abs(centre.x) + abs(centre.y) + abs(centre.z);
+  var decision = Decision(0u, 0u);
+  var place = 0u;
+  for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
+    let bit = (rest & (~rest + 1u)) & matter;
+    if (bit != 0u) {
+      let light = scaled_light(place);
+      let inexact = inexact_w(place);
+      let t = light.xyz - light.w * centre;
+      let height = middle.x * t.x + middle.y * t.y + middle.z * t.z + middle.w * light.w;
+      let sizes = abs(t);
+      let spread = half.x * sizes.x + half.y * sizes.y + half.z * sizes.z + half.w * max(abs(light.w), inexact) +
+        PRODUCT * inexact * size + LEAST;
+      let is_facing = height > spread && kind != AT_MOST_AVERTED;
+      decision.decided |= select(0u, bit, is_facing || height < -spread);
+      decision.facing |= select(0u, bit, is_facing);
+    }
+    place++;
+  }
+  return decision;
+}
+
+fn list_faces(chunk: u32, decision: Decision) {
+  let at = group.face_work + FACE_ENTRY * atomicAdd(&work[group.work_count], 1u);
+  atomicStore(&work[at], chunk);
+  atomicStore(&work[at + 1u], decision.decided);
+  atomicStore(&work[at + 2u], decision.facing);
+  if ((matter & ~decision.decided) != 0u) {
+    atomicAdd(&statistics.faces, faces_in(chunk));
+  } else {
+    atomicAdd(&statistics.spared_faces, faces_in(chunk));
+  }
+}
+
+fn faces_in(chunk: u32) -> u32 {
+  return min(CHUNK, of_faces.x + of_faces.y - CHUNK * chunk);
+}
+
+// The chunks of the cluster that begins with `chunk`. `number` counts clusters of the caster.
+fn take_cluster(chunk: u32, number: u32) {
+  let decision = decide(caster_part(caster, 7u).w + BOUND_WORDS * number);
+  let at = kept_cluster_at(chunk);
+  var before = Decision(0u, 0u);
+  if (kept[0] == group.structure) {
+    before = Decision(kept[at], kept[at + 1u]);
+  }
+  kept[at] = (before.decided & ~matter) | decision.decided;
+  kept[at + 1u] = (before.facing & ~matter) | decision.facing;
+  // Where the masks have these bits already, nothing is to be done.
+  let is_known = (matter & ~(decision.decided & before.decided)) == 0u &&
+    ((decision.facing ^ before.facing) & matter) == 0u;
+  let end = min(chunk + CLUSTER_CHUNKS, (of_faces.x + of_faces.y + CHUNK - 1u) / CHUNK);
+  for (var each = chunk; each < end; each++) {
+    if (is_known) {
+      atomicAdd(&statistics.spared_faces, select(0u, faces_in(each), matter != 0u));
+    } else {
+      list_faces(each, decision);
+    }
+  }
+}
+
+fn take_chunk(chunk: u32) {
+  take_caster(caster_of(group.face_chunks_at, chunk));
+  if (!has_clusters(caster)) {
+    if (matter != 0u) {
+      list_faces(chunk, Decision(0u, 0u));
+    }
+    return;
+  }
+  let number = chunk - of_faces.x / CHUNK;
+  if (number % CLUSTER_CHUNKS == 0u) {
+    take_cluster(chunk, number / CLUSTER_CHUNKS);
+  }
+}
+
+@compute @workgroup_size(256)
+fn clusters(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  // Where no list is made anew, no bit is.
+  let is_still = atomicLoad(&work[group.work_count + 2u]) == 0u;
+  for (var chunk = id.x; chunk < select(group.face_chunks, 0u, is_still); chunk += 256u * groups.x) {
+    take_chunk(chunk);
+  }
+}
