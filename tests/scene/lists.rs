@@ -53,7 +53,7 @@ pub(crate) fn check_lists(
             same(&format!("{what}: the cluster from chunk {chunk} on"), &of(kept), &of(&faces.kept))?;
         }
         let entries = &work[dispatch.face_work as usize..][..(FACE_ENTRY * face_count) as usize];
-        let mut entries: Vec<[u32; 3]> = entries.chunks(3).map(|entry| [entry[0], entry[1], entry[2]]).collect();
+        let mut entries: Vec<[u32; 4]> = entries.as_chunks().0.to_vec();
         entries.sort_unstable();
         same(&format!("{what}: chunks of faces"), &entries, &faces.chunks)?;
         if entries.pop().is_some() {

@@ -169,7 +169,7 @@ fn camera() -> ShadowCamera {
 fn views() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (positions, mesh) = cube()?;
-    let options = SceneOptions { memory_limit: Some(4_000_000), ..Default::default() };
+    let options = SceneOptions { memory_limit: Some(4_050_000), ..Default::default() };
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     scene.insert(Caster::rigid(cube, IDENTITY)).map_err(text)?;

@@ -137,7 +137,7 @@ fn overflow() -> Result<(), String> {
     for seed in 1701..1705 {
         println!("seed {seed}");
         let (_, _, whole) = sample(gpu, seed, roomy(8))?;
-        let small = SceneOptions { max_lights: 8, list_capacity: Some(1), ..Default::default() };
+        let small = SceneOptions { list_capacity: Some(1), ..roomy(8) };
         let (_, _, found) = sample(gpu, seed, small)?;
         for (found, whole) in found.groups.iter().zip(&whole.groups) {
             same("counts", &found.counts, &whole.counts)?;

@@ -64,6 +64,7 @@ fn list_faces(chunk: u32, decision: Decision) {
   atomicStore(&work[at], chunk);
   atomicStore(&work[at + 1u], decision.decided);
   atomicStore(&work[at + 2u], decision.facing);
+  atomicStore(&work[at + 3u], select(places_of(matter & ~decision.decided), 0xffffffffu, decision.decided == 0u));
   if ((matter & ~decision.decided) != 0u) {
     atomicAdd(&statistics.faces, faces_in(chunk));
   } else {

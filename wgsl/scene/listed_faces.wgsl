@@ -14,7 +14,9 @@ fn take_lane(number: u32) {
   let entry = group.face_work + FACE_ENTRY * (number / LANES);
   let chunk = work[entry];
   take_caster(caster_of(group.face_chunks_at, chunk));
-  take_decision(work[entry + 1u], work[entry + 2u]);
+  decided = work[entry + 1u];
+  decided_facing = work[entry + 2u];
+  tested = work[entry + 3u];
   let end = min(CHUNK * (chunk + 1u), of_faces.x + of_faces.y);
   for (var slot = CHUNK * chunk + number % LANES; slot < end; slot += LANES) {
     take_item(slot, of_faces.z + slot - of_faces.x);

@@ -38,14 +38,6 @@ fn take_caster(index: u32) {
   tested = 0xffffffffu;
 }
 
-// What a cluster decides of the lights of the caster at hand.
-fn take_decision(whole: u32, facing: u32) {
-  decided = whole;
-  decided_facing = facing;
-  if (decided != 0u) {
-    tested = places_of(matter & ~decided);
-  }
-}
 
 // The number of slots of faces.
 fn face_slots() -> u32 {

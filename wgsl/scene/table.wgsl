@@ -68,9 +68,9 @@ fn caster_part(caster: u32, part: u32) -> vec4<u32> {
   return table[8u * caster + part];
 }
 
-// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, and those of them that the
-// faces face.
-const FACE_ENTRY: u32 = 3u;
+// Words of a listed chunk of faces: the chunk, the lights that are decided for all of its faces, those of them that the
+// faces face, and the places of the lights that are tested.
+const FACE_ENTRY: u32 = 4u;
 // Positions may have changed.
 const CHANGING: u32 = 32u;
 // The masks of the group's excluded faces are copied anew from those that the caller gives.

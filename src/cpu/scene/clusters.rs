@@ -57,8 +57,9 @@ pub fn height_and_spread(bound: &ClusterBound, light: [f32; 4]) -> [f32; 2] {
 /// The listed chunks of faces of a group and batch.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ListedFaces {
-    /// Each chunk with the lights that are decided for all its faces, and those of them that the faces face. In order.
-    pub chunks: Vec<[u32; 3]>,
+    /// Each chunk with the lights that are decided for all its faces, those of them that the faces face, and the places of the
+    /// lights that are tested, all if none is decided. In order.
+    pub chunks: Vec<[u32; 4]>,
     /// For each chunk two words, of which only the first chunk of a cluster has any: lights for which all faces of the cluster
     /// have the same bit, and these bits.
     pub kept: Vec<u32>,
@@ -108,7 +109,11 @@ pub fn list_faces(
         listed.faces[0] += if is_tested { faces } else { 0 };
         listed.faces[1] += if taken != 0 && !is_tested { faces } else { 0 };
         if !is_known {
-            listed.chunks.push([chunk, decision[0], decision[1]]);
+            let allowed = table.lights(group, index, group.batch).allowed;
+            let tested = (0..32).filter(|light| allowed >> light & 1 != 0).zip(0..).fold(0, |tested, (light, place)| {
+                tested | (taken & !decision[0]) >> light << 31 >> (31 - place)
+            });
+            listed.chunks.push([chunk, decision[0], decision[1], if decision[0] == 0 { u32::MAX } else { tested }]);
         }
     }
     listed

@@ -45,7 +45,7 @@ const QUICK_SCENES: [&str; 10] = [
 const LIGHTS: [usize; 3] = [1, 8, 32];
 /// Beside the names of stress scenes: the scenes of many casters, and those that measure skipping.
 const CASTERS: &str = "casters";
-const SKIPPING: [&str; 3] = ["still", "city", "crowd"];
+const SKIPPING: [&str; 4] = ["still", "city", "crowd", "big"];
 const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
 const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
 /// Faces of a single caster.
@@ -127,9 +127,10 @@ impl Scenes {
         if !is_of_casters && given.as_ref().is_some_and(|numbers| !numbers.is_empty()) {
             return Err(UsageError::CastersWithoutScene);
         }
-        let scenes = skipping.into_iter().filter_map(SkipScene::named).flatten();
+        let scenes = skipping.into_iter().filter_map(|name| SkipScene::named(name, args.quick)).flatten();
         let skipping = scenes.flat_map(|&scene| {
-            let numbers = given.clone().unwrap_or_else(|| vec![scene.usual(args.quick)]);
+            let given = given.clone().filter(|_| !scene.is_one_mesh());
+            let numbers = given.unwrap_or_else(|| vec![scene.usual(args.quick)]);
             numbers.into_iter().filter(move |number| *number <= scene.most()).map(move |number| (scene, number))
         });
         let skipping = skipping.collect();

@@ -1,5 +1,6 @@
 //! How much work each level of skipping leaves out of a frame: its stages, its stencil passes, its volumes' fragments.
 
+mod big;
 mod city;
 mod crowd;
 mod fragments;
@@ -20,7 +21,6 @@ use crate::device::Gpu;
 use crate::failure::{Failure, NoDevice};
 use crate::output::{note, print};
 use crate::progress::Progress;
-use levels::Variant;
 use measure::Measured;
 use results::{SkipEntry, SkipResults, SkipRow};
 use scenes::SkipScene;
@@ -87,8 +87,9 @@ fn measure_row(
     let setting = scene.setting(casters).map_err(recorder::model_failure)?;
     // Frames of many volumes take seconds.
     let rounds = Rounds { least: plan.rounds.least.min(3), ..plan.rounds };
-    let Some(measured) = measure::measure(rounds, devices, &setting, plan.size)? else { return Ok(None) };
-    let entries = Variant::all().zip(measured).map(|(variant, Measured { runs, counted, fragments })| {
+    let variants = scene.variants();
+    let Some(measured) = measure::measure(rounds, devices, &setting, &variants, plan.size)? else { return Ok(None) };
+    let entries = variants.into_iter().zip(measured).map(|(variant, Measured { runs, counted, fragments })| {
         let (stages, frames) = runs.into_iter().unzip();
         SkipEntry { variant, stages, frames, counted, fragments }
     });

@@ -52,6 +52,7 @@ pub(super) fn setting(buildings: usize, degrees: f32) -> Setting {
         lights,
         camera: shadow_camera(&camera),
         ground: Some(0.0),
+        turn: 0.0,
     }
 }
 

@@ -51,6 +51,7 @@ pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
         lights: lamps.iter().map(|lamp| Light::point(lamp.to_array()).with_range(range)).collect(),
         camera: shadow_camera(&camera),
         ground: Some(0.0),
+        turn: 0.0,
     })
 }
 

@@ -20,6 +20,11 @@ pub(crate) static LEVELS: &[Level] = &[
         name: "nothing moved",
         switch: |options, on| (options.keep_bits, options.keep_lists) = (on, on),
     },
+    Level {
+        id: "clusters",
+        name: "clusters",
+        switch: |options, on| options.clusters_from = SceneOptions::default().clusters_from.filter(|_| on),
+    },
     Level { id: "hidden-receivers", name: "hidden receivers", switch: |options, on| options.skip_hidden = on },
 ];
 

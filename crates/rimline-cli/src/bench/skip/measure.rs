@@ -118,6 +118,7 @@ pub(super) fn measure(
     rounds: Rounds,
     [stages, draws]: &mut [Stopwatch<'_>; 2],
     setting: &Setting,
+    variants: &[Variant],
     size: u32,
 ) -> Result<Option<Vec<Measured>>, Failure> {
     let gpu = draws.gpu;
@@ -126,7 +127,7 @@ pub(super) fn measure(
     let depth = &draws.depth(size);
     let counter = FragmentCounter::new(draws, size, setting.lights.len())?;
     let (mut pairs, mut found) = (Vec::new(), Vec::new());
-    for variant in Variant::all() {
+    for &variant in variants {
         let recorder = SkipRecorder::new(gpu, setting, &deforming, variant)?;
         let mut drawn = Drawn { recorder, depth, receivers, deforming: &deforming };
         for _ in 0..=SETTLED {

@@ -1,10 +1,11 @@
 //! Records the frames of a setting with some levels of skipping on.
 
+use glam::{Quat, Vec3};
 use rimline::gpu::{
     Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame, SceneStatistics,
     ShadowStatistics, StageTimer, read_back_vec,
 };
-use rimline::{Mesh, MeshError, ModelError, Pose, wgpu};
+use rimline::{Light, Mesh, MeshError, ModelError, Pose, wgpu};
 
 use super::super::casters::recorder::{DrawPipelines, mesh_failure};
 use super::levels::Variant;
@@ -147,6 +148,13 @@ impl<'a> SkipRecorder<'a> {
         if let Casters::Walking(walk) = &self.setting.casters {
             for (&figure, bounds) in self.figures.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
                 self.scene.set_bounds(figure, Some(bounds))?;
+            }
+        }
+        if self.setting.turn != 0.0 {
+            let turn = Quat::from_rotation_y(self.setting.turn * self.frames as f32);
+            for (&handle, &light) in self.lights.iter().zip(&self.setting.lights) {
+                let xyz = (turn * Vec3::from(light.xyz)).to_array();
+                self.scene.set_light(handle, Light { xyz, ..light })?;
             }
         }
         let receivers = depth.map(|depth| Receivers { depth, sky_receives: false });

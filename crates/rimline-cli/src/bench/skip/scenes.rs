@@ -2,8 +2,9 @@
 
 use rimline::ModelError;
 
+use super::levels::Variant;
 use super::setting::Setting;
-use super::{city, crowd, still};
+use super::{big, city, crowd, still};
 
 /// The scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,15 +17,19 @@ pub(crate) enum SkipScene {
     CityOblique,
     /// Skinned figures that walk.
     Crowd,
+    /// One mesh of about so many times 65,536 faces.
+    Big(u16),
 }
 
 impl SkipScene {
     /// The scenes of a name on the command line.
-    pub(crate) fn named(name: &str) -> Option<&'static [Self]> {
+    pub(crate) fn named(name: &str, is_quick: bool) -> Option<&'static [Self]> {
         match name {
+            "big" if is_quick => Some(&[Self::Big(1)]),
             "still" => Some(&[Self::Still]),
             "city" => Some(&[Self::CityAlong, Self::CityOblique]),
             "crowd" => Some(&[Self::Crowd]),
+            "big" => Some(&[Self::Big(16), Self::Big(64), Self::Big(168), Self::Big(256)]),
             _ => None,
         }
     }
@@ -35,13 +40,14 @@ impl SkipScene {
             Self::Still => "still",
             Self::CityAlong | Self::CityOblique => "city",
             Self::Crowd => "crowd",
+            Self::Big(_) => "big",
         }
     }
 
     /// What the data call the view.
     pub(crate) fn view(self) -> &'static str {
         match self {
-            Self::Still | Self::Crowd => "whole",
+            Self::Still | Self::Crowd | Self::Big(_) => "whole",
             Self::CityAlong => "along-street",
             Self::CityOblique => "oblique",
         }
@@ -56,12 +62,16 @@ impl SkipScene {
             Self::CityAlong => format!("city, {number} building{s}, along a street"),
             Self::CityOblique => format!("city, {number} building{s}, obliquely"),
             Self::Crowd => format!("crowd, {number} walking figure{s}"),
+            Self::Big(size) => {
+                format!("big, a mesh of {} faces", super::super::grouped::grouped(big_faces(size)))
+            }
         }
     }
 
     /// The usual number of casters, of a quick run and of a whole one.
     pub(crate) fn usual(self, is_quick: bool) -> usize {
         match (self, is_quick) {
+            (Self::Big(_), _) => 1,
             (Self::Still | Self::Crowd, true) => 20,
             (Self::Still | Self::Crowd, false) => 1000,
             (_, true) => 100,
@@ -69,11 +79,27 @@ impl SkipScene {
         }
     }
 
+    /// The choices of levels that are measured. Meshes of many faces take long to prepare, and only clusters matter to them.
+    pub(super) fn variants(self) -> Vec<Variant> {
+        let is_big = matches!(self, Self::Big(_));
+        let matters = |variant: &Variant| match variant {
+            Variant::Without(level) => !is_big || level.id == "clusters",
+            Variant::AllOff | Variant::AllOn => true,
+        };
+        Variant::all().filter(matters).collect()
+    }
+
+    /// Whether it always has one caster.
+    pub(crate) fn is_one_mesh(self) -> bool {
+        matches!(self, Self::Big(_))
+    }
+
     /// The most casters that it is measured with.
     pub(crate) fn most(self) -> usize {
         match self {
             Self::Still | Self::Crowd => 1000,
-            _ => usize::MAX,
+            Self::CityAlong | Self::CityOblique => usize::MAX,
+            Self::Big(_) => 1,
         }
     }
 
@@ -83,6 +109,12 @@ impl SkipScene {
             Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
             Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
             Self::Crowd => crowd::setting(casters),
+            Self::Big(size) => Ok(big::setting(big_faces(size))),
         }
     }
+}
+
+/// About so many faces has the mesh of [`SkipScene::Big`].
+fn big_faces(size: u16) -> usize {
+    usize::from(size) << 16
 }

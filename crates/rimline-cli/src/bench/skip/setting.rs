@@ -12,6 +12,8 @@ pub(super) struct Setting {
     pub(super) camera: ShadowCamera,
     /// Height of the ground, an infinite plane that receives and does not cast. `None`: there is none.
     pub(super) ground: Option<f32>,
+    /// By how much lights turn about the y axis from frame to frame, in radians.
+    pub(super) turn: f32,
     /// Pairs of caster and light of which the light's range reaches the caster, where casters begin.
     pub(super) pairs_in_range: usize,
 }
