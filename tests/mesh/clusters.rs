@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rimline::mesh::EdgeKind;
-use rimline::reference::clusters::{CLUSTER_FACES, ClusterBound, Clusters, Whole, clusters};
+use rimline::mesh::{EdgeKind, INCONSISTENT_BIT, NO_FACE};
+use rimline::reference::clusters::{Arranged, CLUSTER_FACES, ClusterBound, Clusters, Whole, clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::reference::layout::CHUNK;
 use rimline::{Light, Mesh, Predicate};
@@ -250,6 +250,89 @@ fn orders_do_not_depend_on_threads() -> Outcome {
         must_fail("another order", &same("faces", one.faces(), &(0..one.faces().len() as u32).collect::<Vec<_>>()))?;
     }
     Ok(())
+}
+
+/// The decision of every face by bits, and whether any edge record of a chunk is a silhouette: by faces alone.
+fn silhouettes(arranged: &Arranged, facing: &[bool], chunk: usize) -> usize {
+    let records = arranged.edge_faces.chunks(CHUNK as usize).nth(chunk).unwrap_or_default();
+    let is_silhouette = |[face_0, face_1]: &&[u32; 2]| {
+        if *face_1 == NO_FACE {
+            return true;
+        }
+        let [first, second] = [face_0 & !INCONSISTENT_BIT, *face_1].map(|slot| facing[slot as usize]);
+        (first == second) == (face_0 & INCONSISTENT_BIT != 0)
+    };
+    records.iter().filter(is_silhouette).count()
+}
+
+/// When a chunk has no silhouette, and its clusters, as the words have them.
+fn named(arranged: &Arranged, clusters: usize, chunk: usize) -> (u32, &[u32]) {
+    let [begin, end] = [0, 1].map(|next| arranged.words[12 * clusters + chunk + next]);
+    (begin >> 30, &arranged.words[(begin & 0x3fff_ffff) as usize..(end & 0x3fff_ffff) as usize])
+}
+
+/// Faces and edges are those of the mesh, and chunks that clusters spare have no silhouette, however faces face.
+#[test]
+fn arranged_meshes_are_the_mesh_and_spare_no_silhouette() -> Outcome {
+    let mut random = Random::new(1405);
+    let (mut spared, mut tested, mut noticed) = (0, 0, 0);
+    for index in 0..60 {
+        let Case { name, shape, .. } = case(&mut random, index);
+        let what = format!("{name}, case {index}");
+        let mesh = shape.mesh().map_err(|error| error.to_string())?;
+        let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
+        let arranged = Arranged::new(&mesh, &found);
+        let faces: Vec<_> = found.faces().iter().map(|&face| mesh.faces()[face as usize]).collect();
+        same(&format!("{what}: faces"), &arranged.faces, &faces)?;
+        for (slot, &record) in found.edges().records().iter().enumerate() {
+            let edge = mesh.edges().get(record as usize).ok_or("no such record")?;
+            let [first, second] = arranged.edge_faces[slot];
+            let of = |slot: u32| (slot != NO_FACE).then(|| found.faces()[(slot & !INCONSISTENT_BIT) as usize]);
+            same(
+                &format!("{what}: faces of record {record}"),
+                &[of(first), of(second)],
+                &[Some(edge.face_0), edge.face_1],
+            )?;
+            let is_inconsistent = edge.kind == EdgeKind::Inconsistent;
+            same(&format!("{what}: record {record}"), &[first & INCONSISTENT_BIT != 0], &[is_inconsistent])?;
+            same(
+                &format!("{what}: record {record}"),
+                &[arranged.edge_vertices[slot]],
+                &[mesh.edges().vertices()[record as usize]],
+            )?;
+        }
+        let clusters = found.bounds().len();
+        same(&format!("{what}: bounds"), &arranged.words[..12 * clusters], bytemuck::cast_slice(found.bounds()))?;
+        for _ in 0..8 {
+            // Clusters that are decided, and any faces in the others.
+            let whole: Vec<u32> = (0..clusters).map(|_| random.below(5) as u32).collect();
+            let facing = |slot: usize| match whole[slot / CLUSTER_FACES] {
+                0 => random.below(2) == 0,
+                side => side < 3,
+            };
+            let facing: Vec<bool> = (0..faces.len()).map(facing).collect();
+            for chunk in 0..arranged.edge_faces.len().div_ceil(CHUNK as usize) {
+                let (rule, names) = named(&arranged, clusters, chunk);
+                let sides: Vec<u32> = names.iter().map(|&cluster| whole[cluster as usize]).collect();
+                let is_decided = sides.iter().all(|&side| side != 0);
+                let is_alike = sides.windows(2).all(|pair| (pair[0] < 3) == (pair[1] < 3));
+                let count = silhouettes(&arranged, &facing, chunk);
+                let is_spared = match rule {
+                    1 => is_decided,
+                    2 => is_decided && is_alike,
+                    _ => false,
+                };
+                if is_spared && count > 0 {
+                    return Err(format!("{what}: chunk {chunk} is spared, and has {count} silhouettes"));
+                }
+                *(if is_spared { &mut spared } else { &mut tested }) += 1;
+                // Negative control: clusters between which edges lie must be alike.
+                noticed += usize::from(rule == 2 && is_decided && count > 0);
+            }
+        }
+    }
+    println!("{spared} chunks spared, {tested} tested, {noticed} decided and not alike");
+    if spared == 0 || tested == 0 || noticed == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
 }
 
 /// Positions may be missing, and every face may be bad.

@@ -1,8 +1,8 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
+mod closure;
 #[path = "../mesh/cluster_meshes.rs"]
 mod cluster_meshes;
-mod closure;
 mod clusters;
 mod exact;
 mod found;

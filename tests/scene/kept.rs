@@ -214,7 +214,8 @@ fn still() -> Result<(), String> {
                 frames.push(found.statistics);
             }
             let all = frames[0];
-            let none = SceneStatistics { kept_pairs: all.pairs, faces: 0, edges: 0, spared_faces: 0, spared_edges: 0, ..all };
+            let none =
+                SceneStatistics { kept_pairs: all.pairs, faces: 0, edges: 0, spared_faces: 0, spared_edges: 0, ..all };
             same("the first frame", &[all.kept_pairs, u32::from(all.faces > 0)], &[0, 1])?;
             let expected = if keep_bits { none } else { all };
             same(&format!("later frames, kept {keep_bits}"), &frames[1..], &[expected; 2])?;

@@ -43,12 +43,18 @@ pub(crate) fn check_lists(
         let what = format!("group {}, batch {}", group.group, group.batch);
         let part = group.group * frame.batches() + group.batch;
         let [face_count, edge_count, anew, keeps] = [0, 1, 2, 3].map(|word| work[dispatch.work_count as usize + word]);
-        same(&format!("{what}: lists made anew, and bits kept"), &[anew, keeps], &[taken.anew[part], taken.keeps[part]])?;
+        same(
+            &format!("{what}: lists made anew, and bits kept"),
+            &[anew, keeps],
+            &[taken.anew[part], taken.keeps[part]],
+        )?;
         let words: Vec<u32> = gpu.read(group.clusters, usize::MAX)?;
         let before = known.remove(&key).unwrap_or_default();
         let faces = list_faces(table, &dispatch, &taken.taken, &words, &before);
         let kept = &kept[dispatch.clusters_at as usize..][..2 * dispatch.face_chunks as usize];
-        for chunk in (0..dispatch.face_chunks).filter(|chunk| is_first_of_cluster(table, dispatch.face_chunks_at, *chunk)) {
+        for chunk in
+            (0..dispatch.face_chunks).filter(|chunk| is_first_of_cluster(table, dispatch.face_chunks_at, *chunk))
+        {
             let of = |kept: &[u32]| kept[2 * chunk as usize..][..2].to_vec();
             same(&format!("{what}: the cluster from chunk {chunk} on"), &of(kept), &of(&faces.kept))?;
         }

@@ -110,9 +110,10 @@ pub fn list_faces(
         listed.faces[1] += if taken != 0 && !is_tested { faces } else { 0 };
         if !is_known {
             let allowed = table.lights(group, index, group.batch).allowed;
-            let tested = (0..32).filter(|light| allowed >> light & 1 != 0).zip(0..).fold(0, |tested, (light, place)| {
-                tested | (taken & !decision[0]) >> light << 31 >> (31 - place)
-            });
+            let tested = (0..32)
+                .filter(|light| allowed >> light & 1 != 0)
+                .zip(0..)
+                .fold(0, |tested, (light, place)| tested | (taken & !decision[0]) >> light << 31 >> (31 - place));
             listed.chunks.push([chunk, decision[0], decision[1], if decision[0] == 0 { u32::MAX } else { tested }]);
         }
     }
@@ -122,7 +123,8 @@ pub fn list_faces(
 /// The bound of a cluster of a caster.
 fn bound(words: &[u32], caster: &SceneCaster, cluster: u32) -> ClusterBound {
     let first = caster.clusters as usize + BOUND_WORDS * cluster as usize;
-    let words = words.get(first..first + BOUND_WORDS).map(|words| bytemuck::pod_read_unaligned(bytemuck::cast_slice(words)));
+    let words =
+        words.get(first..first + BOUND_WORDS).map(|words| bytemuck::pod_read_unaligned(bytemuck::cast_slice(words)));
     words.unwrap_or_else(bytemuck::Zeroable::zeroed)
 }
 
@@ -130,11 +132,12 @@ fn bound(words: &[u32], caster: &SceneCaster, cluster: u32) -> ClusterBound {
 fn decide(table: SceneTable<'_>, group: &SceneDispatch, caster: u32, taken: u32, bound: ClusterBound) -> [u32; 2] {
     let lights = table.lights(group, caster, group.batch);
     let of_caster = (0..32).filter(|light| lights.allowed >> light & 1 != 0).zip((lights.first..).step_by(2));
-    of_caster.filter(|(light, _)| taken >> light & 1 != 0).fold([0; 2], |[decided, facing], (light, at)| {
-        match clusters(&bound, table.part(at).map(f32::from_bits)) {
+    of_caster.filter(|(light, _)| taken >> light & 1 != 0).fold(
+        [0; 2],
+        |[decided, facing], (light, at)| match clusters(&bound, table.part(at).map(f32::from_bits)) {
             Whole::Facing => [decided | 1 << light, facing | 1 << light],
             Whole::Averted => [decided | 1 << light, facing],
             Whole::Mixed => [decided, facing],
-        }
-    })
+        },
+    )
 }

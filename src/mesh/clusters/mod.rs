@@ -10,9 +10,9 @@ mod edges;
 mod order;
 mod plane;
 
+pub use arranged::{Arranged, Spared};
 #[cfg(feature = "reference")]
 pub(crate) use bound::cluster_kinds;
-pub use arranged::{Arranged, Spared};
 pub use bound::{ClusterBound, WIDENING};
 pub use edges::EdgeOrder;
 pub use plane::LARGE;

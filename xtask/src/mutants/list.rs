@@ -561,7 +561,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "clusters: planes that hold the light are decided",
-        changes: &[("src/cpu/scene/clusters.rs", "height.abs() <= spread", "height.abs() < 0.0 * spread")],
+        changes: &[("src/cpu/scene/clusters.rs", "if height > spread &&", "if height >= 0.0 * spread &&")],
         tests: CLUSTERS,
     },
     Mutation {

@@ -2,6 +2,7 @@
 //! tree, so nothing here is touched.
 
 mod list;
+mod scene_clusters;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,10 +10,15 @@ use std::time::{Duration, Instant};
 
 use crate::process;
 use crate::test::BENCH;
-use list::{MUTATIONS, Mutation};
+use list::Mutation;
 
 /// Several times what the slowest program takes on two cores.
 const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
+
+/// All mutations.
+fn all() -> impl Iterator<Item = &'static Mutation> {
+    [list::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
+}
 
 enum Outcome {
     /// By the tests of these arguments.
@@ -27,7 +33,7 @@ pub(crate) fn run(only: Option<&str>) -> Result<(), String> {
     let (tree, target) = (process::target().join("mutants/tree"), process::target().join("mutants/target"));
     copy(&tree)?;
     let is_wanted = |mutation: &&Mutation| only.is_none_or(|only| mutation.name.contains(only));
-    let mutations: Vec<_> = MUTATIONS.iter().filter(is_wanted).collect();
+    let mutations: Vec<_> = self::all().filter(is_wanted).collect();
     let mut all: Vec<_> = mutations.iter().flat_map(|mutation| mutation.tests).copied().collect();
     all.sort_unstable();
     all.dedup();
@@ -171,7 +177,7 @@ mod tests {
     /// Text that has changed since would make mutations that try nothing.
     #[test]
     fn every_mutation_fits_the_code_once() {
-        for mutation in MUTATIONS {
+        for mutation in super::all() {
             for &(name, from, to) in mutation.changes {
                 let text = std::fs::read_to_string(process::root().join(name)).unwrap_or_default();
                 assert_eq!(text.matches(from).count(), 1, "{}: {name} has `{from}`", mutation.name);
