@@ -1,11 +1,11 @@
-//! `cargo bench --bench clusters`: how long clusters take to build beside the topology, how much memory they take, and
-//! which part of the faces and edges is left to test one by one. `--quick` for small meshes, `--large` for up to 16
-//! million faces.
+//! `cargo bench --bench clusters`: how long clusters take to build beside the topology, with the mesh in their order, how
+//! much memory they take, and which part of the faces and edges is left to test one by one. `--quick` for small meshes,
+//! `--large` for up to 16 million faces.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use rimline::reference::clusters::{CLUSTER_FACES, Clusters, Whole, clusters};
+use rimline::reference::clusters::{Arranged, CLUSTER_FACES, Clusters, Whole, clusters};
 use rimline::reference::cpu::{self, Threads};
 use rimline::{Light, Mesh, Predicate};
 use rimline_measure::random::Random;
@@ -24,11 +24,13 @@ fn main() {
         (_, true) => &[90, 181, 362, 724, 1448],
         _ => &[90, 181, 362],
     };
-    println!("seed {SEED}; one thread; least of {ROUNDS} runs, milliseconds; {LIGHTS} lights of each kind");
     println!(
-        "| mesh | faces | topology | clusters | ratio | bytes a face | inner edges, % | faces left, %: far | near | at infinity | have to be: far | edges left, %: far |"
+        "seed {SEED}; the topology on one thread; least of {ROUNDS} runs, milliseconds; {LIGHTS} lights of each kind"
     );
-    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    println!(
+        "| mesh | faces | topology | clusters, one thread | all | ratio | bytes a face | inner edges, % | faces left, %: far | near | at infinity | have to be: far | edges left, %: far |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
     for &size in sizes {
         let shapes = [
             ("sphere", sphere(size)),
@@ -43,14 +45,19 @@ fn main() {
 }
 
 fn measure(name: &str, shape: &Shape) {
-    let (mut topology, mut building) = (Vec::new(), Vec::new());
+    let (mut topology, mut building) = (Vec::new(), [Vec::new(), Vec::new()]);
     let mesh = shape.mesh().expect("a mesh");
     for _ in 0..ROUNDS {
         let faces = shape.faces.clone();
         topology.push(time(|| Mesh::from_faces(shape.positions.len(), black_box(faces))));
-        building.push(time(|| Clusters::new(black_box(&mesh), &shape.positions, Threads::ONE)));
+        for (building, threads) in building.iter_mut().zip([Threads::ONE, Threads::all()]) {
+            building.push(time(|| {
+                let clusters = Clusters::new(black_box(&mesh), &shape.positions, threads);
+                (Arranged::new(&mesh, &clusters, threads), clusters)
+            }));
+        }
     }
-    let (topology, building) = (least(&topology), least(&building));
+    let (topology, [alone, building]) = (least(&topology), building.map(|times| least(&times)));
     let found = Clusters::new(&mesh, &shape.positions, Threads::all());
     let inner: usize = (0..found.bounds().len()).map(|cluster| found.edges().inner(cluster).len()).sum();
     let mut random = Random::new(SEED);
@@ -61,9 +68,10 @@ fn measure(name: &str, shape: &Shape) {
     let least = mixed(&found, shape, &far);
     let [(far, edges), (near, _), (infinite, _)] = [far, near, infinite].map(|lights| left(&found, &mesh, &lights));
     println!(
-        "| {name} | {} | {:.1} | {:.1} | {:.2} | {:.1} | {:.1} | {far:.2} | {near:.2} | {infinite:.2} | {least:.2} | {edges:.2} |",
+        "| {name} | {} | {:.1} | {:.1} | {:.1} | {:.2} | {:.1} | {:.1} | {far:.2} | {near:.2} | {infinite:.2} | {least:.2} | {edges:.2} |",
         shape.faces.len(),
         topology.as_secs_f64() * 1e3,
+        alone.as_secs_f64() * 1e3,
         building.as_secs_f64() * 1e3,
         building.as_secs_f64() / topology.as_secs_f64(),
         found.bytes() as f64 / shape.faces.len() as f64,

@@ -246,6 +246,9 @@ fn orders_do_not_depend_on_threads() -> Outcome {
             same("faces", found.faces(), one.faces())?;
             same("bounds", found.bounds(), one.bounds())?;
             same("edges", found.edges().records(), one.edges().records())?;
+            let [many, few] = [threads, 1].map(|threads| Arranged::new(&mesh, &found, Threads::new(threads)));
+            same("words", &many.words, &few.words)?;
+            same("edge faces", &many.edge_faces, &few.edge_faces)?;
         }
         must_fail("another order", &same("faces", one.faces(), &(0..one.faces().len() as u32).collect::<Vec<_>>()))?;
     }
@@ -281,7 +284,7 @@ fn arranged_meshes_are_the_mesh_and_spare_no_silhouette() -> Outcome {
         let what = format!("{name}, case {index}");
         let mesh = shape.mesh().map_err(|error| error.to_string())?;
         let found = Clusters::new(&mesh, &shape.positions, Threads::ONE);
-        let arranged = Arranged::new(&mesh, &found);
+        let arranged = Arranged::new(&mesh, &found, Threads::new(1 + index % 3));
         let faces: Vec<_> = found.faces().iter().map(|&face| mesh.faces()[face as usize]).collect();
         same(&format!("{what}: faces"), &arranged.faces, &faces)?;
         for (slot, &record) in found.edges().records().iter().enumerate() {

@@ -43,7 +43,7 @@ impl<'a> Topology<'a> {
     /// A mesh in clusters, as it lies at `positions`.
     pub(crate) fn in_clusters(mesh: &Mesh, positions: &[[f32; 3]]) -> Self {
         let clusters = Clusters::new(mesh, positions, Threads::all());
-        let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters);
+        let Arranged { faces, edge_vertices, edge_faces, words } = Arranged::new(mesh, &clusters, Threads::all());
         let order = SlotOrder {
             #[cfg(feature = "reference")]
             records: clusters.edges().records().to_vec(),

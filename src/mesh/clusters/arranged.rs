@@ -1,6 +1,7 @@
 //! A mesh in the order of its clusters, as the GPU has it.
 
 use super::{CLUSTER_FACES, Clusters};
+use crate::cpu::Threads;
 use crate::layout::CHUNK;
 use crate::mesh::{INCONSISTENT_BIT, Mesh, NO_FACE};
 
@@ -33,8 +34,8 @@ pub struct Arranged {
 }
 
 impl Arranged {
-    /// The mesh in the order of these clusters, which are its own.
-    pub fn new(mesh: &Mesh, clusters: &Clusters) -> Self {
+    /// The mesh in the order of these clusters, which are its own. The result does not depend on the number of threads.
+    pub fn new(mesh: &Mesh, clusters: &Clusters, threads: Threads) -> Self {
         let mut slots = vec![0_u32; clusters.faces().len()];
         for (slot, &face) in (0..).zip(clusters.faces()) {
             if let Some(place) = slots.get_mut(face as usize) {
@@ -46,42 +47,54 @@ impl Arranged {
             if packed == NO_FACE { NO_FACE } else { slot | packed & INCONSISTENT_BIT }
         };
         let records = clusters.edges().records();
-        let (vertices, faces) = (mesh.edges().vertices(), mesh.edges().packed_faces());
-        let faces_of = |face: u32| mesh.faces().get(face as usize).copied().unwrap_or_default();
-        let edge_faces: Vec<[u32; 2]> =
-            records.iter().map(|&record| faces.get(record as usize).copied().unwrap_or_default().map(slot)).collect();
-        let words = words(clusters, &edge_faces);
+        let mut edge_faces = gather(mesh.edges().packed_faces(), records, threads);
+        threads
+            .share(&mut edge_faces, |_, faces| faces.iter_mut().flatten().for_each(|packed| *packed = slot(*packed)));
+        let words = words(clusters, &edge_faces, threads);
         Self {
-            faces: clusters.faces().iter().copied().map(faces_of).collect(),
-            edge_vertices: records
-                .iter()
-                .map(|&record| vertices.get(record as usize).copied().unwrap_or_default())
-                .collect(),
+            faces: gather(mesh.faces(), clusters.faces(), threads),
+            edge_vertices: gather(mesh.edges().vertices(), records, threads),
             edge_faces,
             words,
         }
     }
 }
 
-/// Bounds, and the clusters of each chunk of edge slots.
-fn words(clusters: &Clusters, edge_faces: &[[u32; 2]]) -> Vec<u32> {
-    let mut words: Vec<u32> = bytemuck::cast_slice(clusters.bounds()).to_vec();
-    let chunks = edge_faces.chunks(CHUNK as usize);
-    let starts = words.len();
-    words.resize(starts + chunks.len() + 1, 0);
-    let mut names = Vec::new();
-    for (chunk, records) in (starts..).zip(chunks) {
-        let spared = clusters_of(records, &mut names);
-        let place = words.len() as u32;
-        if let Some(start) = words.get_mut(chunk) {
-            *start = place | (spared as u32) << PLACE_BITS;
+/// The items at some places.
+fn gather<T: Copy + Default + Send + Sync>(items: &[T], places: &[u32], threads: Threads) -> Vec<T> {
+    let mut gathered = vec![T::default(); places.len()];
+    threads.share(&mut gathered, |first, gathered| {
+        let places = places.get(first..).unwrap_or_default();
+        for (item, &place) in gathered.iter_mut().zip(places) {
+            *item = items.get(place as usize).copied().unwrap_or_default();
         }
-        words.extend(&names);
+    });
+    gathered
+}
+
+/// Bounds, and the clusters of each chunk of edge slots.
+fn words(clusters: &Clusters, edge_faces: &[[u32; 2]], threads: Threads) -> Vec<u32> {
+    let mut chunks: Vec<_> = edge_faces.chunks(CHUNK as usize).collect();
+    // For each run of chunks how many clusters each has, and these.
+    let runs = threads.share(&mut chunks, |_, chunks| {
+        let (mut counts, mut all, mut names) = (Vec::with_capacity(chunks.len()), Vec::new(), Vec::new());
+        for records in chunks {
+            let spared = clusters_of(records, &mut names);
+            counts.push((spared, names.len() as u32));
+            all.extend_from_slice(&names);
+        }
+        (counts, all)
+    });
+    let mut words: Vec<u32> = bytemuck::cast_slice(clusters.bounds()).to_vec();
+    let mut place = (words.len() + chunks.len() + 1) as u32;
+    for (counts, _) in &runs {
+        for &(spared, count) in counts {
+            words.push(place | (spared as u32) << PLACE_BITS);
+            place += count;
+        }
     }
-    let (end, last) = (words.len() as u32, starts + edge_faces.len().div_ceil(CHUNK as usize));
-    if let Some(start) = words.get_mut(last) {
-        *start = end;
-    }
+    words.push(place);
+    words.extend(runs.into_iter().flat_map(|(_, names)| names));
     words
 }
 
@@ -98,9 +111,13 @@ fn clusters_of(records: &[[u32; 2]], names: &mut Vec<u32>) -> Spared {
         if first != second {
             spared = Spared::Alike;
         }
-        names.extend([first, second]);
+        for cluster in [first, second] {
+            // Records of a cluster follow each other, and a chunk has few.
+            if names.last() != Some(&cluster) && !names.contains(&cluster) {
+                names.push(cluster);
+            }
+        }
     }
     names.sort_unstable();
-    names.dedup();
     spared
 }
