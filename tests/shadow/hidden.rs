@@ -224,7 +224,7 @@ fn refused() -> Result<(), String> {
     let mut errors = Vec::new();
     for (texture, descriptor) in &views {
         let view = texture.create_view(descriptor);
-        let receivers = [Some(Receivers { depth: &view, sky_receives: false })];
+        let receivers = [Some(Receivers { depth: &view, sky_receives: false, version: None })];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         errors.push(match scene.encode_for(&mut encoder, &[camera], &receivers, None) {
             Ok(_) => "none",

@@ -14,7 +14,8 @@ use rimline_measure::{must_fail, same, shapes};
 use crate::scene::Eye;
 use crate::trials::Test;
 
-pub(crate) const TESTS: &[Test] = &[("receivers_equal_their_twins", twins)];
+pub(crate) const TESTS: &[Test] =
+    &[("receivers_equal_their_twins", twins), ("lists_for_known_receivers_are_kept", versions)];
 
 /// Writes a depth for each sample from a hash of its place. Some are those that are cleared to.
 const WRITER: &str = "
@@ -199,7 +200,7 @@ fn twins() -> Result<(), String> {
         scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
         scene.add_light(Light::point([0.0, 5.0, 0.0])).map_err(text)?;
         // The second of three views has them.
-        let receivers = [None, Some(Receivers { depth: &depth, sky_receives }), None];
+        let receivers = [None, Some(Receivers { depth: &depth, sky_receives, version: None }), None];
         let frame = gpu.submit(|encoder| scene.encode_for(encoder, &[camera; 3], &receivers, None).map_err(text))?;
         let (buffer, count) = frame.results().map_err(text)?.receivers.ok_or("no view")?;
         let all: Vec<u32> = gpu.read(buffer, usize::MAX)?;
@@ -254,4 +255,93 @@ fn twins() -> Result<(), String> {
     }
     println!("{limited} boxes, {endless} without an end");
     if limited.min(endless) < 3 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
+
+/// Casters and lights in front of an eye.
+fn filled(gpu: &Gpu, seed: u64) -> Result<Scene, String> {
+    let mut random = Random::new(seed);
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+    let shape = shapes::cube();
+    let mesh = scene.add_mesh(&shape.mesh().map_err(text)?, &shape.positions).map_err(text)?;
+    for _ in 0..16 {
+        let [x, y, z] = [(); 3].map(|()| random.between(-9.0, 9.0));
+        let rows = [[0.3, 0.0, 0.0, x], [0.0, 0.3, 0.0, y], [0.0, 0.0, 0.3, z]];
+        scene.insert(rimline::gpu::Caster::rigid(mesh, rows)).map_err(text)?;
+    }
+    for _ in 0..4 {
+        let xyz = [(); 3].map(|()| random.between(-12.0, 12.0));
+        scene.add_light(Light::point(xyz)).map_err(text)?;
+    }
+    Ok(scene)
+}
+
+/// What was chosen for each caster, light and view, the draws, the lists that were kept, and the hidden volumes.
+type Chosen = (Vec<u32>, Vec<u32>, [u32; 2]);
+
+fn chosen(
+    gpu: &Gpu,
+    scene: &mut Scene,
+    camera: ShadowCamera,
+    receivers: Option<Receivers<'_>>,
+) -> Result<Chosen, String> {
+    let frame = gpu.submit(|encoder| scene.encode_for(encoder, &[camera], &[receivers], None).map_err(text))?;
+    let results = frame.results().map_err(text)?;
+    let mut words: Vec<u32> = gpu.read(results.choices.ok_or("no view")?, 8 * 16)?;
+    // The last word of a caster tells which lists are made anew.
+    words.iter_mut().skip(7).step_by(cpu::CHOICE_WORDS).for_each(|word| *word = 0);
+    let draws: Vec<u32> = gpu.read(&results.shadow_draws[0], usize::MAX)?;
+    let statistics = frame.shadow_statistics().ok_or("no view")?;
+    let statistics = gpu.read::<rimline::gpu::ShadowStatistics>(statistics, 1)?[0];
+    Ok((words, draws, [statistics.kept_lists, statistics.hidden]))
+}
+
+/// While camera and version stay the same, lists are kept. What is chosen is always what a new scene would choose.
+fn versions() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut kept, mut made, mut hidden, mut noticed) = (0, 0, 0, 0);
+    for seed in 6101..6109 {
+        println!("seed {seed}");
+        let mut random = Random::new(seed);
+        let eyes = [eye(&mut random, 0), eye(&mut random, 0)];
+        let depths: Vec<wgpu::TextureView> = [(1.0, 40), (0.9, 40), (0.2, 0)]
+            .iter()
+            .zip(0..)
+            .map(|(&(nearest, share), number)| {
+                let near_z = if eyes[0].depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+                let texture = written(gpu, [48, 40], 1, [number, share], [1.0 - near_z, nearest])?;
+                Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+            })
+            .collect::<Result<_, String>>()?;
+        let mut scene = filled(gpu, seed)?;
+        let mut last = None;
+        for _ in 0..24 {
+            // As a rule nothing changes.
+            let (mut view, mut picture, mut sky_receives, mut is_known) = last.unwrap_or((0, 0, false, true));
+            match random.below(8) {
+                0 => view = 1 - view,
+                1 => picture = (picture + 1 + random.below(2)) % 3,
+                2 => sky_receives = !sky_receives,
+                3 => is_known = !is_known,
+                _ => {}
+            }
+            let now = (view, picture, sky_receives, is_known);
+            let camera = eyes[view].camera();
+            let version = is_known.then_some(picture as u64);
+            let receivers = Receivers { depth: &depths[picture], sky_receives, version };
+            let (words, draws, [lists, volumes]) = chosen(gpu, &mut scene, camera, Some(receivers))?;
+            let (expected, of_new, _) = chosen(gpu, &mut filled(gpu, seed)?, camera, Some(receivers))?;
+            let what = format!("{now:?} after {last:?}");
+            same(&format!("{what}: choices"), &words, &expected)?;
+            same(&format!("{what}: draws"), &draws, &of_new)?;
+            let is_kept = is_known && last == Some(now);
+            same(&format!("{what}: lists kept"), &[lists], &[if is_kept { 4 } else { 0 }])?;
+            *(if is_kept { &mut kept } else { &mut made }) += 1;
+            hidden += volumes;
+            let (other, ..) = chosen(gpu, &mut filled(gpu, seed)?, camera, None)?;
+            noticed += u32::from(same("without receivers", &words, &other).is_err());
+            last = Some(now);
+        }
+    }
+    println!("kept {kept} times, made {made} times, {hidden} hidden, {noticed} differ from those without receivers");
+    if kept < 20 || made < 20 || hidden == 0 || noticed == 0 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

@@ -138,7 +138,7 @@ impl<'a> Renderer<'a> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut casters = Vec::new();
         let depth = self.early_depth(&mut encoder, frame, &target);
-        let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives });
+        let receivers = self.receivers.map(|sky_receives| Receivers { depth: &depth, sky_receives, version: None });
         let format = shadow_format(wgpu::FrontFace::Ccw);
         let together = match self.placing {
             Placing::Alone => None,

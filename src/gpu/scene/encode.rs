@@ -7,7 +7,7 @@ use super::caster::CasterEntry;
 use super::errors::{ReceiversError, SceneError};
 use super::frame::SceneFrame;
 use super::layout::put_lights;
-use super::receivers::{self, ReceiverStages, Receivers};
+use super::receivers::{self, ReceiverStages, Receivers, SeenReceivers};
 use super::scene::Scene;
 use super::stages::Passes;
 use super::structure::{Making, Number, Structure};
@@ -45,7 +45,8 @@ impl Scene {
 
     /// As [`Self::encode`], for cameras whose depth is there already. `receivers` are those of the first cameras. A camera
     /// with receivers has no volume that none of them can be in ([`SceneOptions::skip_hidden`]), which spares the passes that
-    /// draw. Its lists are made anew in each encode, since what it sees may have changed.
+    /// draw. Its lists are made anew in each encode, since what it sees may have changed, unless [`Receivers::version`] says that
+    /// it did not.
     ///
     /// [`SceneOptions::skip_hidden`]: crate::gpu::SceneOptions::skip_hidden
     ///
@@ -182,13 +183,13 @@ impl Scene {
         let last = std::mem::take(&mut self.seen_views);
         let mut last = last.into_iter().map(Some).chain(std::iter::repeat(None));
         let bytes = bytemuck::bytes_of::<ShadowView>;
-        // Receivers may be others in each encode.
-        let has_receivers = |view: usize| receivers.get(view).is_some_and(Option::is_some);
-        let version = |(number, view): (usize, &ShadowView)| match last.next().flatten() {
-            Some((before, version, false)) if bytes(&before) == bytes(view) && !has_receivers(number) => {
-                (*view, version, false)
-            }
-            _ => (*view, encode, has_receivers(number)),
+        let version = |(number, view): (usize, &ShadowView)| {
+            let seen = SeenReceivers::of(receivers.get(number).and_then(Option::as_ref));
+            let version = match last.next().flatten() {
+                Some((before, version, of)) if bytes(&before) == bytes(view) && of == seen => version,
+                _ => encode,
+            };
+            (*view, if seen == SeenReceivers::Changing { encode } else { version }, seen)
         };
         self.seen_views = views.iter().enumerate().map(version).collect();
     }

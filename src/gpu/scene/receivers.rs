@@ -30,6 +30,28 @@ pub struct Receivers<'a> {
     /// Whether shadows fall on pixels at the depth that is cleared to, 0 with reversed depth and else 1. As a rule nothing is
     /// lit there.
     pub sky_receives: bool,
+    /// Which version of the depths it is. While the version and the camera stay the same, the depths are the same, and lists
+    /// are kept. `None`: they may be others in each encode.
+    pub version: Option<u64>,
+}
+
+/// What an encode knew of the receivers of a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SeenReceivers {
+    None,
+    /// They may be others in each encode.
+    Changing,
+    /// The version, whether the sky receives, and the size.
+    Known(u64, bool, [u32; 2]),
+}
+
+impl SeenReceivers {
+    pub(crate) fn of(receivers: Option<&Receivers<'_>>) -> Self {
+        receivers.map_or(Self::None, |of| match of.version {
+            Some(version) => Self::Known(version, of.sky_receives, of.pixels()),
+            None => Self::Changing,
+        })
+    }
 }
 
 impl Receivers<'_> {

@@ -12,6 +12,7 @@ use super::lights::Lights;
 use super::mask::LightMask;
 use super::options::SceneOptions;
 use super::pages::Pages;
+use super::receivers::SeenReceivers;
 use super::sources::{Sources, bind};
 use super::stages::Passes;
 use super::structure::Structure;
@@ -59,8 +60,8 @@ pub struct Scene {
     pub(super) views: usize,
     /// Words for the receivers of each view, as many as any had so far.
     pub(super) receiver_words: u64,
-    /// The cameras of the last encode, with the encode that was the first to have each, and whether it had receivers.
-    pub(super) seen_views: Vec<(ShadowView, u32, bool)>,
+    /// The cameras of the last encode, with the encode that was the first to have each, and its receivers.
+    pub(super) seen_views: Vec<(ShadowView, u32, SeenReceivers)>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,

@@ -157,7 +157,8 @@ impl<'a> SkipRecorder<'a> {
                 self.scene.set_light(handle, Light { xyz, ..light })?;
             }
         }
-        let receivers = depth.map(|depth| Receivers { depth, sky_receives: false });
+        let receivers =
+            depth.map(|depth| Receivers { depth, sky_receives: false, version: self.setting.still_receivers() });
         self.encoded = Some(self.scene.encode_for(encoder, &[self.setting.camera], &[receivers], timer)?);
         Ok(())
     }

@@ -18,6 +18,13 @@ pub(super) struct Setting {
     pub(super) pairs_in_range: usize,
 }
 
+impl Setting {
+    /// The version of what is seen: casters that do not move look the same in each frame.
+    pub(super) fn still_receivers(&self) -> Option<u64> {
+        matches!(self.casters, Casters::Rigid { .. }).then_some(0)
+    }
+}
+
 /// What casts.
 pub(super) enum Casters {
     /// Shapes, and for each caster its shape and where it stands.
