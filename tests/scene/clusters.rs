@@ -21,6 +21,7 @@ use crate::scenes::roomy;
 pub(crate) const TESTS: &[Test] = &[
     ("clusters_change_no_bit", hostile),
     ("clusters_are_right_after_late_and_dropped_frames", late),
+    ("words_of_clusters_of_an_older_layout_are_not_believed", shifted),
     ("clusters_spare_most_faces_of_smooth_meshes", smooth),
 ];
 
@@ -140,6 +141,35 @@ fn late() -> Result<(), String> {
             check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?).map_err(what)?;
             scene.move_lights()?;
             scene.move_casters()?;
+        }
+    }
+    Ok(())
+}
+
+/// Casters behind a sphere come and go, so that its words lie a cluster apart from frame to frame, while its masks stay. The
+/// light turns round. The first cluster of an axis then has what the last of the axis before had.
+fn shifted() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut scene, mut frames) = (with_mesh(gpu, 4501, shapes::sphere(20))?, 0);
+    scene.set_all_lights()?;
+    let directions = [[1.0, 0.01, 0.02], [0.01, 1.0, 0.02], [0.02, 0.01, 1.0]];
+    put_lights(&mut scene, &[Light::directional(directions[0])])?;
+    for casters in [9, 7, 5, 3, 1, 3, 5, 7, 9, 3, 9, 1] {
+        while scene.content.casters.len() > casters {
+            let own = scene.content.casters.pop().ok_or("no caster")?;
+            scene.scene.remove(own.handle).map_err(text)?;
+        }
+        while scene.content.casters.len() < casters {
+            scene.insert_as(0, Placed::Rigid(IDENTITY), CasterPositions::Rigid(IDENTITY))?;
+        }
+        scene.set_all_lights()?;
+        for direction in directions {
+            let sign = if frames % 2 == 0 { 1.0 } else { -1.0 };
+            put_lights(&mut scene, &[Light::directional(direction.map(|c| sign * c))])?;
+            frames += 1;
+            let what = |error: String| format!("frame {frames}, {casters} casters: {error}");
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            check_frame(&scene.content, &frame, &Found::read(gpu, &frame)?).map_err(what)?;
         }
     }
     Ok(())
