@@ -166,8 +166,8 @@ pub(crate) enum UsageError {
     #[error("there is no scene `{wanted}`; there are {there}, `all` and `none`")]
     Scene { wanted: String, there: String },
     #[error(
-        "--casters is for the scenes `casters`, `still`, `city` and `crowd`, which --scenes leaves out; add one of them to \
-         --scenes"
+        "--casters is for the scenes `casters`, `still`, `city`, `crowd` and `moving`, which --scenes leaves out; add one of them \
+         to --scenes"
     )]
     CastersWithoutScene,
     #[error("--eye and --target are the same point; move one")]

@@ -30,12 +30,12 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_meshes)]
     pub(crate) meshes: Option<Vec<Number>>,
 
-    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd` and `big` for what a frame
-    /// skips, `all` or `none` [default: all]
+    /// Names of stress scenes, `casters` for scenes of many casters, `still`, `city`, `crowd`, `moving` and `big` for what a
+    /// frame skips, `all` or `none` [default: all]
     #[arg(long, visible_alias = "scene", value_name = "NAME,…", value_delimiter = ',')]
     pub(crate) scenes: Option<Vec<String>>,
 
-    /// Numbers of casters for the scenes `casters`, `still`, `city` and `crowd`, or `none`: boxes of 12 faces, and up to 1,000
+    /// Numbers of casters for the scenes `casters`, `still`, `city`, `crowd` and `moving`, or `none`: boxes of 12 faces, and up to 1,000
     /// figures of 4,000 faces [default: 1, 10, 100, 200, 1,000 and 10,000 (quick: 1, 10 and 100); 1,000 figures (quick: 20)
     /// and 10,000 buildings (quick: 100)]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = parse_casters)]
@@ -45,7 +45,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4_194_304))]
     pub(crate) scene_faces: Option<u32>,
 
-    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters` and `still` always have 5, `city` and
+    /// Numbers of lights [default: 1, 8 and 32; for stress scenes 8]. `casters`, `still` and `moving` always have 5, `city` and
     /// `big` 1, and `crowd` 32
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) lights: Option<Vec<u16>>,
@@ -69,7 +69,7 @@ Examples:
   rimline bench --quick --report report
   rimline bench --report report --json figures.json
   rimline bench --scene casters --meshes none --frames 0 --casters 200,10000
-  rimline bench --scene still,city,crowd,big --meshes none --frames 0 --report report
+  rimline bench --scene still,city,crowd,moving,big --meshes none --frames 0 --report report
   rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third \\
       --rounds 5
 ";
@@ -79,7 +79,7 @@ The methods run in turn, round by round, for each mesh and number of lights. Err
 arithmetic, and vertices where loops stay open. `2003 ÷ it` is the time of the 2003 method divided by the time of this \
 method: larger is better. `it ÷ f32` is the time of this method divided by the time of plain f32. For the scene \
 `casters`, CPU times are of recording a frame with one view, and GPU times are compared with the same faces merged into \
-one mesh. The scenes `still`, `city`, `crowd` and `big` are measured with all levels of skipping on, with all off, and with each \
+one mesh. The scenes `still`, `city`, `crowd`, `moving` and `big` are measured with all levels of skipping on, with all off, and with each \
 off alone. Ctrl-C ends the run. \
 Report and data then contain the finished rows and say so, and the exit code is 130.";
 

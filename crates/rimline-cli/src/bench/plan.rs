@@ -45,7 +45,7 @@ const QUICK_SCENES: [&str; 10] = [
 const LIGHTS: [usize; 3] = [1, 8, 32];
 /// Beside the names of stress scenes: the scenes of many casters, and those that measure skipping.
 const CASTERS: &str = "casters";
-const SKIPPING: [&str; 4] = ["still", "city", "crowd", "big"];
+const SKIPPING: [&str; 5] = ["still", "city", "crowd", "moving", "big"];
 const NUMBERS_OF_CASTERS: [usize; 6] = [1, 10, 100, 200, 1000, 10_000];
 const QUICK_NUMBERS_OF_CASTERS: [usize; 3] = [1, 10, 100];
 /// Faces of a single caster.

@@ -6,6 +6,7 @@ mod crowd;
 mod fragments;
 pub(crate) mod levels;
 mod measure;
+mod moving;
 mod receivers;
 mod recorder;
 pub(crate) mod results;

@@ -343,10 +343,10 @@ fn many_casters() -> Outcome {
 fn skipping() -> Outcome {
     let folder = folder();
     let (report, json) = (folder.path().join("report"), folder.path().join("data.json"));
-    let line = "bench --scene still,city,crowd,big --casters 3,12 --meshes none --frames 0 --rounds 1 --quick";
+    let line = "bench --scene still,city,crowd,moving,big --casters 3,12 --meshes none --frames 0 --rounds 1 --quick";
     let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
     let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
-    run.expect(0, &["9/9"])?;
+    run.expect(0, &["11/11"])?;
     ensure!(
         run.stdout.contains("city, 12 buildings, obliquely") && run.stdout.contains("whole frame"),
         "{}",
@@ -356,7 +356,13 @@ fn skipping() -> Outcome {
     check_data(&data)?;
     ensure!(data["complete"] == true && data["casters"].is_null(), "more was measured");
     let rows = data["skipping"]["rows"].as_array().ok_or("no rows")?;
-    let expected = [("still", "whole", 5), ("city", "along-street", 1), ("city", "oblique", 1), ("crowd", "whole", 32)];
+    let expected = [
+        ("still", "whole", 5),
+        ("city", "along-street", 1),
+        ("city", "oblique", 1),
+        ("crowd", "whole", 32),
+        ("moving", "whole", 5),
+    ];
     let expected = expected.iter().flat_map(|&(scene, view, lights)| {
         [3, 12].map(|casters| [Value::from(scene), view.into(), casters.into(), lights.into()])
     });
@@ -383,7 +389,9 @@ fn skipping() -> Outcome {
         let moved = of("without-nothing-moved")?;
         ensure!(count(moved, "kept-pairs") == Some(0), "pairs of {moved}");
         // Where nothing moves nothing is tested, and lamps may reach none of few figures.
-        if row["scene"] != "crowd" {
+        if row["scene"] == "moving" {
+            ensure!(count(on, "skipped-volumes") == Some(0) && count(on, "kept-pairs") == Some(0), "{on}");
+        } else if row["scene"] != "crowd" {
             ensure!(on["fragments"] != 0, "no fragments of {on}");
             let tested = ["faces", "edges", "kept-pairs"].map(|counter| count(on, counter));
             ensure!(tested == [Some(0), Some(0), Some(pairs)], "{on}");
@@ -405,7 +413,7 @@ fn skipping() -> Outcome {
         ("/skipping/rows/3/variants/1/fragments", 1.into()),
         ("/skipping/rows/3/variants/0/fragments_ratio", 0.5.into()),
         ("/skipping/levels/0/id", "other".into()),
-        ("/skipping/planned_rows", 10.into()),
+        ("/skipping/planned_rows", 12.into()),
     ];
     for (pointer, wrong) in wrong_values {
         let mut other = data.clone();
@@ -426,7 +434,7 @@ fn wrong_options() -> Outcome {
     let report = folder.path().join("report").to_string_lossy().into_owned();
     let cases = [
         ("--scenes nowhere", "nowhere"),
-        ("--scenes casters,nowhere", "three-sheets, casters, still, city, crowd, big, `all` and `none`"),
+        ("--scenes casters,nowhere", "three-sheets, casters, still, city, crowd, moving, big, `all` and `none`"),
         ("--meshes none --scenes none --frames 0", "--meshes"),
         ("--meshes none --scenes none --device cpu", "--meshes"),
         ("--meshes none --scene casters --frames 0 --casters none", "--meshes"),

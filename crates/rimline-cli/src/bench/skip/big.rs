@@ -24,6 +24,7 @@ pub(super) fn setting(faces: usize) -> Setting {
         camera: shadow_camera(&camera),
         ground: None,
         turn: 0.05,
+        drift: 0.0,
     }
 }
 

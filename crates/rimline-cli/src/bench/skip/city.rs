@@ -53,6 +53,7 @@ pub(super) fn setting(buildings: usize, degrees: f32) -> Setting {
         camera: shadow_camera(&camera),
         ground: Some(0.0),
         turn: 0.0,
+        drift: 0.0,
     }
 }
 

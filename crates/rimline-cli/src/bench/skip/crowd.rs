@@ -52,6 +52,7 @@ pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
         camera: shadow_camera(&camera),
         ground: Some(0.0),
         turn: 0.0,
+        drift: 0.0,
     })
 }
 

@@ -71,8 +71,7 @@ pub(super) struct SkipRecorder<'a> {
     setting: &'a Setting,
     scene: Scene,
     lights: Vec<LightHandle>,
-    /// Figures that walk.
-    figures: Vec<CasterHandle>,
+    casters: Vec<CasterHandle>,
     encoded: Option<SceneFrame>,
     /// Frames so far.
     pub(super) frames: usize,
@@ -91,7 +90,7 @@ impl<'a> SkipRecorder<'a> {
             setting,
             scene: scene.map_err(|error| GpuError::from(error).on(gpu))?,
             lights: Vec::with_capacity(lights),
-            figures: Vec::new(),
+            casters: Vec::new(),
             encoded: None,
             frames: 0,
         };
@@ -118,14 +117,14 @@ impl<'a> SkipRecorder<'a> {
         match (&self.setting.casters, &deforming.deformer) {
             (Casters::Rigid { placed, .. }, _) => {
                 for &(shape, matrix) in placed {
-                    scene.insert(Caster::rigid(handles[shape], matrix))?;
+                    self.casters.push(scene.insert(Caster::rigid(handles[shape], matrix))?);
                 }
             }
             (Casters::Walking(walk), Some(deformer)) => {
                 for (number, instance) in walk.model.instances().iter().enumerate() {
                     if let Some(positions) = deformer.instance_positions(number) {
                         let caster = Caster::in_buffer(handles[instance.geometry()], positions);
-                        self.figures.push(scene.insert(caster)?);
+                        self.casters.push(scene.insert(caster)?);
                     }
                 }
             }
@@ -146,8 +145,16 @@ impl<'a> SkipRecorder<'a> {
     ) -> Result<(), GpuError> {
         // As a game would that knows where its figures are.
         if let Casters::Walking(walk) = &self.setting.casters {
-            for (&figure, bounds) in self.figures.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
+            for (&figure, bounds) in self.casters.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
                 self.scene.set_bounds(figure, Some(bounds))?;
+            }
+        }
+        if let Casters::Rigid { placed, .. } = &self.setting.casters
+            && self.setting.drift != 0.0
+        {
+            let drift = self.setting.drift * (self.frames % 2) as f32;
+            for (&caster, (_, matrix)) in self.casters.iter().zip(placed) {
+                self.scene.set_transform(caster, matrix.map(|[x, y, z, w]| [x, y, z, w + drift]))?;
             }
         }
         if self.setting.turn != 0.0 {

@@ -4,7 +4,7 @@ use rimline::ModelError;
 
 use super::levels::Variant;
 use super::setting::Setting;
-use super::{big, city, crowd, still};
+use super::{big, city, crowd, moving, still};
 
 /// The scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub(crate) enum SkipScene {
     CityOblique,
     /// Skinned figures that walk.
     Crowd,
+    /// Casters that all move, of which all matters.
+    Moving,
     /// One mesh of about so many times 65,536 faces.
     Big(u16),
 }
@@ -29,6 +31,7 @@ impl SkipScene {
             "still" => Some(&[Self::Still]),
             "city" => Some(&[Self::CityAlong, Self::CityOblique]),
             "crowd" => Some(&[Self::Crowd]),
+            "moving" => Some(&[Self::Moving]),
             "big" => Some(&[Self::Big(16), Self::Big(64), Self::Big(168), Self::Big(256)]),
             _ => None,
         }
@@ -40,6 +43,7 @@ impl SkipScene {
             Self::Still => "still",
             Self::CityAlong | Self::CityOblique => "city",
             Self::Crowd => "crowd",
+            Self::Moving => "moving",
             Self::Big(_) => "big",
         }
     }
@@ -47,7 +51,7 @@ impl SkipScene {
     /// What the data call the view.
     pub(crate) fn view(self) -> &'static str {
         match self {
-            Self::Still | Self::Crowd | Self::Big(_) => "whole",
+            Self::Still | Self::Crowd | Self::Moving | Self::Big(_) => "whole",
             Self::CityAlong => "along-street",
             Self::CityOblique => "oblique",
         }
@@ -62,6 +66,7 @@ impl SkipScene {
             Self::CityAlong => format!("city, {number} building{s}, along a street"),
             Self::CityOblique => format!("city, {number} building{s}, obliquely"),
             Self::Crowd => format!("crowd, {number} walking figure{s}"),
+            Self::Moving => format!("moving, {number} caster{s} of which all matters"),
             Self::Big(size) => {
                 format!("big, a mesh of {} faces", super::super::grouped::grouped(big_faces(size)))
             }
@@ -72,7 +77,8 @@ impl SkipScene {
     pub(crate) fn usual(self, is_quick: bool) -> usize {
         match (self, is_quick) {
             (Self::Big(_), _) => 1,
-            (Self::Still | Self::Crowd, true) => 20,
+            (Self::Moving, false) => 200,
+            (Self::Still | Self::Crowd | Self::Moving, true) => 20,
             (Self::Still | Self::Crowd, false) => 1000,
             (_, true) => 100,
             (_, false) => 10_000,
@@ -97,7 +103,7 @@ impl SkipScene {
     /// The most casters that it is measured with.
     pub(crate) fn most(self) -> usize {
         match self {
-            Self::Still | Self::Crowd => 1000,
+            Self::Still | Self::Crowd | Self::Moving => 1000,
             Self::CityAlong | Self::CityOblique => usize::MAX,
             Self::Big(_) => 1,
         }
@@ -109,6 +115,7 @@ impl SkipScene {
             Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
             Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
             Self::Crowd => crowd::setting(casters),
+            Self::Moving => Ok(moving::setting(casters)),
             Self::Big(size) => Ok(big::setting(big_faces(size))),
         }
     }

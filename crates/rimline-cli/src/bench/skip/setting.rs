@@ -14,6 +14,8 @@ pub(super) struct Setting {
     pub(super) ground: Option<f32>,
     /// By how much lights turn about the y axis from frame to frame, in radians.
     pub(super) turn: f32,
+    /// How far rigid casters move to and fro from frame to frame. Receivers stay where they are.
+    pub(super) drift: f32,
     /// Pairs of caster and light of which the light's range reaches the caster, where casters begin.
     pub(super) pairs_in_range: usize,
 }
@@ -21,7 +23,7 @@ pub(super) struct Setting {
 impl Setting {
     /// The version of what is seen: casters that do not move look the same in each frame.
     pub(super) fn still_receivers(&self) -> Option<u64> {
-        matches!(self.casters, Casters::Rigid { .. }).then_some(0)
+        (matches!(self.casters, Casters::Rigid { .. }) && self.drift == 0.0).then_some(0)
     }
 }
 

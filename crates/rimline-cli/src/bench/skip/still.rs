@@ -13,6 +13,7 @@ pub(super) fn setting(casters: usize) -> Setting {
         camera,
         ground: None,
         turn: 0.0,
+        drift: 0.0,
         pairs_in_range,
     }
 }
