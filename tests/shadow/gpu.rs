@@ -10,6 +10,7 @@ mod dark_caps;
 mod hairlines;
 mod hidden;
 mod in_scene;
+mod levels;
 mod nested;
 mod overflow;
 mod passing;
@@ -51,6 +52,7 @@ fn main() {
         proxies::TESTS,
         hidden::TESTS,
         receivers::TESTS,
+        levels::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

@@ -143,7 +143,7 @@ impl InScene {
     ) -> Result<Self, String> {
         let gpu = renderer.gpu;
         let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
-        let options = SceneOptions {
+        let mut options = SceneOptions {
             max_lights: frame.lights.len() + 3,
             list_capacity: renderer.list_capacity,
             counting,
@@ -155,6 +155,7 @@ impl InScene {
             bound_counts: renderer.options.bound_counts,
             ..SceneOptions::default()
         };
+        (renderer.levels)(&mut options);
         let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
         let mut camera = frame.eye.camera();
         let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };
@@ -229,6 +230,8 @@ impl InScene {
             // As much once more into the same encoder: it is overwritten.
             scene.encode(encoder, &cameras[..=random.below(3)], None).map_err(text)?;
         }
+        let mut of_views = vec![None; cameras.len()];
+        of_views[view] = receivers;
         if !matches!(renderer.placing, Placing::Moved(_)) {
             // All bits and lists of silhouettes are then those of an encode before.
             for &caster in &casters {
@@ -237,10 +240,8 @@ impl InScene {
                     Err(error) => return Err(text(error)),
                 }
             }
-            scene.encode(encoder, &cameras, None).map_err(text)?;
+            scene.encode_for(encoder, &cameras, &of_views, None).map_err(text)?;
         }
-        let mut of_views = vec![None; cameras.len()];
-        of_views[view] = receivers;
         let frame = scene.encode_for(encoder, &cameras, &of_views, None).map_err(text)?;
         Ok(Self { frame, pipelines, lights, casters, view })
     }
@@ -271,6 +272,7 @@ impl InScene {
         counted.receivers = all[1 + self.view * words as usize..][..words as usize].to_vec();
         let statistics = self.frame.shadow_statistics().ok_or("no view")?;
         counted.statistics.extend(gpu.read::<ShadowStatistics>(statistics, 1)?);
+        counted.scene = gpu.read(self.frame.statistics(), 1)?.first().copied();
         Ok(())
     }
 }

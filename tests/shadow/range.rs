@@ -24,7 +24,7 @@ fn place(light: Light) -> DVec3 {
 }
 
 /// A frame, of which rays see nothing out of the light's range; and what they see there.
-fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
+pub(crate) fn in_range(class: &Class, number: u64) -> (Traced, Vec<Vec<Truth>>, f32) {
     let mut traced = Traced::new(class, number);
     let light = place(traced.frame.lights[0]);
     let casters = traced.frame.bodies.iter().filter(|body| body.casts);

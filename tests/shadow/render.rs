@@ -1,8 +1,8 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, Receivers, ShadowFormat, ShadowOptions,
-    ShadowPipelines, ShadowVolumes, read_back_vec,
+    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics,
+    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes, read_back_vec,
 };
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
@@ -46,6 +46,8 @@ pub(crate) struct Counted {
     /// As `chosen`.
     pub(crate) draws: Vec<Vec<ShadowDraws>>,
     pub(crate) statistics: Vec<ShadowStatistics>,
+    /// What a scene computed.
+    pub(crate) scene: Option<SceneStatistics>,
 }
 
 const DEPTH: &str = "
@@ -96,6 +98,8 @@ pub(crate) struct Renderer<'a> {
     pub(crate) count_batches: u32,
     /// Whether a scene is told what its shadows fall on, and whether they fall on the sky.
     pub(crate) receivers: Option<bool>,
+    /// Switches levels of skipping of a scene.
+    pub(crate) levels: fn(&mut SceneOptions),
     /// The last bodies, which are drawn after the scene is encoded.
     pub(crate) late_bodies: usize,
 }
@@ -114,8 +118,30 @@ impl<'a> Renderer<'a> {
             placing: Placing::Alone,
             count_batches: 1,
             receivers: None,
+            levels: |_| {},
             late_bodies: 0,
         }
+    }
+
+    /// Copies the stencil values, rows of so many bytes, which split into samples.
+    fn copy_stencil(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture, row: u32) -> wgpu::Buffer {
+        let copy = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("stencil"),
+            size: u64::from(row) * u64::from(target.height()),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let split = (self.samples > 1).then(|| self.split(encoder, target));
+        let aspect = if split.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo { aspect, ..split.as_ref().unwrap_or(target).as_image_copy() },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &copy,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+            },
+            target.size(),
+        );
+        copy
     }
 
     pub(crate) fn count(&self, frame: &Frame, counting: Counting) -> Result<Counted, String> {
@@ -165,7 +191,6 @@ impl<'a> Renderer<'a> {
             self.depth(&mut encoder, frame, &view);
         }
         let row = (frame.size * self.samples).next_multiple_of(256);
-        let bytes = u64::from(row) * u64::from(frame.size);
         let mut copies = Vec::new();
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
@@ -176,23 +201,7 @@ impl<'a> Renderer<'a> {
                 together.draw(&mut pass, light)?;
             }
             drop(pass);
-            let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("stencil"),
-                size: bytes,
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            });
-            let split = (self.samples > 1).then(|| self.split(&mut encoder, &target));
-            let aspect = if split.is_some() { wgpu::TextureAspect::All } else { wgpu::TextureAspect::StencilOnly };
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { aspect, ..split.as_ref().unwrap_or(&target).as_image_copy() },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &copy,
-                    layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
-                },
-                target.size(),
-            );
-            copies.push(copy);
+            copies.push(self.copy_stencil(&mut encoder, &target, row));
         }
         gpu.queue.submit([encoder.finish()]);
         let mut stencils = Vec::new();
@@ -203,8 +212,14 @@ impl<'a> Renderer<'a> {
             let values: Vec<u8> = lines.flatten().copied().collect();
             stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
         }
-        let mut counted =
-            Counted { stencils, chosen: Vec::new(), receivers: Vec::new(), draws: Vec::new(), statistics: Vec::new() };
+        let mut counted = Counted {
+            stencils,
+            chosen: Vec::new(),
+            receivers: Vec::new(),
+            draws: Vec::new(),
+            statistics: Vec::new(),
+            scene: None,
+        };
         for (volumes, ..) in &casters {
             counted.chosen.push(chosen(gpu, volumes, frame.lights.len())?);
             counted.draws.push(gpu.read(&volumes.draw_arguments()[0], frame.lights.len())?);

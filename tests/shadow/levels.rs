@@ -1,0 +1,139 @@
+//! Every level of skipping alone, all and none: the picture stays the same, and is what rays tell.
+
+use glam::DVec3;
+use rimline::Counting;
+use rimline::gpu::{SceneOptions, ShadowOptions};
+use rimline_measure::device::Gpu;
+use rimline_measure::{is_long, must_fail, same, shapes};
+
+use crate::classes::CLASSES;
+use crate::range::in_range;
+use crate::rays::Truth;
+use crate::render::{Counted, Placing, Renderer};
+use crate::scene::{Body, Eye};
+use crate::trials::{Test, Traced};
+
+pub(crate) const TESTS: &[Test] = &[("levels_of_skipping_change_no_picture", levels)];
+
+/// Levels of skipping, and what switches them on.
+type Levels = (&'static str, fn(&mut SceneOptions));
+
+const LEVELS: [Levels; 6] = [
+    ("light reach", |options| options.skip_unreached = true),
+    ("shadow reach", |options| options.skip_unseen = true),
+    ("bits", |options| options.keep_bits = true),
+    ("bits and lists", |options| (options.keep_bits, options.keep_lists) = (true, true)),
+    ("hidden receivers", |options| options.skip_hidden = true),
+    ("clusters", |options| options.clusters_from = Some(1)),
+];
+
+fn none(options: &mut SceneOptions) {
+    (options.skip_unreached, options.skip_unseen, options.skip_hidden) = (false, false, false);
+    (options.keep_bits, options.keep_lists, options.clusters_from) = (false, false, None);
+}
+
+fn alone<const LEVEL: usize>(options: &mut SceneOptions) {
+    none(options);
+    LEVELS[LEVEL].1(options);
+}
+
+fn all(options: &mut SceneOptions) {
+    for (_, switch) in LEVELS {
+        switch(options);
+    }
+}
+
+/// None comes first.
+const CHOICES: [Levels; 8] = [
+    ("none", none),
+    ("all", all),
+    (LEVELS[0].0, alone::<0>),
+    (LEVELS[1].0, alone::<1>),
+    (LEVELS[2].0, alone::<2>),
+    (LEVELS[3].0, alone::<3>),
+    (LEVELS[4].0, alone::<4>),
+    (LEVELS[5].0, alone::<5>),
+];
+
+/// The counts where the eye sees a surface that the light reaches.
+fn seen(traced: &Traced, counted: &Counted) -> Vec<u8> {
+    let pixels = counted.stencils[0].iter().zip(&traced.truths);
+    pixels.map(|(&count, truths)| if truths[0] == Truth::Background { 0 } else { count }).collect()
+}
+
+const COUNTERS: [&str; 6] = ["pairs", "unseen", "kept pairs", "kept lists", "hidden", "spared faces"];
+
+/// What tells of each level.
+fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
+    let scene = counted.scene.ok_or("no scene")?;
+    let shadows = counted.statistics[0];
+    let unseen = shadows.skipped - shadows.hidden;
+    Ok([scene.pairs, unseen, scene.kept_pairs, shadows.kept_lists, shadows.hidden, scene.spared_faces])
+}
+
+fn levels() -> Result<(), String> {
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let (mut pictures, mut shadowed, mut counts) = (0, 0, [[0; COUNTERS.len()]; CHOICES.len()]);
+    for class in CLASSES {
+        for number in 400..if is_long() { 420 } else { 405 } {
+            let (traced, range) = if class.name == "directional lights" {
+                (Traced::new(class, number), f32::INFINITY)
+            } else {
+                let (mut traced, _, range) = in_range(class, number);
+                // A caster behind the eye that the light does not reach.
+                let Eye { place, forward, .. } = traced.frame.eye;
+                let [x, y, z] = traced.frame.lights[0].xyz.map(|c| f64::from(c / traced.frame.lights[0].w));
+                let away = 4.0 * f64::from(range) + 2.0 * place.distance(DVec3::new(x, y, z));
+                let at = (place - away * forward.normalize()).as_vec3().to_array();
+                traced.frame.bodies.push(Body::caster(shapes::cube()).scaled(0.2 * range).moved(at));
+                (traced, range)
+            };
+            let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][number as usize % 3];
+            // Volumes that never end, lists of few entries, and rigid casters, each in some.
+            let end_at_range = number % 4 == 0 && counting != Counting::ZpPlus;
+            let options = ShadowOptions { end_at_range, ..ShadowOptions::default() };
+            let list_capacity = (number % 2 == 1).then_some(2);
+            let placing = if number % 2 == 0 { Placing::Moved(traced.seed) } else { Placing::Busy(traced.seed) };
+            let of = |levels| Renderer {
+                options,
+                range,
+                placing,
+                list_capacity,
+                levels,
+                receivers: Some(false),
+                ..Renderer::new(gpu)
+            };
+            let mut expected = None;
+            for (choice, (name, switch)) in CHOICES.into_iter().enumerate() {
+                let what =
+                    |error: String| format!("{}, {number}, {counting:?}, range {range}, {name}: {error}", class.name);
+                // Where all are moved far away, hairlines are elsewhere; tests/shadow/in_scene.rs compares those.
+                let counted = match placing {
+                    Placing::Moved(_) => of(switch).count(&traced.frame, counting),
+                    _ => traced.check(&of(switch), counting, false).map(|(_, counted)| counted),
+                };
+                let counted = counted.map_err(what)?;
+                let found = seen(&traced, &counted);
+                let expected = expected.get_or_insert_with(|| found.clone());
+                same("counts", &found, expected).map_err(what)?;
+                let mut wrong = found;
+                let middle = wrong.len() / 2;
+                wrong[middle] ^= 1;
+                must_fail("one count", &same("counts", &wrong, expected))?;
+                let of_choice = counters(&counted)?;
+                counts[choice] = std::array::from_fn(|counter| counts[choice][counter] + of_choice[counter]);
+                pictures += 1;
+            }
+            shadowed += traced.truths.iter().filter(|truths| truths[0].is_shadowed()).count();
+        }
+    }
+    println!("{pictures} pictures, {shadowed} pixels in shadow; {COUNTERS:?}:");
+    for ((name, _), counts) in CHOICES.iter().zip(&counts) {
+        println!("{name}: {counts:?}");
+    }
+    let [none, all, alone @ ..] = counts;
+    // Of each level alone the counter that must tell of it.
+    let acts = alone.iter().zip([0, 1, 2, 3, 4, 5]).all(|(counts, of)| counts[of] != none[of]);
+    let acts_with_all = (0..COUNTERS.len()).all(|counter| all[counter] != none[counter]);
+    if acts && acts_with_all && shadowed > 0 { Ok(()) } else { Err("not as meant".to_owned()) }
+}
