@@ -382,6 +382,8 @@ shared_structs! {
         pairs: u32,
         /// Those of them whose facing bits were kept from an earlier encode.
         kept_pairs: u32,
+        /// Pairs of caster and allowed light that do not matter, because the light does not reach the caster.
+        unreached_pairs: u32,
         /// Faces that were tested, for each batch of 32 lights.
         faces: u32,
         /// Edge records that were tested, for each batch of 32 lights.
@@ -589,7 +591,7 @@ shared_structs! {
 
     /// Statistics of an encode of shadow volumes. `count_bound` apart, they count lights, or pairs of caster and light.
     struct ShadowStatistics {
-        /// Lights for which the caster is skipped: it is out of range, or its shadow out of sight.
+        /// Lights for which the caster is skipped: it is out of range, or its shadow is out of sight or falls on no receiver.
         skipped: u32,
         /// Lights for which every face casts.
         every_face: u32,
@@ -609,8 +611,12 @@ shared_structs! {
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.
         kept_lists: u32,
-        /// Of the pairs that are skipped, those whose volume no receiver can be in.
+        /// Of the pairs that are skipped, those whose volume no receiver can be in. What was skipped in an earlier encode, and is
+        /// kept, is not among them.
         hidden: u32,
+        /// Of the pairs that are skipped, those whose box the light does not reach, likewise. Scenes leave most of them out
+        /// before: [`SceneStatistics::unreached_pairs`].
+        unreached: u32,
     }
 }
 

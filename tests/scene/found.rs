@@ -221,8 +221,9 @@ pub(crate) fn check_frame(content: &Content, frame: &SceneFrame, found: &Found) 
     let counted: u32 = found.groups.iter().map(|group| group.statistics.non_finite_faces).sum();
     same("faces that are not finite", &[counted], &[non_finite as u32])?;
     if batches > 0 && !content.casters.is_empty() {
-        let SceneStatistics { pairs, kept_pairs, .. } = found.statistics;
-        same("pairs, and those kept", &[pairs, kept_pairs], &[tally.lit, tally.kept])?;
+        let SceneStatistics { pairs, kept_pairs, unreached_pairs, .. } = found.statistics;
+        let expected = [tally.lit, tally.kept, tally.out_of_range];
+        same("pairs, those kept, and those out of range", &[pairs, kept_pairs, unreached_pairs], &expected)?;
     }
     for group in &found.groups {
         let draws: Vec<u32> = group.draws.iter().map(|draw| draw.instance_count).collect();

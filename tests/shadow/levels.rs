@@ -61,14 +61,14 @@ fn seen(traced: &Traced, counted: &Counted) -> Vec<u8> {
     pixels.map(|(&count, truths)| if truths[0] == Truth::Background { 0 } else { count }).collect()
 }
 
-const COUNTERS: [&str; 6] = ["pairs", "unseen", "kept pairs", "kept lists", "hidden", "spared faces"];
+const COUNTERS: [&str; 6] = ["unreached", "unseen", "kept pairs", "kept lists", "hidden", "spared faces"];
 
 /// What tells of each level.
 fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
-    let unseen = shadows.skipped - shadows.hidden;
-    Ok([scene.pairs, unseen, scene.kept_pairs, shadows.kept_lists, shadows.hidden, scene.spared_faces])
+    let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
+    Ok([scene.unreached_pairs + shadows.unreached, unseen, scene.kept_pairs, shadows.kept_lists, shadows.hidden, scene.spared_faces])
 }
 
 fn levels() -> Result<(), String> {

@@ -255,4 +255,6 @@ struct ShadowStatistics {
   kept_lists: atomic<u32>,
   // Of the pairs that are skipped, those whose volume no receiver can be in.
   hidden: atomic<u32>,
+  // And those whose box the light does not reach.
+  unreached: atomic<u32>,
 }

@@ -86,6 +86,7 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
   atomicOr(&work[words + 3u], keeps);
   atomicAdd(&statistics.pairs, countOneBits(matter));
   atomicAdd(&statistics.kept_pairs, countOneBits(keeps));
+  atomicAdd(&statistics.unreached_pairs, countOneBits(caster_lights(caster, batch).allowed & ~matter));
 }
 
 @compute @workgroup_size(64)

@@ -17,6 +17,8 @@ struct SceneStatistics {
   // Pairs of caster and light that matter, and those of them whose bits were kept.
   pairs: atomic<u32>,
   kept_pairs: atomic<u32>,
+  // Pairs of caster and allowed light that do not matter.
+  unreached_pairs: atomic<u32>,
   // Faces that were tested, for each batch, and edge records.
   faces: atomic<u32>,
   edges: atomic<u32>,

@@ -144,8 +144,11 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
   light.counting = COUNT_Z_PASS;
   light.end = 0.0;
   light.excludes = 0u;
-  let is_reached = shape.skip_unreached == 0u || !out_of_range(light, scale, low, high);
-  if (!is_reached || (shape.skip_unseen != 0u && is_unseen(view, light, low, high))) {
+  if (shape.skip_unreached != 0u && out_of_range(light, scale, low, high)) {
+    atomicAdd(&shadow_statistics.unreached, 1u);
+    return light;
+  }
+  if (shape.skip_unseen != 0u && is_unseen(view, light, low, high)) {
     return light;
   }
   let light_is_inside = light_meets(light, low, high);

@@ -82,13 +82,15 @@ pub(crate) struct Counter {
 
 pub(crate) static COUNTERS: &[Counter] = &[
     Counter { id: "pairs", name: "pairs that may matter", of: |counted| counted.scene.pairs },
+    Counter { id: "unreached-pairs", name: "pairs out of reach", of: |counted| counted.scene.unreached_pairs },
     Counter { id: "kept-pairs", name: "pairs kept", of: |counted| counted.scene.kept_pairs },
     Counter { id: "faces", name: "faces tested", of: |counted| counted.scene.faces },
     Counter { id: "edges", name: "edges tested", of: |counted| counted.scene.edges },
     Counter { id: "spared-faces", name: "faces that clusters spare", of: |counted| counted.scene.spared_faces },
     Counter { id: "spared-edges", name: "edges that clusters spare", of: |counted| counted.scene.spared_edges },
     Counter { id: "skipped-volumes", name: "volumes skipped", of: |counted| counted.shadows.skipped },
-    Counter { id: "hidden-volumes", name: "of which no receiver is in", of: |counted| counted.shadows.hidden },
+    Counter { id: "unreached-volumes", name: "of which out of reach", of: |counted| counted.shadows.unreached },
+    Counter { id: "hidden-volumes", name: "and no receiver is in", of: |counted| counted.shadows.hidden },
     Counter { id: "kept-lists", name: "lists kept", of: |counted| counted.shadows.kept_lists },
     Counter { id: "capped-volumes", name: "volumes with near caps", of: |counted| counted.shadows.capped },
 ];
