@@ -12,7 +12,7 @@ use rimline::reference::shadow::{
 };
 use rimline::{Counting, Light, Mesh, Predicate};
 
-use crate::stages::{PLACES, placed, shape};
+use crate::stages::{PLACES, placed, shape, unreached};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{chosen, interleaved};
@@ -129,7 +129,9 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     let mut lights: Vec<_> = scene.lights.iter().map(|&light| shadow::light(&scene.camera, &view, light)).collect();
     let excluded = cpu::excluded(positions, mesh.faces(), plain);
     let has_excluded = excluded.iter().any(|&mask| mask != 0);
-    cpu::choose(shape, &view, cpu::bounds(positions, mesh.faces()), has_excluded, &mut lights);
+    let bounds = cpu::bounds(positions, mesh.faces());
+    let unreached = unreached(shape, &view, bounds, &lights);
+    cpu::choose(shape, &view, bounds, has_excluded, &mut lights);
     let mut switched = 0;
     for (number, light) in lights.iter_mut().enumerate() {
         let is_published = light.casting != CAST_NOTHING && light.counting == COUNT_ZP_PLUS_2005;
@@ -155,6 +157,7 @@ fn twins(scene: &Scene, shape: &ShadowShape, bounds_counts: bool) -> Result<Twin
     let sides: Vec<_> = lists.iter().map(|lists| [0, 1].map(|list| lists[list].len() as u32)).collect();
     let (draws, mut statistics) = cpu::shadow_arguments(shape, &sides, &caps);
     statistics.skipped = lights.iter().filter(|light| light.casting == CAST_NOTHING).count() as u32;
+    statistics.unreached = unreached;
     statistics.every_face = lights.iter().filter(|light| light.casting == CAST_EVERY).count() as u32;
     statistics.ended = lights.iter().filter(|light| light.end > 0.0).count() as u32;
     if bounds_counts {

@@ -68,7 +68,14 @@ fn counters(counted: &Counted) -> Result<[u32; COUNTERS.len()], String> {
     let scene = counted.scene.ok_or("no scene")?;
     let shadows = counted.statistics[0];
     let unseen = shadows.skipped - shadows.hidden - shadows.unreached;
-    Ok([scene.unreached_pairs + shadows.unreached, unseen, scene.kept_pairs, shadows.kept_lists, shadows.hidden, scene.spared_faces])
+    Ok([
+        scene.unreached_pairs + shadows.unreached,
+        unseen,
+        scene.kept_pairs,
+        shadows.kept_lists,
+        shadows.hidden,
+        scene.spared_faces,
+    ])
 }
 
 fn levels() -> Result<(), String> {

@@ -283,6 +283,16 @@ struct Listed {
     capped: Vec<bool>,
 }
 
+/// Lights that do not reach the caster's box: those that are skipped wherever the camera looks.
+pub(crate) fn unreached(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], lights: &[ShadowLight]) -> u32 {
+    let everywhere = ShadowShape { skip_unseen: 0, ..*shape };
+    let mut lights = lights.to_vec();
+    cpu::choose(&everywhere, view, bounds, false, &mut lights);
+    // A box of nothing is out of no range.
+    let is_box = bounds[..6].iter().any(|&bits| bits != 0);
+    lights.iter().filter(|light| is_box && light.casting == CAST_NOTHING).count() as u32
+}
+
 fn choose_and_caps() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let seed = 102;
@@ -303,6 +313,7 @@ fn choose_and_caps() -> Result<(), String> {
             skipped: counted(|light| light.casting == CAST_NOTHING),
             every_face: counted(|light| light.casting == CAST_EVERY),
             ended: counted(|light| light.end > 0.0),
+            unreached: unreached(&staged.shape, &staged.view, staged.bounds, &staged.given),
             ..bytemuck::Zeroable::zeroed()
         };
         same(&format!("{name}, statistics"), &[statistics], &[expected])?;

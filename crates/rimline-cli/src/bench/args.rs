@@ -69,7 +69,8 @@ Examples:
   rimline bench --quick --report report
   rimline bench --report report --json figures.json
   rimline bench --scene casters --meshes none --frames 0 --casters 200,10000
-  rimline bench --scene still,city,crowd,moving,big --meshes none --frames 0 --report report
+  rimline bench --scene still,city,crowd,moving,big --meshes none \\
+      --frames 0 --report report
   rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third \\
       --rounds 5
 ";

@@ -37,10 +37,16 @@ impl SceneShadows {
         for File { casters, .. } in &self.files {
             let mut masks = FacingMasks::default();
             let mut last = None;
-            for &(_, caster) in casters {
-                let (index, group) = place(frame, caster)?;
+            for &(_, handle) in casters {
+                let (index, group) = place(frame, handle)?;
                 let caster = SceneTable(&table).caster(index);
+                let first = masks.slots.len();
                 masks.slots.extend(caster.first_face_slot..caster.first_face_slot + caster.faces);
+                if let Some([faces, _]) = frame.slot_order(handle) {
+                    for (slot, &face) in (caster.first_face_slot..).zip(faces) {
+                        masks.slots[first + face as usize] = slot;
+                    }
+                }
                 let end = masks.slots.len() as u32;
                 match masks.runs.last_mut().filter(|_| last == Some(group)) {
                     Some(run) => run.faces.end = end,
