@@ -1,11 +1,13 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
 mod closure;
+mod crowd;
 mod exact;
 mod found;
 mod frames;
 mod histories;
 mod kept;
+mod needs;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -22,6 +24,7 @@ fn main() {
         frames::TESTS,
         histories::TESTS,
         kept::TESTS,
+        needs::TESTS,
         refusals::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -44,6 +44,8 @@ pub(crate) struct Structure {
     pub(crate) table: wgpu::Buffer,
     /// Where the choices of shadow volumes begin in the table, in units of 16 bytes.
     pub(crate) choices_at: usize,
+    /// The word of the work lists from which on there is one for each caster: whether figures are not needed.
+    pub(crate) unneeded_at: u32,
     pub(crate) buffers: Buffers,
     pub(crate) batches: usize,
     pub(crate) parts: Vec<GroupBatch>,
@@ -109,7 +111,7 @@ impl Structure {
         let others = pages.bytes + table_bytes + given_bytes;
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
-        let wanted = Wanted { groups: &sizes, lit, batches, work: words, others, memory_limit };
+        let wanted = Wanted { groups: &sizes, lit, batches, work: words + table.casters as u64, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
@@ -122,7 +124,19 @@ impl Structure {
         let filled = |masks: Vec<u32>| filled(device, "excluded by callers", bytemuck::cast_slice(&masks), usage);
         let given =
             guarded(device, given_bytes, || given.into_iter().map(|masks| masks.map(filled)).collect::<Vec<_>>())?;
-        Ok(Self { layout, table: table_buffer, choices_at, buffers, batches, parts, uniforms, shapes, given })
+        let unneeded_at = words as u32;
+        Ok(Self {
+            layout,
+            table: table_buffer,
+            choices_at,
+            unneeded_at,
+            buffers,
+            batches,
+            parts,
+            uniforms,
+            shapes,
+            given,
+        })
     }
 
     /// The size of all buffers in bytes.
