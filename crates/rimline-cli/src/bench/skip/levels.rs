@@ -21,6 +21,7 @@ pub(crate) static LEVELS: &[Level] = &[
         switch: |options, on| (options.keep_bits, options.keep_lists) = (on, on),
     },
     Level { id: "hidden-receivers", name: "hidden receivers", switch: |options, on| options.skip_hidden = on },
+    Level { id: "unneeded-figures", name: "unneeded figures", switch: |options, on| options.skip_unneeded = on },
 ];
 
 /// Which levels are on.

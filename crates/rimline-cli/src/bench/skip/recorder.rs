@@ -1,10 +1,10 @@
 //! Records the frames of a setting with some levels of skipping on.
 
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame, SceneStatistics,
-    ShadowStatistics, StageTimer, read_back_vec,
+    Caster, CasterHandle, DeformError, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame,
+    SceneNeeds, SceneStatistics, ShadowStatistics, StageTimer, read_back_vec,
 };
-use rimline::{Mesh, MeshError, ModelError, Pose, wgpu};
+use rimline::{Mesh, MeshError, ModelBounds, ModelError, Pose, wgpu};
 
 use super::super::casters::recorder::{DrawPipelines, mesh_failure};
 use super::levels::Variant;
@@ -43,15 +43,20 @@ impl<'a> Deforming<'a> {
         }
     }
 
-    /// Records the deformation into a pose.
+    /// Records the deformation into a pose, of what the frame needs.
     pub(super) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pose: Option<&Pose>,
+        needs: Option<&SceneNeeds>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        if let (Some(deformer), Some(pose)) = (&self.deformer, pose) {
-            deformer.encode(encoder, pose, 0.0, None, timer)?;
+        match (&self.deformer, pose, needs) {
+            (Some(deformer), Some(pose), Some(needs)) => {
+                deformer.encode_needed(encoder, pose, 0.0, None, needs, timer)?;
+            }
+            (Some(deformer), Some(pose), None) => deformer.encode(encoder, pose, 0.0, None, timer)?,
+            _ => {}
         }
         Ok(())
     }
@@ -72,6 +77,10 @@ pub(super) struct SkipRecorder<'a> {
     lights: Vec<LightHandle>,
     /// Figures that walk.
     figures: Vec<CasterHandle>,
+    /// Where they are in a pose, and whether they are left out where the frame does not need them.
+    bounds: Option<ModelBounds>,
+    skips_unneeded: bool,
+    needs: Option<SceneNeeds>,
     encoded: Option<SceneFrame>,
     /// Frames so far.
     pub(super) frames: usize,
@@ -85,12 +94,20 @@ impl<'a> SkipRecorder<'a> {
         variant: Variant,
     ) -> Result<Self, Failure> {
         let lights = setting.lights.len();
-        let scene = Scene::new(&gpu.pipelines, &gpu.queue, variant.options(lights));
+        let options = variant.options(lights);
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, options);
+        let bounds = match &setting.casters {
+            Casters::Rigid { .. } => None,
+            Casters::Walking(walk) => Some(ModelBounds::new(&walk.model)),
+        };
         let mut recorder = Self {
             setting,
             scene: scene.map_err(|error| GpuError::from(error).on(gpu))?,
             lights: Vec::with_capacity(lights),
             figures: Vec::new(),
+            bounds,
+            skips_unneeded: options.skip_unneeded,
+            needs: None,
             encoded: None,
             frames: 0,
         };
@@ -136,6 +153,25 @@ impl<'a> SkipRecorder<'a> {
         Ok(())
     }
 
+    /// States where the figures of a pose are, and finds those that the frame needs. `None`: all are deformed.
+    pub(super) fn find_needs(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pose: Option<&Pose>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<Option<&SceneNeeds>, GpuError> {
+        if let (Some(bounds), Some(pose)) = (&self.bounds, pose) {
+            let boxes = bounds.boxes(pose, 0.0).map_err(DeformError::from)?;
+            for (&figure, own) in self.figures.iter().zip(boxes) {
+                self.scene.set_bounds(figure, own)?;
+            }
+            if self.skips_unneeded {
+                self.needs = Some(self.scene.encode_needs(encoder, &self.figures, &[self.setting.camera], timer)?);
+            }
+        }
+        Ok(self.needs.as_ref())
+    }
+
     /// Records all stages of the frame at hand. `depth` is what the eye sees, if it is drawn.
     pub(super) fn encode(
         &mut self,
@@ -143,14 +179,13 @@ impl<'a> SkipRecorder<'a> {
         depth: Option<&wgpu::TextureView>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        // As a game would that knows where its figures are.
-        if let Casters::Walking(walk) = &self.setting.casters {
-            for (&figure, bounds) in self.figures.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
-                self.scene.set_bounds(figure, Some(bounds))?;
-            }
-        }
-        let receivers = depth.map(|depth| Receivers { depth, sky_receives: false });
-        self.encoded = Some(self.scene.encode_for(encoder, &[self.setting.camera], &[receivers], timer)?);
+        let receivers = [depth.map(|depth| Receivers { depth, sky_receives: false })];
+        let cameras = [self.setting.camera];
+        let encoded = match &self.needs {
+            Some(needs) => self.scene.encode_needed(encoder, &cameras, &receivers, needs, timer),
+            None => self.scene.encode_for(encoder, &cameras, &receivers, timer),
+        };
+        self.encoded = Some(encoded?);
         Ok(())
     }
 

@@ -85,6 +85,7 @@ pub(crate) static COUNTERS: &[Counter] = &[
     Counter { id: "kept-pairs", name: "pairs kept", of: |counted| counted.scene.kept_pairs },
     Counter { id: "faces", name: "faces tested", of: |counted| counted.scene.faces },
     Counter { id: "edges", name: "edges tested", of: |counted| counted.scene.edges },
+    Counter { id: "unneeded-figures", name: "figures not deformed", of: |counted| counted.scene.unneeded },
     Counter { id: "skipped-volumes", name: "volumes skipped", of: |counted| counted.shadows.skipped },
     Counter { id: "hidden-volumes", name: "of which no receiver is in", of: |counted| counted.shadows.hidden },
     Counter { id: "kept-lists", name: "lists kept", of: |counted| counted.shadows.kept_lists },
