@@ -228,8 +228,8 @@ shared_structs! {
         displaced: u32,
         /// The time for the displacement, in seconds.
         time: f32,
-        /// 0.
-        reserved: u32,
+        /// Instances of the model.
+        instances: u32,
     }
 
     /// A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
@@ -256,8 +256,9 @@ shared_structs! {
         target_count: u32,
         /// 0: all vertices follow the first matrix of the palette.
         skinned: u32,
-        /// 0.
-        reserved: u32,
+        /// The word in the pose that is 1 if the positions of the instance are a point, since it was not needed before. So many
+        /// words behind it as there are instances, a word is 1 if it is not needed now.
+        before: u32,
     }
 
     /// What the WGSL include reads of a batch of lights.
@@ -317,8 +318,29 @@ shared_structs! {
         group: u32,
         /// The first caster of the group.
         first_caster: u32,
-        /// The word of the page's clusters where those of its mesh begin, or [`NO_CLUSTERS`].
-        clusters: u32,
+        /// Of a rigid caster the word of the page's clusters where those of its mesh begin, or [`NO_CLUSTERS`]. Of another its
+        /// number among the figures that may not be needed, counted from 1, or 0 if it is none.
+        clusters_or_figure: u32,
+    }
+
+    /// What the stage that finds the needed figures of a scene goes over.
+    struct NeedsDispatch {
+        /// Figures.
+        figures: u32,
+        /// Views.
+        views: u32,
+        /// Lights of each view, at least 1.
+        lights: u32,
+        /// Units of 16 bytes of each figure.
+        parts: u32,
+        /// 1: every figure is needed.
+        all: u32,
+        /// 1: casters that a light's range does not reach are skipped.
+        skip_unreached: u32,
+        /// 1: shadows that a camera cannot see are skipped.
+        skip_unseen: u32,
+        /// 0.
+        reserved: u32,
     }
 
     /// The lights of a caster of a scene in a batch.
@@ -392,6 +414,8 @@ shared_structs! {
         spared_faces: u32,
         /// Edge records that were not tested, since clusters tell that none is a silhouette edge.
         spared_edges: u32,
+        /// Casters that the frame does not need, and which were not deformed: [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+        unneeded: u32,
     }
 
     /// A camera, as a caster sees it. The camera's frame has the world's axes and the camera's origin at 0.

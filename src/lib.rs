@@ -77,8 +77,8 @@ pub use light::{Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{
-    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelError, Pose, PoseMismatch,
-    PosedMeshError,
+    Geometry, GeometryOptions, Influences, Instance, InstancePose, Matrix3x4, Model, ModelBounds, ModelError, Pose,
+    PoseMismatch, PosedMeshError,
 };
 pub use shadow::{CameraError, Counting, DepthDirection, ShadowCamera, falloff};
 

@@ -82,6 +82,12 @@ pub const COMPACT: Stage = Stage {
 /// Computes indirect draw arguments from counts.
 pub const ARGUMENTS: Stage =
     Stage { name: "arguments", files: files!["common/common", "extract/arguments"], entry_points: &["arguments"] };
+/// Finds the figures of a scene that a frame needs, before they are deformed.
+pub const NEEDS: Stage = Stage {
+    name: "needs",
+    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/seen", "scene/needs"],
+    entry_points: &["needs"],
+};
 /// Finds the lights that matter to each caster of a scene.
 pub const REACH: Stage =
     Stage { name: "reach", files: files!["common/common", "scene/table", "scene/reach"], entry_points: &["reach"] };
@@ -185,6 +191,7 @@ pub const CHOOSE: Stage = Stage {
         "shadow/choices",
         "shadow/caster",
         "shadow/boxes",
+        "shadow/seen",
         "shadow/receivers",
         "shadow/hidden",
         "shadow/choose"
@@ -326,7 +333,8 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 30] = [
+pub const STAGES: [Stage; 31] = [
+    NEEDS,
     DEFORM,
     FACING,
     EXACT_FACING,

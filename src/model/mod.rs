@@ -2,10 +2,12 @@
 //!
 //! Every part is checked when it is made, so the code that takes a part can rely on it.
 
+mod bounds;
 mod error;
 mod geometry;
 mod pose;
 
+pub use bounds::{Box3, ModelBounds};
 pub use error::{ModelError, PoseMismatch, PosedMeshError};
 pub use geometry::{Geometry, GeometryOptions, Influences};
 pub use pose::{InstancePose, Matrix3x4, Pose};

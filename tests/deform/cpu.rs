@@ -1,5 +1,6 @@
 //! Deforming without a device.
 
+mod bounds;
 mod displace;
 mod displace_bounds;
 mod model;

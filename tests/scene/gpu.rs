@@ -4,12 +4,14 @@ mod closure;
 #[path = "../mesh/cluster_meshes.rs"]
 mod cluster_meshes;
 mod clusters;
+mod crowd;
 mod exact;
 mod found;
 mod frames;
 mod histories;
 mod kept;
 mod lists;
+mod needs;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -27,6 +29,7 @@ fn main() {
         frames::TESTS,
         histories::TESTS,
         kept::TESTS,
+        needs::TESTS,
         refusals::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

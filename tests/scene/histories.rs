@@ -34,8 +34,8 @@ struct Recorded {
 
 /// The instances of each draw over all groups, for each view and light; and the statistics.
 #[derive(Debug, PartialEq)]
-struct Volumes {
-    instances: Vec<[u32; 6]>,
+pub(crate) struct Volumes {
+    pub(crate) instances: Vec<[u32; 6]>,
     statistics: Vec<u32>,
     /// What is not compared: lists that were kept.
     kept_lists: u32,
@@ -57,7 +57,7 @@ pub(crate) fn camera(random: &mut Random) -> ShadowCamera {
     ShadowCamera { view_projection: [x, y, z, [0.0, 0.0, 0.1, 0.0]], origin, depth: DepthDirection::Reversed }
 }
 
-fn volumes(
+pub(crate) fn volumes(
     gpu: &Gpu,
     (draws, statistics): (&[wgpu::Buffer], &wgpu::Buffer),
     (views, batches): (usize, usize),
@@ -108,7 +108,7 @@ impl Recorded {
     }
 }
 
-fn buffers(frame: &SceneFrame) -> Result<(Vec<wgpu::Buffer>, wgpu::Buffer), String> {
+pub(crate) fn buffers(frame: &SceneFrame) -> Result<(Vec<wgpu::Buffer>, wgpu::Buffer), String> {
     let draws = frame.results().map_err(text)?.shadow_draws.to_vec();
     Ok((draws, frame.shadow_statistics().ok_or("no view")?.clone()))
 }

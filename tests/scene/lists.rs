@@ -88,5 +88,7 @@ pub(crate) fn check_lists(
 /// Whether a chunk of faces is the first of a cluster. Others have no words.
 fn is_first_of_cluster(table: SceneTable<'_>, chunks_at: u32, chunk: u32) -> bool {
     let caster = table.caster(table.word(chunks_at, chunk));
-    caster.clusters != u32::MAX && caster.flags & 4 != 0 && (chunk - caster.first_face_slot / 64).is_multiple_of(2)
+    caster.clusters_or_figure != u32::MAX
+        && caster.flags & 4 != 0
+        && (chunk - caster.first_face_slot / 64).is_multiple_of(2)
 }

@@ -55,7 +55,7 @@ fn twins() -> Result<(), String> {
         let table: Vec<[u32; 4]> = gpu.read(results.table, usize::MAX)?;
         let lit: Vec<u32> = gpu.read(results.lit, (first.casters * first.batches) as usize)?;
         let twin =
-            |factor| cpu::reach(SceneTable(&with_ranges(&table, first.ranges_at, first.batches, factor)), &first);
+            |factor| cpu::reach(SceneTable(&with_ranges(&table, first.ranges_at, first.batches, factor)), &first, &[]);
         let (least, exact, most) = (twin(0.9999), twin(1.0), twin(1.0001));
         check_lit(&lit, [&least, &exact, &most])?;
         if let Some(at) = lit.iter().position(|&lit| lit != 0) {

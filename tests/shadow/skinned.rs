@@ -1,17 +1,21 @@
 //! A skinned figure in motion: what the deform stage wrote, against rays through it.
 
-use rimline::Counting;
-use rimline::gpu::{Deformer, DeformerOptions};
+use glam::{DVec3, Vec3};
+use rimline::gpu::{Caster, Deformer, DeformerOptions, Scene, SceneOptions};
+use rimline::{Counting, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose};
 use rimline_measure::shapes::Shape;
 
 use crate::classes::with_caster;
-use crate::render::Renderer;
+use crate::render::{Placing, Renderer};
+use crate::scene::{Body, Eye, Frame};
 use crate::trials::{RIGHT, Tally, Test, Traced, every, frames};
 use rimline_measure::device::Gpu;
 use rimline_measure::models::bending_tube;
 use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
 
-pub(crate) const TESTS: &[Test] = &[("skinned_figure_in_motion", skinned)];
+pub(crate) const TESTS: &[Test] =
+    &[("skinned_figure_in_motion", skinned), ("figures_that_are_not_needed_show_nowhere", unneeded)];
 
 /// One deformer, pose after pose. What rays see of the pose before must not do for the next.
 fn skinned() -> Result<(), String> {
@@ -45,4 +49,100 @@ fn skinned() -> Result<(), String> {
         return Err("negative control: the pose before went unnoticed".to_owned());
     }
     tally.result("skinned figure in motion")
+}
+
+/// Figures in a room, of which a frame deforms those that it needs: the same depths and stencil counts as with all of them. The
+/// others are points then. Figures walk out of sight and back.
+fn unneeded() -> Result<(), String> {
+    const FIGURES: usize = 12;
+    let gpu = Gpu::shared()?;
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let (tube, bend) = bending_tube();
+    let geometry = &tube.geometries()[0];
+    let model = Model::new(vec![geometry.clone()], vec![Instance::new(0, None); FIGURES]).map_err(|e| text(&e))?;
+    let bounds = ModelBounds::new(&model);
+    let new = || Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(|error| text(&error));
+    let (deformer, other) = (new()?, new()?);
+    let mesh = Mesh::from_faces(geometry.positions().len(), geometry.faces().to_vec()).map_err(|error| text(&error))?;
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(|error| text(&error))?;
+    let handle = scene.add_mesh(&mesh, geometry.positions()).map_err(|error| text(&error))?;
+    let casters = (0..FIGURES).map(|number| {
+        let positions = deformer.instance_positions(number).ok_or("no instance")?;
+        scene.insert(Caster::in_buffer(handle, positions)).map_err(|error| text(&error))
+    });
+    let casters = casters.collect::<Result<Vec<_>, _>>()?;
+    let lights: Vec<Light> =
+        vec![Light::point([-3.0, 4.0, 2.0]).with_range(9.0), Light::point([8.0, 6.0, -7.0]).with_range(9.0)];
+    for light in &lights {
+        scene.add_light(*light).map_err(|error| text(&error))?;
+    }
+    let (mut count, mut noticed, mut shadowed, mut turned) = (0, 0, 0, 0);
+    let mut before = vec![0; FIGURES];
+    for number in 0..2 * frames() {
+        let mut random = Random::new(9100 + number);
+        println!("seed {}", 9100 + number);
+        let pose = |_| {
+            let bent = bend(number as f32 * 0.4);
+            let mut palette = bent.instances()[0].palette().to_vec();
+            let at = [random.between(-10.0, 10.0), random.between(-1.5, 1.0), random.between(-10.0, 10.0)];
+            palette.iter_mut().for_each(|rows| rows.iter_mut().zip(at).for_each(|(row, c)| row[3] += c));
+            InstancePose::new(palette, Vec::new()).map_err(|error| text(&error))
+        };
+        let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
+        for (&caster, own) in casters.iter().zip(bounds.boxes(&pose, 0.0).map_err(|error| text(&error))?) {
+            scene.set_bounds(caster, own).map_err(|error| text(&error))?;
+        }
+        let eye = Vec3::from(random.direction()) * Vec3::new(6.0, 1.0, 6.0);
+        let eye = Eye {
+            place: eye.as_dvec3(),
+            forward: DVec3::new(f64::from(random.between(-1.0, 1.0)), -0.1, f64::from(random.between(-1.0, 1.0))),
+            near: 0.1,
+            is_relative: true,
+            depth: DepthDirection::Reversed,
+            far: None,
+            half_width: None,
+        };
+        let needs = gpu.submit(|encoder| {
+            let needs = scene.encode_needs(encoder, &casters, &[eye.camera()], None).map_err(|error| text(&error))?;
+            deformer.encode_needed(encoder, &pose, 0.0, None, &needs, None).map_err(|error| text(&error))?;
+            other.encode(encoder, &pose, 0.0, None, None).map_err(|error| text(&error))?;
+            Ok(needs)
+        })?;
+        let words: Vec<u32> = gpu.read(needs.buffer(), FIGURES)?;
+        count += words.iter().sum::<u32>();
+        turned += words.iter().zip(&before).filter(|(now, before)| now != before).count();
+        before = words;
+        let frame = |deformer: &Deformer| -> Result<Frame, String> {
+            let all: Vec<[f32; 3]> = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+            let figures = all.chunks(geometry.positions().len()).map(|positions| {
+                Body::caster(Shape { positions: positions.to_vec(), faces: geometry.faces().to_vec() })
+            });
+            let bodies = figures.chain([Body::room([0.0, 3.0, 0.0], 13.0)]).collect();
+            Ok(Frame { bodies, eye, lights: lights.clone(), size: 64 })
+        };
+        let (own, all) = (frame(&deformer)?, frame(&other)?);
+        let renderer = Renderer { placing: Placing::Scene, range: 9.0, ..Renderer::new(&gpu) };
+        let [found, expected] = [&own, &all].map(|frame| renderer.count(frame, Counting::Auto));
+        let (found, expected) = (found?, expected?);
+        same("stencil counts", &found.stencils, &expected.stencils)?;
+        shadowed += expected.stencils.iter().flatten().filter(|count| **count > 0).count();
+        // Negative control: points in place of what is needed.
+        let mut hidden = own.clone();
+        for (body, word) in hidden.bodies.iter_mut().zip(&before) {
+            if *word == 0 {
+                body.shape.positions.fill([0.0; 3]);
+            }
+        }
+        let hidden = renderer.count(&hidden, Counting::Auto)?;
+        if expected.stencils.iter().flatten().any(|count| *count > 0) {
+            must_fail("points", &same("stencil counts", &hidden.stencils, &expected.stencils))?;
+            noticed += 1;
+        }
+    }
+    println!("{count} figures not needed, {turned} changes, {shadowed} pixels in shadow, {noticed} controls");
+    if count < 20 || turned < 10 || shadowed < 500 || noticed < 4 {
+        Err("too few of a kind".to_owned())
+    } else {
+        Ok(())
+    }
 }

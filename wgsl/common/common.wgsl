@@ -144,7 +144,8 @@ struct DeformDispatch {
   // 0: `displace` is not called.
   displaced: u32,
   time: f32,
-  reserved: u32,
+  // Instances of the model.
+  instances: u32,
 }
 
 // A run of vertices of one instance, for whole workgroups. Words count from where the dispatch binds the arrays.
@@ -166,7 +167,9 @@ struct DeformChunk {
   target_count: u32,
   // 0: all vertices follow the first matrix of the palette.
   skinned: u32,
-  reserved: u32,
+  // The word in `pose` that is 1 if the positions of the instance are a point, since it was not needed before. So many words
+  // behind it as there are instances, a word is 1 if it is not needed now.
+  before: u32,
 }
 
 // Slots of a chunk, which are those of one caster.
@@ -215,8 +218,9 @@ struct SceneCaster {
   group: u32,
   // The first caster of the group.
   first_caster: u32,
-  // The word of the page's clusters where those of its mesh begin, or NO_CLUSTERS.
-  clusters: u32,
+  // Of a rigid caster the word of the page's clusters where those of its mesh begin, or NO_CLUSTERS. Of another its number
+  // among the figures that may not be needed, counted from 1, or 0 if it is none.
+  clusters_or_figure: u32,
 }
 
 // The draws of one light's shadow volume.

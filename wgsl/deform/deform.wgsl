@@ -1,5 +1,5 @@
 // Deform: computes morph targets, skin and displacement for the vertices of many instances, from mesh space to world
-// space. A workgroup takes vertices of one instance.
+// space. A workgroup takes vertices of one instance. Instances that are not needed are left out.
 
 @group(0) @binding(0) var<uniform> dispatch: DeformDispatch;
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
@@ -7,7 +7,8 @@
 @group(0) @binding(2) var<storage, read> morph: array<f32>;
 // For each chunk first the offset of each vertex's influences, and one more; then joint and weight of each influence.
 @group(0) @binding(3) var<storage, read> skin: array<u32>;
-// Chunks, then matrices and morph weights, then the word of the chunk of each workgroup.
+// Chunks, for each instance a word that is 1 if its positions are a point, for each one that is 1 if it is not needed, then
+// matrices and morph weights, then the word of the chunk of each workgroup.
 @group(0) @binding(4) var<storage, read> pose: array<u32>;
 @group(0) @binding(5) var<storage, read> source_vertices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> positions: array<f32>;
@@ -45,6 +46,16 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
   if (vertex >= chunk.count) {
     return;
   }
+  let word = chunk.positions + 3u * vertex;
+  if (pose[chunk.before + dispatch.instances] != 0u) {
+    // What is not needed becomes a point, so that nothing is drawn of it. It stays one.
+    if (pose[chunk.before] == 0u) {
+      positions[word] = 0.0;
+      positions[word + 1u] = 0.0;
+      positions[word + 2u] = 0.0;
+    }
+    return;
+  }
   let at = chunk.rest + 3u * vertex;
   var p = vec3<f32>(rest[at], rest[at + 1u], rest[at + 2u]);
   for (var active_target = 0u; active_target < chunk.target_count; active_target++) {
@@ -67,7 +78,6 @@ fn deform(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation
   if (dispatch.displaced != 0u) {
     p = displace(p, source_vertices[chunk.sources + vertex], dispatch.time);
   }
-  let word = chunk.positions + 3u * vertex;
   positions[word] = p.x;
   positions[word + 1u] = p.y;
   positions[word + 2u] = p.z;

@@ -51,6 +51,14 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   return matter;
 }
 
+// Whether a caster is one that the frame does not need.
+fn is_unneeded(caster: u32) -> bool {
+  let figure = caster_part(caster, 7u).w;
+  let at = table[group.ranges_at + 16u * group.batches].y;
+  let is_rigid = (caster_part(caster, 4u).w & RIGID) != 0u;
+  return !is_rigid && figure != 0u && at != 0u && atomicLoad(&work[at + figure - 1u]) != 0u;
+}
+
 // Those of some lights that did not change.
 fn unchanged(batch: u32, lights: u32) -> u32 {
   var same = 0u;
@@ -64,7 +72,9 @@ fn unchanged(batch: u32, lights: u32) -> u32 {
 }
 
 fn take_pair(pair: u32, caster: u32, batch: u32) {
-  let matter = lights_that_matter(caster, batch);
+  let unneeded = is_unneeded(caster);
+  // Of what was not deformed nothing is computed, and no bits are kept.
+  let matter = select(lights_that_matter(caster, batch), 0u, unneeded);
   let last = caster_part(caster, 7u);
   let at = kept_pair_at(pair);
   // Lists of lights are made anew where the caster's bits are, and where it is no longer in them.
@@ -86,7 +96,10 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
   atomicOr(&work[words + 3u], keeps);
   atomicAdd(&statistics.pairs, countOneBits(matter));
   atomicAdd(&statistics.kept_pairs, countOneBits(keeps));
-  atomicAdd(&statistics.unreached_pairs, countOneBits(caster_lights(caster, batch).allowed & ~matter));
+  atomicAdd(&statistics.unreached_pairs, select(countOneBits(caster_lights(caster, batch).allowed & ~matter), 0u, unneeded));
+  if (unneeded && batch == 0u) {
+    atomicAdd(&statistics.unneeded, 1u);
+  }
 }
 
 @compute @workgroup_size(64)

@@ -1,6 +1,7 @@
 // The scene table: casters, then for each batch and caster its lights, then the ranges of the lights and their versions,
-// four words of which the first is the number of the encode, the lights themselves, and the casters of all chunks. The CPU
-// writes it for every frame.
+// four words, the lights themselves, and the casters of all chunks. The first of the four words is the number of the encode.
+// The second is the word of the work lists from which on a word for each figure is 1 if it is not needed; 0: all are. The CPU
+// writes the table for every frame.
 
 // The lights of a caster in a batch.
 struct CasterLights {
@@ -25,6 +26,8 @@ struct SceneStatistics {
   // Those that clusters spared.
   spared_faces: atomic<u32>,
   spared_edges: atomic<u32>,
+  // Casters that the frame does not need.
+  unneeded: atomic<u32>,
 }
 
 // A dispatch over a group of casters for a batch of lights.

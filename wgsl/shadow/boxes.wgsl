@@ -30,7 +30,3 @@ fn box_of(caster: u32) -> CasterBox {
   let high = unordered(vec3<u32>(boxes[at + 3u], boxes[at + 4u], boxes[at + 5u]));
   return CasterBox(low, high, boxes[at + 3u] == 0u, boxes[at + 6u] != 0u);
 }
-
-fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
-  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
-}

@@ -13,20 +13,6 @@
 // For each batch and caster of a scene the lights that matter. A single caster has none.
 @group(0) @binding(7) var<storage, read> lit: array<u32>;
 
-// Whether the whole box is beyond the light's range.
-fn out_of_range(light: ShadowLight, scale: f32, low: vec3<f32>, high: vec3<f32>) -> bool {
-  if (light.range <= 0.0 || light.light.w <= 0.0) {
-    return false;
-  }
-  let place = light.light.xyz / light.light.w;
-  let d = scale * max(max(low - place, place - high), vec3<f32>(0.0));
-  // The largest side is factored out, because squares may overflow.
-  let size = max(max(d.x, d.y), max(d.z, light.range));
-  let r = light.range / size;
-  let e = d / size;
-  return dot_3(e, e) > r * r * (1.0 + SLACK);
-}
-
 // Whether the box, moved to the camera's frame, meets the box of the near rectangle, with slack.
 fn boxes_meet(view: ShadowView, low: vec3<f32>, high: vec3<f32>) -> bool {
   for (var axis = 0u; axis < 3u; axis++) {
@@ -47,39 +33,6 @@ fn light_meets(light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
   let w = light.light.w;
   let slack = SLACK * max(max(abs(w * low), abs(w * high)), abs(light.light.xyz));
   return w > 0.0 && all(w * low - slack <= light.light.xyz) && all(w * high + slack >= light.light.xyz);
-}
-
-// Bounds on the terms whose sums are the vector from the light to a position.
-fn extrusion_size(view: ShadowView, light: ShadowLight, position: vec3<f32>) -> vec3<f32> {
-  let terms = abs(light.light.w * position) + abs(light.light.xyz);
-  return vec3<f32>(
-    dot_3(abs(view.placement[0].xyz), terms), dot_3(abs(view.placement[1].xyz), terms), dot_3(abs(view.placement[2].xyz), terms));
-}
-
-// Whether the whole volume of the box is outside the left, right, bottom, top or near plane of the camera.
-fn is_unseen(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3<f32>) -> bool {
-  var out = vec4<bool>(true);
-  var before = true;
-  for (var number = 0u; number < 8u; number++) {
-    let position = box_corner(low, high, number);
-    let v = corner(view, light, position);
-    let q = abs(placed(view, position));
-    let size = clip_size(view, q);
-    let away = extrusion_size(view, light, position);
-    let far_size = clip_size(view, away);
-    let near_x = size.w + size.x;
-    let near_y = size.w + size.y;
-    let far_x = far_size.w + far_size.x;
-    let far_y = far_size.w + far_size.y;
-    out = vec4<bool>(
-      out.x && is_out(v.near.w + v.near.x, near_x) && is_out(v.far.w + v.far.x, far_x),
-      out.y && is_out(v.near.w - v.near.x, near_x) && is_out(v.far.w - v.far.x, far_x),
-      out.z && is_out(v.near.w + v.near.y, near_y) && is_out(v.far.w + v.far.y, far_y),
-      out.w && is_out(v.near.w - v.near.y, near_y) && is_out(v.far.w - v.far.y, far_y));
-    before = before && is_out(v.height, height_size(view, q)) &&
-      is_out(v.far_height, far_size.w + dot_3(abs(view.near_plane.xyz), away));
-  }
-  return any(out) || before;
 }
 
 // Whether the whole box is outside the pyramid of light and near rectangle.

@@ -129,6 +129,11 @@ const COUNT_AUTO: u32 = 3u;
 // ZP+ as published.
 const COUNT_ZP_PLUS_2005: u32 = 4u;
 
+// A corner of a box, by its number from 0 to 7.
+fn box_corner(low: vec3<f32>, high: vec3<f32>, number: u32) -> vec3<f32> {
+  return select(low, high, (vec3<u32>(number) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
+}
+
 // A direction in the camera's frame.
 fn turned(view: ShadowView, d: vec3<f32>) -> vec3<f32> {
   return vec3<f32>(dot_3(view.placement[0].xyz, d), dot_3(view.placement[1].xyz, d), dot_3(view.placement[2].xyz, d));

@@ -53,7 +53,7 @@ pub fn chunks(
 
 /// When a chunk has no silhouette (0: never), and its clusters.
 fn names<'a>(words: &'a [u32], caster: &SceneCaster, number: u32) -> (u32, &'a [u32]) {
-    let own = words.get(caster.clusters as usize..).unwrap_or_default();
+    let own = words.get(caster.clusters_or_figure as usize..).unwrap_or_default();
     let at = (BOUND * caster.faces.div_ceil(CLUSTER) + number) as usize;
     let Some(&[begin, end]) = own.get(at..at + 2) else { return (0, &[]) };
     let [first, last] = [begin, end].map(|place| (place << 2 >> 2) as usize);

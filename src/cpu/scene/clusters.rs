@@ -69,7 +69,7 @@ pub struct ListedFaces {
 
 /// Whether a caster's clusters decide anything. `words` are those of its page.
 pub(super) fn has_clusters(caster: &SceneCaster) -> bool {
-    caster.clusters != u32::MAX && caster.flags & 4 != 0
+    caster.clusters_or_figure != u32::MAX && caster.flags & 4 != 0
 }
 
 /// The chunks of faces that are listed. `taken` is what [`super::reach::take`] returns, `words` are the clusters of the group's
@@ -122,7 +122,7 @@ pub fn list_faces(
 
 /// The bound of a cluster of a caster.
 fn bound(words: &[u32], caster: &SceneCaster, cluster: u32) -> ClusterBound {
-    let first = caster.clusters as usize + BOUND_WORDS * cluster as usize;
+    let first = caster.clusters_or_figure as usize + BOUND_WORDS * cluster as usize;
     let words =
         words.get(first..first + BOUND_WORDS).map(|words| bytemuck::pod_read_unaligned(bytemuck::cast_slice(words)));
     words.unwrap_or_else(bytemuck::Zeroable::zeroed)

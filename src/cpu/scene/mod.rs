@@ -2,5 +2,6 @@
 
 pub(crate) mod chunks;
 pub(crate) mod clusters;
+pub(crate) mod needs;
 pub(crate) mod reach;
 pub(crate) mod table;

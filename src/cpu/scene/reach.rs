@@ -14,11 +14,19 @@ const SLACK: f32 = f32::from_bits((127 - 18) << 23);
 /// A scaled w below this is no divisor.
 const TINY_W: f32 = f32::from_bits((127 - 30) << 23);
 
-/// For each batch and caster the bits of the lights that matter. A GPU may decide pairs at the very end of a range
+/// For each batch and caster the bits of the lights that matter. `unneeded` has a word for each figure, 1 if the frame does not
+/// need it; with no words all are needed. A GPU may decide pairs at the very end of a range
 /// differently, because WGSL leaves it some freedom in rounding; neither leaves out a light that reaches the caster.
-pub fn reach(table: SceneTable<'_>, group: &SceneDispatch) -> Vec<u32> {
+pub fn reach(table: SceneTable<'_>, group: &SceneDispatch, unneeded: &[u32]) -> Vec<u32> {
+    let is_unneeded = |caster: u32| {
+        let SceneCaster { flags, clusters_or_figure, .. } = table.caster(caster);
+        let number = if flags & 4 == 0 { clusters_or_figure.checked_sub(1) } else { None };
+        number.and_then(|number| unneeded.get(number as usize)).is_some_and(|word| *word != 0)
+    };
+    let of_pair =
+        |(caster, batch)| if is_unneeded(caster) { 0 } else { lights_that_matter(table, group, caster, batch) };
     let pairs = (0..group.batches).flat_map(|batch| (0..group.casters).map(move |caster| (caster, batch)));
-    pairs.map(|(caster, batch)| lights_that_matter(table, group, caster, batch)).collect()
+    pairs.map(of_pair).collect()
 }
 
 /// What is computed anew, and what of it is noted.

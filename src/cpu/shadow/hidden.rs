@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
-use super::choose::{Bounds, distance_below, extrusion_size, length_of};
+use super::choose::{distance_below, length_of};
 use super::pyramid::{SLACK, clip_size, height_size, is_out};
 use super::receivers::{RECEIVERS_HEAD, TILE, depth_of_key};
+use super::seen::{Bounds, extrusion_size};
 use super::shadow::{direction_to_clip, dot_3, extrusion, near_plane, placed, to_clip};
 use crate::layout::{ShadowLight, ShadowView};
 

@@ -15,6 +15,7 @@ pub(crate) mod receiver_pyramid;
 pub(crate) mod receiver_samples;
 pub(crate) mod receivers;
 pub(crate) mod relist;
+pub(crate) mod seen;
 pub(crate) mod shadow;
 pub(crate) mod shadow_arguments;
 pub(crate) mod sides;

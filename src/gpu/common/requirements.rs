@@ -131,7 +131,7 @@ pub(crate) const AT_LEAST: [Need; 18] = [
     need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),
     need!(max_bindings_per_bind_group, [10, 10, 11, 7]),
     need!(max_uniform_buffer_binding_size, [1184, 116, 1184, 16]),
-    need!(max_storage_buffer_binding_size, [260, 512, 448, 256]),
+    need!(max_storage_buffer_binding_size, [512, 512, 448, 256]),
     need!(max_buffer_size, [1184, 512, 1184, 256]),
 ];
 

@@ -9,9 +9,10 @@ use crate::gpu::common::memory::{MemoryError, buffer, filled, guarded, scoped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::PositionBuffer;
-use crate::gpu::common::requirements::{DeviceError, Subject, check_timer};
+use crate::gpu::common::requirements::{DeviceError, Subject, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry, upload};
+use crate::gpu::scene::needs::SceneNeeds;
 use crate::layout::{DeformChunk, DeformDispatch};
 use crate::model::{Geometry, Model, Pose, PoseMismatch};
 
@@ -58,6 +59,16 @@ pub enum DeformError {
         /// The largest sum of both.
         limit: u32,
     },
+    /// There are fewer entries than instances.
+    #[error(
+        "the needs tell of {given} casters, and the model has {instances} instances; list a caster for each in `encode_needs`"
+    )]
+    Needs {
+        /// Casters that the needs tell of.
+        given: usize,
+        /// Instances of the model.
+        instances: usize,
+    },
     /// The displacement declares resources but the layout or the bind group is missing, or the displacement declares
     /// none and one was given.
     #[error("the displacement's resources and the bind group given do not go together: give both or neither")]
@@ -84,6 +95,10 @@ pub struct Deformer {
     positions: wgpu::Buffer,
     pose: wgpu::Buffer,
     dispatches: wgpu::Buffer,
+    /// For each instance 1 if its positions are a point, since it was not needed.
+    held: wgpu::Buffer,
+    /// The word of the pose where that is copied to. For each instance 1 if it is not needed now follows, which an upload makes 0.
+    before: u64,
     layouts: Vec<PoseLayout>,
     /// Where the positions of each instance begin, in bytes.
     offsets: Vec<u64>,
@@ -156,7 +171,7 @@ impl Deformer {
             workgroups: planned.first_word,
             displaced: u32::from(displaced),
             time: 0.0,
-            reserved: 0,
+            instances: model.instances().len() as u32,
         };
         let plan: Vec<DeformDispatch> = planned.iter().map(dispatch).collect();
         let offsets: Vec<u32> = plan.iter().map(|dispatch| table.push(dispatch)).collect();
@@ -179,6 +194,8 @@ impl Deformer {
         Self {
             device: device.clone(),
             positions,
+            held: buffer(device, "deformed", 4 * data.pose_layouts.len() as u64, storage),
+            before: data.before,
             pose,
             dispatches,
             layouts: data.pose_layouts.clone(),
@@ -216,6 +233,44 @@ impl Deformer {
         resources: Option<&wgpu::BindGroup>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), DeformError> {
+        self.record(encoder, pose, time_s, resources, None, timer)
+    }
+
+    /// As [`Self::encode`], but for the instances alone that a frame needs: entry i of `needs` says it of instance i
+    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)). All positions of any other instance are the point (0, 0, 0), so
+    /// that nothing is drawn of it. Record this in every frame, also where the pose is the same: what was not needed before may be
+    /// needed now.
+    ///
+    /// # Errors
+    /// As [`Self::encode`], and [`DeformError::Needs`].
+    pub fn encode_needed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pose: &Pose,
+        time_s: f32,
+        resources: Option<&wgpu::BindGroup>,
+        needs: &SceneNeeds,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), DeformError> {
+        self.record(encoder, pose, time_s, resources, Some(needs), timer)
+    }
+
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pose: &Pose,
+        time_s: f32,
+        resources: Option<&wgpu::BindGroup>,
+        needs: Option<&SceneNeeds>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), DeformError> {
+        let instances = self.layouts.len();
+        if let Some(needs) = needs {
+            check_same(["the needs", "the deformer"], [&needs.device, &self.device])?;
+            if needs.len() < instances {
+                return Err(DeformError::Needs { given: needs.len(), instances });
+            }
+        }
         if self.has_resources != resources.is_some() {
             return Err(DeformError::Resources);
         }
@@ -228,6 +283,13 @@ impl Deformer {
         if !self.plan.is_empty() {
             let uploads = [(&self.dispatches, table.bytes()), (&self.pose, bytemuck::cast_slice(&words))];
             upload(&self.device, encoder, &uploads)?;
+            let bytes = 4 * instances as u64;
+            encoder.copy_buffer_to_buffer(&self.held, 0, &self.pose, 4 * self.before, bytes);
+            if let Some(needs) = needs {
+                encoder.copy_buffer_to_buffer(&needs.words, needs.offset(), &self.pose, 4 * self.before + bytes, bytes);
+            }
+            // The same commands write what the positions are, so an encoder that is dropped changes both or neither.
+            encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes);
         }
         self.pass.record_with(encoder, |_| true, timer, resources.map(|group| (DISPLACE_GROUP, group)));
         Ok(())

@@ -72,6 +72,8 @@ pub(super) struct ModelData {
     geometries: Vec<Vec<GeometryChunk>>,
     pub(super) pose_layouts: Vec<PoseLayout>,
     pub(super) pose_words: u64,
+    /// The word of the pose where for each instance it is 1 if its positions are a point, and then 1 if it is not needed.
+    pub(super) before: u64,
     pub(super) vertices: u64,
     bytes: [u64; 4],
     /// Chunks of all instances.
@@ -96,7 +98,8 @@ impl ModelData {
         let workgroups = |chunk: &GeometryChunk| chunk.vertices.len().div_ceil(WORKGROUP as usize) as u64;
         let workgroups = model.instances().iter().flat_map(|instance| of_geometry(instance).iter().map(workgroups));
         let workgroups = workgroups.sum::<u64>();
-        let mut pose_words = CHUNK_WORDS * chunks;
+        let before = CHUNK_WORDS * chunks;
+        let mut pose_words = before + 2 * model.instances().len() as u64;
         let mut pose_layouts = Vec::with_capacity(model.instances().len());
         for geometry in model.placed_geometries() {
             let joints = geometry.joints_needed() as u64;
@@ -121,6 +124,7 @@ impl ModelData {
             geometries,
             pose_layouts,
             pose_words,
+            before,
             vertices: model.vertex_count() as u64,
             bytes,
         })
@@ -132,7 +136,9 @@ impl ModelData {
         // There is never more than one dispatch for each chunk.
         let uniforms = self.chunks * UniformTable::stride::<DeformDispatch>() as u64;
         let pose = 4 * (self.pose_words + self.workgroups);
-        let own = [("positions", self.vertices * 12), ("pose", pose), ("deform dispatches", uniforms)];
+        let held = 4 * self.pose_layouts.len() as u64;
+        let own =
+            [("positions", self.vertices * 12), ("pose", pose), ("deform dispatches", uniforms), ("deformed", held)];
         let allocations: Vec<_> =
             arrays.chain(own).map(|(label, bytes)| Allocation { label, bytes: padded(bytes) }).collect();
         check(&allocations, split.buffer, memory_limit)
@@ -207,6 +213,7 @@ impl ModelData {
                     palette: pose.palette,
                     targets: pose.targets,
                     skinned: u32::from(geometry.influences().is_some()),
+                    before: self.before as u32 + index as u32,
                     ..bytemuck::Zeroable::zeroed()
                 };
                 let positions = bound..begin + 12 * chunk.vertices.len() as u64;

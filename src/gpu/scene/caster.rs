@@ -135,6 +135,8 @@ pub(crate) struct CasterEntry {
     pub(crate) bounds: Option<[[f32; 3]; 2]>,
     /// What the caller says of the positions in its buffer. `None`: they may change at any time.
     pub(crate) positions_version: Option<u64>,
+    /// Its number among the figures of the last encode, counted from 1. 0: it is none.
+    pub(crate) figure: u32,
     /// Its place in the table, and where its lights begin there. It is known once the scene is laid out.
     pub(crate) index: u32,
     pub(crate) first_light: u32,

@@ -7,6 +7,7 @@ use super::caster::CasterEntry;
 use super::errors::{ReceiversError, SceneError};
 use super::frame::SceneFrame;
 use super::layout::put_lights;
+use super::needs::SceneNeeds;
 use super::receivers::{self, ReceiverStages, Receivers, SeenReceivers};
 use super::scene::Scene;
 use super::stages::Passes;
@@ -57,13 +58,43 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         cameras: &[ShadowCamera],
         receivers: &[Option<Receivers<'_>>],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, SceneError> {
+        self.record(encoder, cameras, receivers, None, timer)
+    }
+
+    /// As [`Self::encode_for`], after figures were deformed as far as `needs` says ([`Self::encode_needs`]). Nothing is computed of
+    /// the others. `cameras` are the same, and nothing of the scene has changed since.
+    ///
+    /// # Errors
+    /// As [`Self::encode_for`], and [`SceneError::StaleNeeds`].
+    pub fn encode_needed(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &[ShadowCamera],
+        receivers: &[Option<Receivers<'_>>],
+        needs: &SceneNeeds,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneFrame, SceneError> {
+        self.record(encoder, cameras, receivers, Some(needs), timer)
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &[ShadowCamera],
+        receivers: &[Option<Receivers<'_>>],
+        needs: Option<&SceneNeeds>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<SceneFrame, SceneError> {
         check_timer(timer.as_deref(), self.pipelines.device())?;
         let views = self.check_views(cameras)?;
         let receivers = self.check_receivers(cameras, receivers)?;
         let words = receivers.iter().flatten().map(Receivers::words).max().unwrap_or(0);
+        needs.map_or(Ok(()), |needs| self.check_needs(needs, &views))?;
+        self.heed_needs(needs);
         let (structure, volumes) = self.prepare_receivers(cameras.len(), words)?;
+        self.table.put_encode(self.encode_number(), if needs.is_some() { structure.unneeded_at } else { 0 });
         let receiver_stages = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
                 let target = (&volumes.buffers.receivers, volumes.buffers.sizes.receivers);
@@ -79,6 +110,10 @@ impl Scene {
             uploads.push((&structure.table, bytemuck::cast_slice(uploaded)));
             uploads.extend(volumes.iter().map(|volumes| (&volumes.buffers.seen, bytemuck::cast_slice(&seen[..]))));
             upload(self.pipelines.device(), encoder, &uploads)?;
+            if let Some(needs) = needs {
+                let [from, to] = [needs.offset(), 4 * u64::from(structure.unneeded_at)];
+                encoder.copy_buffer_to_buffer(&needs.words, from, &structure.buffers.work, to, 4 * needs.len() as u64);
+            }
         }
         self.passes.record(&structure, encoder, timer.as_deref_mut());
         if let Some(stages) = &receiver_stages {
@@ -97,7 +132,7 @@ impl Scene {
     }
 
     /// The cameras as stages see them.
-    fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, SceneError> {
+    pub(super) fn check_views(&self, cameras: &[ShadowCamera]) -> Result<Vec<ShadowView>, SceneError> {
         if cameras.is_empty() {
             return Ok(Vec::new());
         }
@@ -218,7 +253,7 @@ impl Scene {
     }
 
     /// Brings everything up to date, with room for so many views.
-    fn prepare_views(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
+    pub(super) fn prepare_views(&mut self, views: usize) -> Result<(Arc<Structure>, Option<Arc<Volumes>>), SceneError> {
         let before = self.views;
         if views > before {
             self.views = views;
@@ -256,7 +291,7 @@ impl Scene {
             None => self.lay_out()?,
         };
         self.moved.clear();
-        self.table.put_encode(self.encode_number());
+        self.table.put_encode(self.encode_number(), 0);
         Ok(structure)
     }
 

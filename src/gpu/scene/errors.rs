@@ -49,6 +49,18 @@ pub enum SceneError {
         /// What the handle named.
         what: &'static str,
     },
+    /// A caster was given twice to [`Scene::encode_needs`](crate::gpu::Scene::encode_needs).
+    #[error("caster {caster} of those listed is there twice; list each once")]
+    ListedTwice {
+        /// The later place in the list.
+        caster: usize,
+    },
+    /// The scene, its lights or the cameras are not those that needs were found for.
+    #[error(
+        "the scene or the cameras changed since `encode_needs`, or these needs are a part or not the last; call `encode_needs` after all \
+         changes, deform by what it returns, and pass the same to `encode_needed`"
+    )]
+    StaleNeeds,
     /// A mesh cannot be removed while casters use it.
     #[error("{casters} casters still use the mesh; remove them first")]
     MeshInUse {

@@ -10,6 +10,7 @@ pub(crate) mod handles;
 pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;
+pub(crate) mod needs;
 pub(crate) mod options;
 pub(crate) mod pages;
 pub(crate) mod receivers;

@@ -32,6 +32,9 @@ pub struct SceneOptions {
     /// behind all receivers, where z-pass or z-fail counts them. It takes effect in views
     /// with receivers ([`Scene::encode_for`](crate::gpu::Scene::encode_for)).
     pub skip_hidden: bool,
+    /// Neither deform nor compute anything of a figure that a frame does not need. It takes effect where the caller asks
+    /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)).
+    pub skip_unneeded: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
@@ -101,8 +104,9 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
-    /// where they suffice, what lights do not reach, and shadows that are unseen or hidden,
-    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters, bits and lists kept, no bound on counts, no memory limit.
+    /// where they suffice, what lights do not reach, shadows that are unseen or hidden, and figures that are not needed
+    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters, bits and lists kept, no bound on
+    /// counts, no memory limit.
     fn default() -> Self {
         Self {
             max_lights: 32,
@@ -114,6 +118,7 @@ impl Default for SceneOptions {
             skip_unreached: true,
             skip_unseen: true,
             skip_hidden: true,
+            skip_unneeded: true,
             end_at_range: false,
             count_batches: 1,
             keep_bits: true,

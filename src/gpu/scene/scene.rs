@@ -62,6 +62,9 @@ pub struct Scene {
     pub(super) receiver_words: u64,
     /// The cameras of the last encode, with the encode that was the first to have each, and its receivers.
     pub(super) seen_views: Vec<(ShadowView, u32, SeenReceivers)>,
+    /// Casters that the last encode took to be needed or not, and how often needs were found.
+    pub(super) figures: Vec<DefaultKey>,
+    pub(super) needs: u64,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -101,6 +104,8 @@ impl Scene {
             views: 0,
             receiver_words: 0,
             seen_views: Vec::new(),
+            figures: Vec::new(),
+            needs: 0,
             structures: 0,
             encodes: Arc::default(),
         })
@@ -209,6 +214,7 @@ impl Scene {
             version: 0,
             bounds: None,
             positions_version: None,
+            figure: 0,
             index: 0,
             first_light: 0,
         };
@@ -278,7 +284,7 @@ impl Scene {
     }
 
     /// Notes that a caster is to be written to the table.
-    fn note_change(&mut self, key: DefaultKey) {
+    pub(super) fn note_change(&mut self, key: DefaultKey) {
         if let Some(entry) = self.casters.get_mut(key).filter(|entry| !entry.is_moved) {
             entry.is_moved = true;
             self.moved.push(key);

@@ -44,6 +44,8 @@ pub(crate) struct Structure {
     pub(crate) table: wgpu::Buffer,
     /// Where the choices of shadow volumes begin in the table, in units of 16 bytes.
     pub(crate) choices_at: usize,
+    /// The word of the work lists from which on there is one for each caster: whether figures are not needed.
+    pub(crate) unneeded_at: u32,
     pub(crate) buffers: Buffers,
     pub(crate) batches: usize,
     pub(crate) parts: Vec<GroupBatch>,
@@ -113,7 +115,8 @@ impl Structure {
         let old = old.map(|old| &old.buffers);
         let memory_limit = options.memory_limit;
         let face_chunks = layout.groups.iter().map(|group| u64::from(group.face_chunks)).sum();
-        let wanted = Wanted { groups: &sizes, lit, batches, face_chunks, work: words, others, memory_limit };
+        let work = words + table.casters as u64;
+        let wanted = Wanted { groups: &sizes, lit, batches, face_chunks, work, others, memory_limit };
         let buffers = Buffers::new(device, old, &wanted, &limits)?;
         let table_buffer = table_buffer(device, table, table_bytes)?;
         let room = |batch| room(lights, batch);
@@ -131,10 +134,12 @@ impl Structure {
             let page = |group: &Group| Some(pages.get(making.sources.get(group.source)?.page)?.clusters.clone());
             layout.groups.iter().filter_map(page).collect()
         };
+        let unneeded_at = words as u32;
         Ok(Self {
             layout,
             table: table_buffer,
             choices_at,
+            unneeded_at,
             buffers,
             batches,
             parts,

@@ -59,9 +59,9 @@ impl Table {
         self.encode_at() + 1
     }
 
-    /// Writes the number of the encode.
-    pub(crate) fn put_encode(&mut self, encode: u32) {
-        self.put(self.encode_at(), &[[encode, 0, 0, 0]]);
+    /// Writes the number of the encode, and the word of the work lists where it says which figures are not needed, 0 for none.
+    pub(crate) fn put_encode(&mut self, encode: u32, unneeded_at: u32) {
+        self.put(self.encode_at(), &[[encode, unneeded_at, 0, 0]]);
     }
 
     fn put(&mut self, at: usize, parts: &[Part]) {
@@ -108,7 +108,11 @@ impl Table {
             version: entry.version,
             group: slots.group,
             first_caster: slots.first_caster,
-            clusters: if mesh.order.is_some() { clusters } else { NO_CLUSTERS },
+            clusters_or_figure: match (rigid, &mesh.order) {
+                (None, _) => entry.figure,
+                (Some(_), Some(_)) => clusters,
+                (Some(_), None) => NO_CLUSTERS,
+            },
         };
         self.put(CASTER_PARTS * entry.index as usize, bytemuck::cast_slice(&[caster]));
     }
@@ -139,6 +143,9 @@ impl Table {
         if let Some([high, .., last]) = self.parts.get_mut(at + 4..at + 8) {
             high[3] = high[3] & !(MIRRORED | CHANGING | BOUNDED) | flags;
             last[0] = entry.version;
+            if let Placement::World { .. } = entry.placement {
+                last[3] = entry.figure;
+            }
         }
     }
 

@@ -296,7 +296,7 @@ fn caster(source: &extraction::Shared, is_proxy: bool, positions: &BoundPosition
         version: 0,
         group: 0,
         first_caster: 0,
-        clusters: crate::layout::NO_CLUSTERS,
+        clusters_or_figure: 0,
     }
 }
 

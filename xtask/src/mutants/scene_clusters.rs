@@ -55,8 +55,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             ),
             (
                 "src/cpu/scene/clusters.rs",
-                "caster.clusters != u32::MAX && caster.flags & 4 != 0",
-                "caster.clusters != u32::MAX",
+                "caster.clusters_or_figure != u32::MAX && caster.flags & 4 != 0",
+                "caster.clusters_or_figure != u32::MAX",
             ),
         ],
         tests: TESTS,

@@ -26,6 +26,7 @@ pub(crate) static LEVELS: &[Level] = &[
         switch: |options, on| options.clusters_from = SceneOptions::default().clusters_from.filter(|_| on),
     },
     Level { id: "hidden-receivers", name: "hidden receivers", switch: |options, on| options.skip_hidden = on },
+    Level { id: "unneeded-figures", name: "unneeded figures", switch: |options, on| options.skip_unneeded = on },
 ];
 
 /// Which levels are on.

@@ -33,7 +33,8 @@ impl Timing<'_> {
         let pose = deforming.pose(recorder.frames)?;
         recorder.frames += 1;
         let Timed { clock_ms, times, .. } = stopwatch.timed(|encoder, mut timer, _| {
-            deforming.encode(encoder, pose.as_ref(), timer.as_deref_mut())?;
+            let needs = recorder.find_needs(encoder, pose.as_ref(), timer.as_deref_mut())?;
+            deforming.encode(encoder, pose.as_ref(), needs, timer.as_deref_mut())?;
             recorder.encode(encoder, None, timer)
         })?;
         // Without timestamps all that is known is their sum.
@@ -59,7 +60,10 @@ impl Drawn<'_> {
         recorder.frames += 1;
         let mut run = FrameRun::default();
         if pose.is_some() {
-            let timed = stopwatch.timed(|encoder, timer, _| deforming.encode(encoder, pose.as_ref(), timer))?;
+            let timed = stopwatch.timed(|encoder, mut timer, _| {
+                let needs = recorder.find_needs(encoder, pose.as_ref(), timer.as_deref_mut())?;
+                deforming.encode(encoder, pose.as_ref(), needs, timer)
+            })?;
             run.add(&timed);
         }
         let mut encoder = stopwatch.encoder();

@@ -2,10 +2,10 @@
 
 use glam::{Quat, Vec3};
 use rimline::gpu::{
-    Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame, SceneStatistics,
-    ShadowStatistics, StageTimer, read_back_vec,
+    Caster, CasterHandle, DeformError, Deformer, DeformerOptions, LightHandle, Receivers, Scene, SceneFrame,
+    SceneNeeds, SceneStatistics, ShadowStatistics, StageTimer, read_back_vec,
 };
-use rimline::{Light, Mesh, MeshError, ModelError, Pose, wgpu};
+use rimline::{Light, Mesh, MeshError, ModelBounds, ModelError, Pose, wgpu};
 
 use super::super::casters::recorder::{DrawPipelines, mesh_failure};
 use super::levels::Variant;
@@ -44,15 +44,20 @@ impl<'a> Deforming<'a> {
         }
     }
 
-    /// Records the deformation into a pose.
+    /// Records the deformation into a pose, of what the frame needs.
     pub(super) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pose: Option<&Pose>,
+        needs: Option<&SceneNeeds>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        if let (Some(deformer), Some(pose)) = (&self.deformer, pose) {
-            deformer.encode(encoder, pose, 0.0, None, timer)?;
+        match (&self.deformer, pose, needs) {
+            (Some(deformer), Some(pose), Some(needs)) => {
+                deformer.encode_needed(encoder, pose, 0.0, None, needs, timer)?;
+            }
+            (Some(deformer), Some(pose), None) => deformer.encode(encoder, pose, 0.0, None, timer)?,
+            _ => {}
         }
         Ok(())
     }
@@ -72,6 +77,10 @@ pub(super) struct SkipRecorder<'a> {
     scene: Scene,
     lights: Vec<LightHandle>,
     casters: Vec<CasterHandle>,
+    /// Where figures that walk are in a pose, and whether they are left out where the frame does not need them.
+    bounds: Option<ModelBounds>,
+    skips_unneeded: bool,
+    needs: Option<SceneNeeds>,
     encoded: Option<SceneFrame>,
     /// Frames so far.
     pub(super) frames: usize,
@@ -85,12 +94,20 @@ impl<'a> SkipRecorder<'a> {
         variant: Variant,
     ) -> Result<Self, Failure> {
         let lights = setting.lights.len();
-        let scene = Scene::new(&gpu.pipelines, &gpu.queue, variant.options(lights));
+        let options = variant.options(lights);
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, options);
+        let bounds = match &setting.casters {
+            Casters::Rigid { .. } => None,
+            Casters::Walking(walk) => Some(ModelBounds::new(&walk.model)),
+        };
         let mut recorder = Self {
             setting,
             scene: scene.map_err(|error| GpuError::from(error).on(gpu))?,
             lights: Vec::with_capacity(lights),
             casters: Vec::new(),
+            bounds,
+            skips_unneeded: options.skip_unneeded,
+            needs: None,
             encoded: None,
             frames: 0,
         };
@@ -136,6 +153,25 @@ impl<'a> SkipRecorder<'a> {
         Ok(())
     }
 
+    /// States where the figures of a pose are, and finds those that the frame needs. `None`: all are deformed.
+    pub(super) fn find_needs(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pose: Option<&Pose>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<Option<&SceneNeeds>, GpuError> {
+        if let (Some(bounds), Some(pose)) = (&self.bounds, pose) {
+            let boxes = bounds.boxes(pose, 0.0).map_err(DeformError::from)?;
+            for (&figure, own) in self.casters.iter().zip(boxes) {
+                self.scene.set_bounds(figure, own)?;
+            }
+            if self.skips_unneeded {
+                self.needs = Some(self.scene.encode_needs(encoder, &self.casters, &[self.setting.camera], timer)?);
+            }
+        }
+        Ok(self.needs.as_ref())
+    }
+
     /// Records all stages of the frame at hand. `depth` is what the eye sees, if it is drawn.
     pub(super) fn encode(
         &mut self,
@@ -143,12 +179,6 @@ impl<'a> SkipRecorder<'a> {
         depth: Option<&wgpu::TextureView>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        // As a game would that knows where its figures are.
-        if let Casters::Walking(walk) = &self.setting.casters {
-            for (&figure, bounds) in self.casters.iter().zip(walk.boxes(self.frames.saturating_sub(1))) {
-                self.scene.set_bounds(figure, Some(bounds))?;
-            }
-        }
         if let Casters::Rigid { placed, .. } = &self.setting.casters
             && self.setting.drift != 0.0
         {
@@ -164,9 +194,14 @@ impl<'a> SkipRecorder<'a> {
                 self.scene.set_light(handle, Light { xyz, ..light })?;
             }
         }
-        let receivers =
-            depth.map(|depth| Receivers { depth, sky_receives: false, version: self.setting.still_receivers() });
-        self.encoded = Some(self.scene.encode_for(encoder, &[self.setting.camera], &[receivers], timer)?);
+        let version = self.setting.still_receivers();
+        let receivers = [depth.map(|depth| Receivers { depth, sky_receives: false, version })];
+        let cameras = [self.setting.camera];
+        let encoded = match &self.needs {
+            Some(needs) => self.scene.encode_needed(encoder, &cameras, &receivers, needs, timer),
+            None => self.scene.encode_for(encoder, &cameras, &receivers, timer),
+        };
+        self.encoded = Some(encoded?);
         Ok(())
     }
 

@@ -88,6 +88,7 @@ pub(crate) static COUNTERS: &[Counter] = &[
     Counter { id: "edges", name: "edges tested", of: |counted| counted.scene.edges },
     Counter { id: "spared-faces", name: "faces that clusters spare", of: |counted| counted.scene.spared_faces },
     Counter { id: "spared-edges", name: "edges that clusters spare", of: |counted| counted.scene.spared_edges },
+    Counter { id: "unneeded-figures", name: "figures not deformed", of: |counted| counted.scene.unneeded },
     Counter { id: "skipped-volumes", name: "volumes skipped", of: |counted| counted.shadows.skipped },
     Counter { id: "unreached-volumes", name: "of which out of reach", of: |counted| counted.shadows.unreached },
     Counter { id: "hidden-volumes", name: "and no receiver is in", of: |counted| counted.shadows.hidden },

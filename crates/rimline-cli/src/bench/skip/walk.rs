@@ -27,15 +27,6 @@ pub(super) struct Walker {
 }
 
 impl Walk {
-    /// For each figure a box that holds it after so many frames.
-    pub(super) fn boxes(&self, frame: usize) -> impl Iterator<Item = [[f32; 3]; 2]> {
-        let seconds = frame as f32 / FRAMES;
-        self.figures.iter().map(move |walker| {
-            let at = walker.at + Quat::from_rotation_y(walker.heading) * Vec3::Z * SPEED * seconds + MIDDLE;
-            [(at - RADIUS).to_array(), (at + RADIUS).to_array()]
-        })
-    }
-
     /// All figures after so many frames.
     pub(super) fn pose(&self, frame: usize) -> Result<Pose, ModelError> {
         let seconds = frame as f32 / FRAMES;

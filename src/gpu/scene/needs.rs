@@ -1,0 +1,249 @@
+//! What a frame needs: which figures must be deformed, found on the GPU before they are.
+
+use std::ops::Range;
+
+use bytemuck::Zeroable;
+use slotmap::DefaultKey;
+
+use super::caster::Placement;
+use super::errors::SceneError;
+use super::handles::{CasterHandle, SceneId};
+use super::scene::Scene;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::{Allocation, buffer, check, guarded, mapped, write_mapped};
+use crate::gpu::common::pass::{Dispatch, Pass};
+use crate::gpu::common::requirements::{DeviceError, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{NeedsDispatch, SeenLight, ShadowLight, ShadowView};
+use crate::stages::NEEDS;
+use crate::{Light, ShadowCamera};
+
+/// Invocations of a workgroup, which take a figure each.
+const WORKGROUP: u64 = 64;
+/// The most boxes that an invocation may look at, with eight corners each: software devices silently end longer loops.
+const MOST_BOXES: usize = 6000;
+
+/// Which casters a frame needs, once the encoder was submitted: the result of [`Scene::encode_needs`].
+///
+/// A clone is cheap.
+#[derive(Clone, Debug)]
+pub struct SceneNeeds {
+    pub(crate) words: wgpu::Buffer,
+    entries: Range<usize>,
+    pub(crate) device: wgpu::Device,
+    scene: SceneId,
+    /// How many the scene had made.
+    serial: u64,
+    keys: Vec<DefaultKey>,
+    views: Vec<ShadowView>,
+}
+
+impl SceneNeeds {
+    /// The number of casters.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// A part of the casters, for example those of the second of two deformers. `None` if there are fewer.
+    #[must_use]
+    pub fn part(&self, casters: Range<usize>) -> Option<Self> {
+        let is_within = casters.start <= casters.end && casters.end <= self.len();
+        let first = self.entries.start;
+        is_within.then(|| Self { entries: first + casters.start..first + casters.end, ..self.clone() })
+    }
+
+    /// A `u32` for each caster, from byte [`Self::offset`] on: 1 if the frame does not need it, else 0. Usages `STORAGE` and `COPY_SRC`.
+    pub fn buffer(&self) -> &wgpu::Buffer {
+        &self.words
+    }
+
+    /// The byte of the buffer where the first caster's entry is.
+    pub fn offset(&self) -> u64 {
+        4 * self.entries.start as u64
+    }
+}
+
+impl Scene {
+    /// Records the stage that finds which of some `casters` the next encode needs, before their positions are computed. They are
+    /// casters with buffers, as a rule those of a [`Deformer`](crate::gpu::Deformer). A caster is needed if a camera may see it, or
+    /// its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no box,
+    /// if there is no camera, or with [`SceneOptions::skip_unneeded`](crate::gpu::SceneOptions::skip_unneeded) off.
+    ///
+    /// In each frame, in one encoder: call this, then [`Deformer::encode_needed`](crate::gpu::Deformer::encode_needed), draw what
+    /// is seen, and call [`Self::encode_needed`]. A caller who deforms by shaders of its own reads [`SceneNeeds::buffer`]. Positions
+    /// of a caster that isn't needed must show nothing: a `Deformer` makes them a point.
+    ///
+    /// # Errors
+    /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::ListedTwice`], or as [`Self::encode`].
+    pub fn encode_needs(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &[CasterHandle],
+        cameras: &[ShadowCamera],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<SceneNeeds, SceneError> {
+        check_timer(timer.as_deref(), self.pipelines.device())?;
+        let views = self.check_views(cameras)?;
+        let keys = self.number_figures(casters)?;
+        // What is laid out now is not when the frame is encoded.
+        self.prepare_views(cameras.len())?;
+        self.needs += 1;
+        let (seen, figures) = (self.seen_for_needs(cameras, &views), self.figures(&keys));
+        let lights = if views.is_empty() { 1 } else { seen.len() / views.len() };
+        let is_short = views.len() * (lights + 1) <= MOST_BOXES;
+        let frame = NeedsDispatch {
+            figures: keys.len() as u32,
+            views: views.len() as u32,
+            lights: lights as u32,
+            parts: figures.len().checked_div(keys.len()).unwrap_or(0) as u32,
+            all: u32::from(!self.options.skip_unneeded || views.is_empty() || !is_short),
+            skip_unreached: self.options.skip_unreached.into(),
+            skip_unseen: self.options.skip_unseen.into(),
+            reserved: 0,
+        };
+        let words =
+            self.record_needs(encoder, &frame, [bytemuck::cast_slice(&seen), bytemuck::cast_slice(&figures)], timer)?;
+        let device = self.pipelines.device().clone();
+        let (entries, scene, serial) = (0..keys.len(), self.id, self.needs);
+        Ok(SceneNeeds { words, entries, device, scene, serial, keys, views })
+    }
+
+    /// The keys of casters with buffers.
+    fn number_figures(&mut self, casters: &[CasterHandle]) -> Result<Vec<DefaultKey>, SceneError> {
+        let mut keys = Vec::with_capacity(casters.len());
+        for caster in casters {
+            let key = caster.key_in(self.id)?;
+            let entry = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?;
+            if matches!(entry.placement, Placement::Rigid(_)) {
+                return Err(SceneError::NoBuffer);
+            }
+            keys.push(key);
+        }
+        let mut sorted = keys.clone();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            let caster = keys.iter().rposition(|key| *key == pair[0]).unwrap_or(0);
+            return Err(SceneError::ListedTwice { caster });
+        }
+        Ok(keys)
+    }
+
+    /// What the stage reads of each figure.
+    fn figures(&self, keys: &[DefaultKey]) -> Vec<[u32; 4]> {
+        let batches = self.lights.batches();
+        let mut figures = Vec::with_capacity(keys.len() * (2 + batches.div_ceil(4)));
+        for entry in keys.iter().filter_map(|&key| self.casters.get(key)) {
+            let [low, high] = entry.bounds.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
+            figures.push([low[0], low[1], low[2], entry.bounds.is_some().into()]);
+            figures.push([high[0], high[1], high[2], 0]);
+            let word = |batch| if batch < batches { entry.lights.and(&self.lights.used).word(batch) } else { 0 };
+            figures.extend((0..batches.div_ceil(4)).map(|part| [0, 1, 2, 3].map(|batch| word(4 * part + batch))));
+        }
+        figures
+    }
+
+    /// The lights of each view, up to the last one. There is at least one entry for each view.
+    fn seen_for_needs(&self, cameras: &[ShadowCamera], views: &[ShadowView]) -> Vec<SeenLight> {
+        let last = (0..32 * self.lights.batches() as u32).rfind(|&bit| self.lights.get(bit).is_some());
+        let lights = last.unwrap_or(0) + 1;
+        let mut seen = Vec::with_capacity(views.len() * lights as usize);
+        for (camera, &view) in cameras.iter().zip(views) {
+            for bit in 0..lights {
+                let light = self.lights.get(bit).map(|light: Light| camera.light(&view, light));
+                let light = light.unwrap_or_else(ShadowLight::zeroed);
+                seen.push(SeenLight { view, light, ..SeenLight::zeroed() });
+            }
+        }
+        seen
+    }
+
+    fn record_needs(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &NeedsDispatch,
+        inputs: [&[u8]; 2],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<wgpu::Buffer, SceneError> {
+        let device = self.pipelines.device();
+        let limits = DispatchLimits::new(&device.limits());
+        let least = [size_of::<SeenLight>(), size_of::<[u32; 4]>()];
+        let sizes = [inputs[0].len().max(least[0]) as u64, inputs[1].len().max(least[1]) as u64];
+        let word_bytes = 4 * u64::from(frame.figures.max(1));
+        let labels = ["seen by needs", "figures", "unneeded figures"];
+        let wanted: Vec<_> = labels
+            .into_iter()
+            .zip([sizes[0], sizes[1], word_bytes])
+            .map(|(label, bytes)| Allocation { label, bytes })
+            .collect();
+        let bytes = check(&wanted, limits.binding, self.options.memory_limit)?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let (words, inputs) = guarded(device, bytes, || {
+            let filled = |number: usize| {
+                let input = mapped(device, labels[number], sizes[number], storage);
+                write_mapped(&input, inputs[number]).then_some(input)
+            };
+            let usage = storage | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+            (buffer(device, labels[2], word_bytes, usage), [0, 1].map(filled))
+        })?;
+        let [Some(seen), Some(figures)] = inputs else { return Err(DeviceError::Lost.into()) };
+        let mut table = UniformTable::default();
+        let offset = table.push(frame);
+        let uniform = table.into_buffer(device, "needs");
+        let pipeline = self.pipelines.compute(&NEEDS, NEEDS.name, &[]);
+        let resources = [
+            ("frame", entry::<NeedsDispatch>(&uniform)),
+            ("seen", seen.as_entire_binding()),
+            ("figures", figures.as_entire_binding()),
+            ("unneeded", words.as_entire_binding()),
+        ];
+        let group = Some(pipeline.bind(device, &resources));
+        let workgroups = u64::from(frame.figures).div_ceil(WORKGROUP).min(limits.workgroups) as u32;
+        let dispatch = Dispatch { group, offsets: vec![offset], workgroups, ..Dispatch::over(0, 0..0, 0) };
+        Pass { pipeline, dispatches: vec![dispatch] }.record(encoder, 0..1, timer);
+        Ok(words)
+    }
+
+    /// Whether the scene is as it was when it found these needs, and is asked for the same views.
+    pub(super) fn check_needs(&self, needs: &SceneNeeds, views: &[ShadowView]) -> Result<(), SceneError> {
+        if needs.scene != self.id {
+            return Err(SceneError::OtherScene { what: "needs" });
+        }
+        let bytes = bytemuck::cast_slice::<ShadowView, u8>;
+        let is_same = needs.serial == self.needs
+            && self.structure.is_some()
+            && self.moved.is_empty()
+            && self.lights.moved.is_empty()
+            && bytes(&needs.views) == bytes(views)
+            && needs.entries.start == 0
+            && needs.len() == needs.keys.len();
+        if is_same { Ok(()) } else { Err(SceneError::StaleNeeds) }
+    }
+
+    /// Numbers the figures of an encode. What was computed of casters that become figures, or cease to be, is not kept.
+    pub(super) fn heed_needs(&mut self, needs: Option<&SceneNeeds>) {
+        let keys = needs.map_or(&[][..], |needs| &needs.keys);
+        if self.figures == keys {
+            return;
+        }
+        let before = std::mem::replace(&mut self.figures, keys.to_vec());
+        for &key in &before {
+            self.number_figure(key, 0);
+        }
+        for (&key, number) in keys.iter().zip(1..) {
+            self.number_figure(key, number);
+        }
+    }
+
+    fn number_figure(&mut self, key: DefaultKey, number: u32) {
+        if let Some(entry) = self.casters.get_mut(key) {
+            entry.figure = number;
+            self.note_change(key);
+        }
+    }
+}

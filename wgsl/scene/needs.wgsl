@@ -1,0 +1,62 @@
+// Needs: finds the figures of a scene that a frame needs, from the boxes that the caller states, before they are deformed. A
+// camera may see such a figure, or its shadow from a light that may reach it. NUMERICS.md, "Figures that a frame needs".
+
+struct NeedsDispatch {
+  figures: u32,
+  views: u32,
+  // Lights of each view, at least 1.
+  lights: u32,
+  // Vec4s of each figure.
+  parts: u32,
+  // 1: every figure is needed.
+  all: u32,
+  // 1: casters that a light's range does not reach, and shadows that a camera cannot see, are skipped.
+  skip_unreached: u32,
+  skip_unseen: u32,
+  reserved: u32,
+}
+
+@group(0) @binding(0) var<uniform> frame: NeedsDispatch;
+@group(0) @binding(1) var<storage, read> seen: array<SeenLight>;
+// For each figure the lowest corner of its box and whether it has one, the highest corner, and the bits of its lights.
+@group(0) @binding(2) var<storage, read> figures: array<vec4<u32>>;
+// For each figure 0 if it is needed, else 1.
+@group(0) @binding(3) var<storage, read_write> unneeded: array<u32>;
+
+// Whether a camera may see the shadow that a light makes of a box.
+fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
+  let light = seen[view * frame.lights + number].light;
+  if (frame.skip_unreached != 0u && out_of_range(light, 1.0, low, high)) {
+    return false;
+  }
+  return frame.skip_unseen == 0u || !is_unseen(seen[view * frame.lights + number].view, light, low, high);
+}
+
+fn is_needed(figure: u32) -> bool {
+  let at = frame.parts * figure;
+  let low = bitcast<vec3<f32>>(figures[at].xyz);
+  let high = bitcast<vec3<f32>>(figures[at + 1u].xyz);
+  if (frame.all != 0u || figures[at].w == 0u) {
+    return true;
+  }
+  for (var view = 0u; view < frame.views; view++) {
+    if (!box_is_unseen(seen[view * frame.lights].view, low, high)) {
+      return true;
+    }
+    for (var number = 0u; number < frame.lights; number++) {
+      let word = number / 32u;
+      let has_light = ((figures[at + 2u + word / 4u][word % 4u] >> (number % 32u)) & 1u) != 0u;
+      if (has_light && may_shade(view, number, low, high)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+@compute @workgroup_size(64)
+fn needs(@builtin(global_invocation_id) id: vec3<u32>) {
+  if (id.x < frame.figures) {
+    unneeded[id.x] = select(1u, 0u, is_needed(id.x));
+  }
+}
