@@ -260,10 +260,28 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "scene: cameras keep their version",
         changes: &[(
             "src/gpu/scene/encode.rs",
-            "if bytes(&before) == bytes(view) && !has_receivers(number) =>",
-            "if !has_receivers(number) =>",
+            "if bytes(&before) == bytes(view) && of == seen =>",
+            "if of == seen =>",
         )],
         tests: SCENES,
+    },
+    Mutation {
+        name: "receivers: lists are kept whatever the version of the depths",
+        changes: &[(
+            "src/gpu/scene/receivers.rs",
+            "Some(version) => Self::Known(version, of.sky_receives, of.pixels()),",
+            "Some(version) => Self::Known(0 * version, of.sky_receives, of.pixels()),",
+        )],
+        tests: &["--test shadow_gpu receivers"],
+    },
+    Mutation {
+        name: "receivers: lists are kept whether the sky receives or not",
+        changes: &[(
+            "src/gpu/scene/receivers.rs",
+            "Some(version) => Self::Known(version, of.sky_receives, of.pixels()),",
+            "Some(version) => Self::Known(version, false, of.pixels()),",
+        )],
+        tests: &["--test shadow_gpu receivers"],
     },
     Mutation {
         name: "caps: light caps of proxies are not clipped with ZP+",
