@@ -390,12 +390,13 @@ shared_structs! {
         keeps: u32,
         /// Word of what is kept where the clusters of the group and batch begin: two for each chunk of faces.
         clusters_at: u32,
-        /// 0.
-        reserved_0: u32,
-        /// 0.
-        reserved_1: u32,
-        /// 0.
-        reserved_2: u32,
+        /// Where the occluders begin in the table: for each batch and occluder the lights for which it hides, those that see its
+        /// corners counter-clockwise, its caster, and where its corners are.
+        occluders_at: u32,
+        /// The number of occluders.
+        occluders: u32,
+        /// Where the scaled lights begin in the table, in world space: 32 for each batch.
+        world_lights_at: u32,
     }
 
     /// What an encode of a scene computed.
@@ -406,6 +407,8 @@ shared_structs! {
         kept_pairs: u32,
         /// Pairs of caster and allowed light that do not matter, because the light does not reach the caster.
         unreached_pairs: u32,
+        /// Pairs of caster and light that do not matter, because an occluder hides the caster from the light.
+        occluded_pairs: u32,
         /// Faces that were tested, for each batch of 32 lights.
         faces: u32,
         /// Edge records that were tested, for each batch of 32 lights.

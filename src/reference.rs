@@ -101,6 +101,7 @@ pub mod cpu {
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
     pub use crate::cpu::scene::chunks::{ListedEdges, chunks};
     pub use crate::cpu::scene::needs::needs;
+    pub use crate::cpu::scene::occluded::{SLACK, occluded};
     pub use crate::cpu::scene::reach::{Taken, reach, take};
     pub use crate::cpu::scene::table::SceneTable;
     pub use crate::cpu::shadow::bounds::bounds;

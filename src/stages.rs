@@ -89,8 +89,11 @@ pub const NEEDS: Stage = Stage {
     entry_points: &["needs"],
 };
 /// Finds the lights that matter to each caster of a scene.
-pub const REACH: Stage =
-    Stage { name: "reach", files: files!["common/common", "scene/table", "scene/reach"], entry_points: &["reach"] };
+pub const REACH: Stage = Stage {
+    name: "reach",
+    files: files!["common/common", "scene/table", "scene/occluded", "scene/reach"],
+    entry_points: &["reach"],
+};
 /// Decides clusters of faces of the casters of a scene as wholes, and lists the chunks of faces that are left.
 pub const CLUSTERS: Stage = Stage {
     name: "clusters",

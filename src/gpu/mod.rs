@@ -35,6 +35,7 @@ pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
 pub use scene::mask::LightMask;
 pub use scene::needs::SceneNeeds;
+pub use scene::occluders::OccluderError;
 pub use scene::options::SceneOptions;
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;

@@ -12,6 +12,7 @@ mod histories;
 mod kept;
 mod lists;
 mod needs;
+mod occluded;
 mod random_scene;
 mod refusals;
 mod scenes;
@@ -30,6 +31,7 @@ fn main() {
         histories::TESTS,
         kept::TESTS,
         needs::TESTS,
+        occluded::TESTS,
         refusals::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -79,7 +79,7 @@ fn classes() -> Result<(), String> {
 }
 
 /// A wall before the eye, with a gap; casters on both sides of it, and a floor.
-fn behind_walls(random: &mut Random) -> Frame {
+pub(crate) fn behind_walls(random: &mut Random) -> Frame {
     let flat = |half: [f32; 3]| {
         let mut shape = shapes::cube();
         shape.positions.iter_mut().for_each(|p| *p = std::array::from_fn(|axis| p[axis] * half[axis]));

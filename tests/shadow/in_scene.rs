@@ -132,6 +132,15 @@ impl Past {
     }
 }
 
+/// The finite faces of a rigid body that has not too many: what is behind one need not throw shadows.
+fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPositions) -> Vec<[[f32; 3]; 3]> {
+    if !matches!(positions, CasterPositions::Rigid(_)) || mesh.faces().len() > 100 || !body.left_out.is_empty() {
+        return Vec::new();
+    }
+    let triangles = mesh.faces().iter().map(|face| face.map(|vertex| own[vertex as usize]));
+    triangles.filter(|triangle| triangle.iter().flatten().all(|c| c.is_finite())).collect()
+}
+
 impl InScene {
     pub(crate) fn new(
         renderer: &Renderer<'_>,
@@ -192,6 +201,7 @@ impl InScene {
                     (mesh(faces)?, body.shape.positions.clone(), positions)
                 }
             };
+            let triangles = hiding(body, &mesh, &own, &positions);
             let mesh = scene.add_mesh(&mesh, &own).map_err(text)?;
             let caster = Caster { mesh, positions, lights: LightMask::ALL, in_depth: body.in_depth };
             // Some are elsewhere at first.
@@ -203,6 +213,10 @@ impl InScene {
             } else {
                 scene.insert(caster).map_err(text)?
             };
+            if !triangles.is_empty() {
+                let polygons: Vec<&[[f32; 3]]> = triangles.iter().map(|triangle| &triangle[..]).collect();
+                scene.set_occluders(caster, &polygons).map_err(text)?;
+            }
             if !body.left_out.is_empty() {
                 // What is given last counts.
                 scene.set_excluded(caster, lights[0], &[0]).map_err(text)?;
@@ -210,11 +224,9 @@ impl InScene {
             }
             casters.push(caster);
         }
-        let pipelines = if renderer.count_batches > 1 {
-            ScenePipelines::in_batches(&renderer.pipelines, format, counting).map_err(text)?
-        } else {
-            ScenePipelines::new(&renderer.pipelines, format, counting).map_err(text)?
-        };
+        let is_in_batches = renderer.count_batches > 1;
+        let make = if is_in_batches { ScenePipelines::in_batches } else { ScenePipelines::new };
+        let pipelines = make(&renderer.pipelines, format, counting).map_err(text)?;
         let mut cameras = vec![camera];
         let mut view = 0;
         if let Some(past) = past {

@@ -1,19 +1,22 @@
 //! Every level of skipping alone, all and none: the picture stays the same, and is what rays tell.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rimline::Counting;
 use rimline::gpu::{SceneOptions, ShadowOptions};
 use rimline_measure::device::Gpu;
+use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same, shapes};
 
 use crate::classes::CLASSES;
+use crate::hidden::behind_walls;
 use crate::range::in_range;
 use crate::rays::Truth;
 use crate::render::{Counted, Placing, Renderer};
 use crate::scene::{Body, Eye};
 use crate::trials::{Test, Traced};
 
-pub(crate) const TESTS: &[Test] = &[("levels_of_skipping_change_no_picture", levels)];
+pub(crate) const TESTS: &[Test] =
+    &[("levels_of_skipping_change_no_picture", levels), ("occluded_casters_change_no_picture", occluded)];
 
 /// Levels of skipping, and what switches them on.
 type Levels = (&'static str, fn(&mut SceneOptions));
@@ -41,6 +44,7 @@ fn all(options: &mut SceneOptions) {
     for (_, switch) in LEVELS {
         switch(options);
     }
+    options.skip_occluded = true;
 }
 
 /// None comes first.
@@ -143,4 +147,41 @@ fn levels() -> Result<(), String> {
     let acts = alone.iter().zip([0, 1, 2, 3, 4, 5]).all(|(counts, of)| counts[of] != none[of]);
     let acts_with_all = (0..COUNTERS.len()).all(|counter| all[counter] != none[counter]);
     if acts && acts_with_all && shadowed > 0 { Ok(()) } else { Err("not as meant".to_owned()) }
+}
+
+/// Walls whose faces are declared as occluders, and bodies before and behind them.
+fn occluded() -> Result<(), String> {
+    let gpu = &Gpu::with(wgpu::Features::DEPTH_CLIP_CONTROL, wgpu::Limits::default())?;
+    let (mut hidden, mut shadowed) = (0, 0);
+    for number in 0..if is_long() { 400 } else { 40 } {
+        let seed = 7300 + number;
+        let mut random = Random::new(seed);
+        let mut frame = behind_walls(&mut random);
+        // Plates, and small bodies on both sides of them.
+        for body in &mut frame.bodies {
+            body.casts = true;
+        }
+        for _ in 0..6 {
+            let at = [random.between(-5.0, 5.0), random.between(-1.5, 3.0), random.between(-9.0, -3.0)];
+            frame.bodies.push(Body::caster(shapes::sphere(2)).scaled(random.between(0.02, 0.15)).moved(at));
+        }
+        let counting = [Counting::Auto, Counting::ZpPlus, Counting::ZFail][number as usize % 3];
+        // Those that are mirrored have a matrix, and all stay near, where proofs succeed.
+        for (body, flip) in frame.bodies.iter_mut().zip([1.0, -1.0].into_iter().cycle()) {
+            body.mirror = Some(Vec3::new(flip, 1.0, 1.0));
+        }
+        let of = |levels| Renderer { placing: Placing::Scene, levels, ..Renderer::new(gpu) };
+        let what = |error: String| format!("seed {seed}, {counting:?}: {error}");
+        let without = of(none).count(&frame, counting).map_err(what)?;
+        let with = of(|options| options.skip_occluded = true).count(&frame, counting).map_err(what)?;
+        let is_dark = |counted: &Counted| counted.stencils[0].iter().map(|count| *count != 0).collect::<Vec<_>>();
+        let (mut found, expected) = (is_dark(&with), is_dark(&without));
+        same("dark pixels", &found, &expected).map_err(what)?;
+        found[7] = !found[7];
+        must_fail("one pixel", &same("dark pixels", &found, &expected))?;
+        hidden += with.scene.ok_or("no scene")?.occluded_pairs;
+        shadowed += expected.iter().filter(|dark| **dark).count();
+    }
+    println!("{hidden} pairs hidden, {shadowed} dark pixels");
+    if hidden < 40 || shadowed == 0 { Err("too few".to_owned()) } else { Ok(()) }
 }

@@ -1,5 +1,5 @@
 // Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have its box within their
-// range, if it is rigid or the caller states a box. And of these the ones whose bits are to be computed, because caster or light changed
+// range, if it is rigid or the caller states a box, and not hidden from the light. And of these the ones whose bits are to be computed, because caster or light changed
 // since.
 
 // For each batch and caster the bits of these lights.
@@ -74,7 +74,9 @@ fn unchanged(batch: u32, lights: u32) -> u32 {
 fn take_pair(pair: u32, caster: u32, batch: u32) {
   let unneeded = is_unneeded(caster);
   // Of what was not deformed nothing is computed, and no bits are kept.
-  let matter = select(lights_that_matter(caster, batch), 0u, unneeded);
+  let reaching = select(lights_that_matter(caster, batch), 0u, unneeded);
+  let hidden = occluded(caster, batch, reaching);
+  let matter = reaching & ~hidden;
   let last = caster_part(caster, 7u);
   let at = kept_pair_at(pair);
   // Lists of lights are made anew where the caster's bits are, and where it is no longer in them.
@@ -96,7 +98,8 @@ fn take_pair(pair: u32, caster: u32, batch: u32) {
   atomicOr(&work[words + 3u], keeps);
   atomicAdd(&statistics.pairs, countOneBits(matter));
   atomicAdd(&statistics.kept_pairs, countOneBits(keeps));
-  atomicAdd(&statistics.unreached_pairs, select(countOneBits(caster_lights(caster, batch).allowed & ~matter), 0u, unneeded));
+  atomicAdd(&statistics.unreached_pairs, select(countOneBits(caster_lights(caster, batch).allowed & ~reaching), 0u, unneeded));
+  atomicAdd(&statistics.occluded_pairs, countOneBits(hidden));
   if (unneeded && batch == 0u) {
     atomicAdd(&statistics.unneeded, 1u);
   }

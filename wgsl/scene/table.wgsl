@@ -20,6 +20,8 @@ struct SceneStatistics {
   kept_pairs: atomic<u32>,
   // Pairs of caster and allowed light that do not matter.
   unreached_pairs: atomic<u32>,
+  // Pairs of caster and light that do not matter, because an occluder hides the caster from the light.
+  occluded_pairs: atomic<u32>,
   // Faces that were tested, for each batch, and edge records.
   faces: atomic<u32>,
   edges: atomic<u32>,
@@ -60,9 +62,10 @@ struct SceneDispatch {
   keeps: u32,
   // The word of what is kept where the clusters of the group and batch begin.
   clusters_at: u32,
-  reserved_0: u32,
-  reserved_1: u32,
-  reserved_2: u32,
+  // Where occluders begin in the table, for each batch and occluder, and their number. Then where the scaled lights are.
+  occluders_at: u32,
+  occluders: u32,
+  world_lights_at: u32,
 }
 
 @group(0) @binding(0) var<uniform> group: SceneDispatch;

@@ -3,5 +3,6 @@
 pub(crate) mod chunks;
 pub(crate) mod clusters;
 pub(crate) mod needs;
+pub(crate) mod occluded;
 pub(crate) mod reach;
 pub(crate) mod table;

@@ -1,5 +1,6 @@
 //! Reach: finds the lights that matter to each caster, for each batch, and those of them whose bits are to be computed.
 
+use super::occluded::{SLACK as SLACK_BEHIND, occluded};
 use super::table::SceneTable;
 use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
 
@@ -23,8 +24,10 @@ pub fn reach(table: SceneTable<'_>, group: &SceneDispatch, unneeded: &[u32]) -> 
         let number = if flags & 4 == 0 { clusters_or_figure.checked_sub(1) } else { None };
         number.and_then(|number| unneeded.get(number as usize)).is_some_and(|word| *word != 0)
     };
-    let of_pair =
-        |(caster, batch)| if is_unneeded(caster) { 0 } else { lights_that_matter(table, group, caster, batch) };
+    let of_pair = |(caster, batch)| {
+        let reaching = if is_unneeded(caster) { 0 } else { lights_that_matter(table, group, caster, batch) };
+        reaching & !occluded(table, group, caster, batch, reaching, SLACK_BEHIND)
+    };
     let pairs = (0..group.batches).flat_map(|batch| (0..group.casters).map(move |caster| (caster, batch)));
     pairs.map(of_pair).collect()
 }

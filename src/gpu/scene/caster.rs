@@ -126,6 +126,8 @@ pub(crate) struct CasterEntry {
     pub(crate) in_depth: bool,
     /// Slots of faces that count nowhere, counted from the first of the caster, for a light each.
     pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
+    /// Polygons on its faces, in mesh space, behind which nothing else need throw shadows.
+    pub(crate) occluders: Vec<Arc<[[f32; 3]]>>,
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.
     pub(crate) is_moved: bool,

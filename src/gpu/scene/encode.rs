@@ -95,6 +95,7 @@ impl Scene {
         self.heed_needs(needs);
         let (structure, volumes) = self.prepare_receivers(cameras.len(), words)?;
         self.table.put_encode(self.encode_number(), if needs.is_some() { structure.unneeded_at } else { 0 });
+        self.table.put_origin(cameras.iter().flat_map(|camera| camera.origin).fold(0.0, |size, c| size.max(c.abs())));
         let receiver_stages = match volumes.as_ref().filter(|_| !structure.parts.is_empty()) {
             Some(volumes) => {
                 let target = (&volumes.buffers.receivers, volumes.buffers.sizes.receivers);
@@ -318,7 +319,7 @@ impl Scene {
     /// Writes what moved to the table.
     fn update(&mut self, structure: &Structure) {
         let encode = self.encode_number();
-        let Self { casters, lights, table, moved, .. } = self;
+        let Self { casters, meshes, lights, table, moved, .. } = self;
         let lights_moved = lights.moved;
         if lights_moved.is_empty() {
             for &key in &*moved {
@@ -326,19 +327,22 @@ impl Scene {
                 put_change(table, caster, encode);
                 put_lights(table, caster, lights);
             }
-            return;
+        } else {
+            lights.renew(encode);
+            table.put_ranges(lights);
+            for &key in &structure.layout.order {
+                let Some(caster) = casters.get_mut(key) else { continue };
+                let is_moved = caster.is_moved;
+                if is_moved {
+                    put_change(table, caster, encode);
+                }
+                if is_moved || !caster.lights.and(&lights_moved).is_empty() {
+                    put_lights(table, caster, lights);
+                }
+            }
         }
-        lights.renew(encode);
-        table.put_ranges(lights);
-        for &key in &structure.layout.order {
-            let Some(caster) = casters.get_mut(key) else { continue };
-            let is_moved = caster.is_moved;
-            if is_moved {
-                put_change(table, caster, encode);
-            }
-            if is_moved || !caster.lights.and(&lights_moved).is_empty() {
-                put_lights(table, caster, lights);
-            }
+        if !moved.is_empty() || !lights_moved.is_empty() {
+            structure.layout.occluders.write(table, &structure.layout.order, casters, meshes, lights);
         }
     }
 }

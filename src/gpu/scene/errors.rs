@@ -1,5 +1,6 @@
 //! Why a scene refuses something.
 
+use super::occluders::OccluderError;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -90,6 +91,14 @@ pub enum SceneError {
         low: [f32; 3],
         /// The highest corner given.
         high: [f32; 3],
+    },
+    /// A polygon is no occluder of the caster.
+    #[error("occluder {number}: {error}")]
+    Occluder {
+        /// The number of the polygon.
+        number: usize,
+        /// Why.
+        error: OccluderError,
     },
     /// A camera is refused.
     #[error("view {view}: {error}")]

@@ -9,6 +9,7 @@ use slotmap::{DefaultKey, SecondaryMap, SlotMap};
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::LightMask;
+use super::occluders::OccluderPlaces;
 use super::table::{LIGHT_PARTS, Part, Slots, Table};
 #[cfg(feature = "reference")]
 use super::topology::SlotOrder;
@@ -48,6 +49,8 @@ pub(crate) struct Layout {
     /// What their slots hold, where a mesh is in clusters.
     #[cfg(feature = "reference")]
     pub(crate) slot_orders: Vec<Option<Arc<SlotOrder>>>,
+    /// Where occluders are in the table. None are there unless they are heeded.
+    pub(crate) occluders: OccluderPlaces,
     /// The parts of the table that each encode uploads. The casters of the chunks, which follow, are written once.
     pub(crate) uploaded: usize,
 }
@@ -202,6 +205,9 @@ impl Layout {
                 Placement::World { .. } => *in_world.entry(mask).or_insert_with(own),
             };
         }
+        if table.heeds_occluders {
+            (self.occluders, next) = OccluderPlaces::new(&self.order, casters, table.batches, next);
+        }
         self.uploaded = next;
         for group in &mut self.groups {
             group.face_chunks_at = next;
@@ -237,6 +243,7 @@ impl Layout {
             put_lights(table, caster, lights);
         }
         table.put_ranges(lights);
+        self.occluders.write(table, &self.order, casters, meshes, lights);
         self.write_chunks(table, casters, meshes);
     }
 

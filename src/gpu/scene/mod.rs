@@ -11,6 +11,7 @@ pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;
 pub(crate) mod needs;
+pub(crate) mod occluders;
 pub(crate) mod options;
 pub(crate) mod pages;
 pub(crate) mod receivers;

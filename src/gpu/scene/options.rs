@@ -35,6 +35,10 @@ pub struct SceneOptions {
     /// Neither deform nor compute anything of a figure that a frame does not need. It takes effect where the caller asks
     /// ([`Scene::encode_needs`](crate::gpu::Scene::encode_needs)).
     pub skip_unneeded: bool,
+    /// Skip a caster for a light where its box is proven to be hidden from the light by another caster's occluder
+    /// ([`Scene::set_occluders`](crate::gpu::Scene::set_occluders)). Off by default: without occluders it does nothing, and they
+    /// are promises.
+    pub skip_occluded: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
@@ -119,6 +123,7 @@ impl Default for SceneOptions {
             skip_unseen: true,
             skip_hidden: true,
             skip_unneeded: true,
+            skip_occluded: false,
             end_at_range: false,
             count_batches: 1,
             keep_bits: true,

@@ -10,6 +10,7 @@ use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
 use super::lights::Lights;
 use super::mask::LightMask;
+use super::occluders;
 use super::options::SceneOptions;
 use super::pages::Pages;
 use super::receivers::SeenReceivers;
@@ -95,7 +96,11 @@ impl Scene {
             casters: SlotMap::new(),
             sources: Sources::default(),
             pages: Pages::new(),
-            table: Table { heeds_ranges: options.skip_unreached, ..Table::default() },
+            table: Table {
+                heeds_ranges: options.skip_unreached,
+                heeds_occluders: options.skip_occluded,
+                ..Table::default()
+            },
             moved: Vec::new(),
             structure: None,
             last: None,
@@ -209,6 +214,7 @@ impl Scene {
             lights,
             in_depth,
             excluded: Vec::new(),
+            occluders: Vec::new(),
             placement,
             is_moved: false,
             version: 0,
@@ -307,6 +313,9 @@ impl Scene {
         if let Some(entry) = self.casters.get_mut(key) {
             entry.placement = placement;
             (entry.positions_version, entry.bounds) = (None, None);
+            if let Placement::World { .. } = entry.placement {
+                entry.occluders.clear();
+            }
             self.sources.give_back(std::mem::replace(&mut entry.source, source));
         }
         self.structure = None;
@@ -365,6 +374,34 @@ impl Scene {
             let slots = order.map_or_else(|| faces.into(), |order| order.slots(faces).into());
             entry.excluded.push((light, slots));
         }
+        self.structure = None;
+        Ok(())
+    }
+
+    /// States that a rigid caster is solid behind some polygons: **each polygon lies on its faces, all of it**, in mesh space. Their
+    /// corners, 3 to 8, go round counter-clockwise as those of the faces do. For example the corners of a face, or of a wall. They
+    /// replace those of an earlier call.
+    ///
+    /// With [`SceneOptions::skip_occluded`], a caster whose box is wholly behind a polygon, as seen from a light, throws no shadow
+    /// for this light: what it would darken is in the shadow of the polygon. A polygon hides nothing for lights that its caster
+    /// does not throw shadows for, from which it does not look convex, or whose plane they are near. On a closed mesh only those
+    /// that are turned away from the light hide: give polygons on all sides. Nor do casters hide of which faces are excluded.
+    /// Each polygon is tried for each caster and light.
+    ///
+    /// # Errors
+    /// [`SceneError::NotRigid`], [`SceneError::Occluder`], or an error of the handle.
+    pub fn set_occluders(&mut self, caster: CasterHandle, polygons: &[&[[f32; 3]]]) -> Result<(), SceneError> {
+        let key = caster.key_in(self.id)?;
+        let entry = self.casters.get_mut(key).ok_or(SceneError::Stale { what: "caster" })?;
+        if matches!(entry.placement, Placement::World { .. }) {
+            return Err(SceneError::NotRigid);
+        }
+        if let Some(mesh) = self.meshes.get(entry.mesh) {
+            for (number, polygon) in polygons.iter().enumerate() {
+                occluders::check(polygon, mesh).map_err(|error| SceneError::Occluder { number, error })?;
+            }
+        }
+        entry.occluders = polygons.iter().map(|&polygon| polygon.into()).collect();
         self.structure = None;
         Ok(())
     }

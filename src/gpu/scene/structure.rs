@@ -241,9 +241,9 @@ fn parts(
                 structure,
                 keeps,
                 clusters_at: clusters_at as u32,
-                reserved_0: 0,
-                reserved_1: 0,
-                reserved_2: 0,
+                occluders_at: layout.occluders.at as u32,
+                occluders: layout.occluders.count as u32,
+                world_lights_at: layout.occluders.lights_at as u32,
             };
             clusters_at += CLUSTER_WORDS * group.face_chunks as usize;
             let offset = uniforms.push(&dispatch);

@@ -24,6 +24,8 @@ pub(crate) struct Table {
     pub(crate) batches: usize,
     /// Lights do not matter to casters out of their range.
     pub(crate) heeds_ranges: bool,
+    /// Casters that occluders hide do not matter.
+    pub(crate) heeds_occluders: bool,
 }
 
 /// The slots of a caster.
@@ -64,7 +66,15 @@ impl Table {
         self.put(self.encode_at(), &[[encode, unneeded_at, 0, 0]]);
     }
 
-    fn put(&mut self, at: usize, parts: &[Part]) {
+    /// Writes the largest coordinate of the origins of cameras.
+    pub(crate) fn put_origin(&mut self, size: f32) {
+        let at = self.encode_at();
+        if let Some(part) = self.parts.get_mut(at) {
+            part[2] = size.to_bits();
+        }
+    }
+
+    pub(crate) fn put(&mut self, at: usize, parts: &[Part]) {
         if let Some(place) = self.parts.get_mut(at..at + parts.len()) {
             place.copy_from_slice(parts);
         }

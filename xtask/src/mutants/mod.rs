@@ -2,6 +2,7 @@
 //! tree, so nothing here is touched.
 
 mod list;
+mod occluded;
 mod scene_clusters;
 
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 /// All mutations.
 fn all() -> impl Iterator<Item = &'static Mutation> {
-    [list::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
+    [list::MUTATIONS, occluded::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
 }
 
 enum Outcome {

@@ -83,6 +83,7 @@ pub(crate) struct Counter {
 pub(crate) static COUNTERS: &[Counter] = &[
     Counter { id: "pairs", name: "pairs that may matter", of: |counted| counted.scene.pairs },
     Counter { id: "unreached-pairs", name: "pairs out of reach", of: |counted| counted.scene.unreached_pairs },
+    Counter { id: "occluded-pairs", name: "pairs that occluders hide", of: |counted| counted.scene.occluded_pairs },
     Counter { id: "kept-pairs", name: "pairs kept", of: |counted| counted.scene.kept_pairs },
     Counter { id: "faces", name: "faces tested", of: |counted| counted.scene.faces },
     Counter { id: "edges", name: "edges tested", of: |counted| counted.scene.edges },

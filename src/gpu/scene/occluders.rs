@@ -1,0 +1,186 @@
+//! Occluders: polygons on casters, behind which other casters need not throw shadows. NUMERICS.md, "Occluded casters".
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, DVec4};
+use slotmap::{DefaultKey, SlotMap};
+
+use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
+use super::lights::Lights;
+use super::mask::bits;
+use super::table::{Part, Table};
+use crate::layout::ScaledLight;
+
+/// The most corners of an occluder.
+pub(crate) const MOST_CORNERS: usize = 8;
+/// As in `wgsl/scene/occluded.wgsl`.
+const SLACK: f64 = 1.0 / 262_144.0;
+
+/// Why a polygon is no occluder.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OccluderError {
+    /// It has too few or too many corners.
+    #[error("it has {corners} corners; give 3 to 8")]
+    Corners {
+        /// Corners given.
+        corners: usize,
+    },
+    /// A corner is not on the mesh.
+    #[error(
+        "corner {corner} at {position:?} is outside the box of the mesh's faces; give positions on its faces, in mesh space"
+    )]
+    Outside {
+        /// The number of the corner.
+        corner: usize,
+        /// Where it is.
+        position: [f32; 3],
+    },
+}
+
+/// Where occluders are in the table.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct OccluderPlaces {
+    /// For each batch and occluder a part.
+    pub(crate) at: usize,
+    pub(crate) count: usize,
+    /// The scaled lights, in world space: for each batch 32 parts.
+    pub(crate) lights_at: usize,
+}
+
+/// Refuses polygons that are none, or are not on the mesh.
+pub(crate) fn check(corners: &[[f32; 3]], mesh: &MeshEntry) -> Result<(), OccluderError> {
+    if !(3..=MOST_CORNERS).contains(&corners.len()) {
+        return Err(OccluderError::Corners { corners: corners.len() });
+    }
+    for (corner, &position) in corners.iter().enumerate() {
+        let is_in = (0..3).all(|axis| (mesh.low[axis]..=mesh.high[axis]).contains(&position[axis]));
+        if !is_in {
+            return Err(OccluderError::Outside { corner, position });
+        }
+    }
+    Ok(())
+}
+
+/// The occluders of a scene that may hide something, with their casters. Those of which faces are excluded hide nothing.
+fn occluders<'a>(
+    order: &'a [DefaultKey],
+    casters: &'a SlotMap<DefaultKey, CasterEntry>,
+) -> impl Iterator<Item = (&'a CasterEntry, &'a Arc<[[f32; 3]]>)> {
+    let casters = order.iter().filter_map(|&key| casters.get(key));
+    casters.flat_map(|caster| caster.occluders.iter().map(move |corners| (caster, corners)))
+}
+
+impl OccluderPlaces {
+    /// The places from part `next` on, and the part behind.
+    pub(crate) fn new(
+        order: &[DefaultKey],
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        batches: usize,
+        next: usize,
+    ) -> (Self, usize) {
+        let (count, corners) =
+            occluders(order, casters).fold((0, 0), |(count, all), (_, corners)| (count + 1, all + corners.len()));
+        if count == 0 {
+            return (Self::default(), next);
+        }
+        let lights_at = next + count * batches;
+        (Self { at: next, count, lights_at }, lights_at + 32 * batches + corners)
+    }
+
+    /// Writes the occluders as they are, and the lights.
+    pub(crate) fn write(
+        &self,
+        table: &mut Table,
+        order: &[DefaultKey],
+        casters: &SlotMap<DefaultKey, CasterEntry>,
+        meshes: &SlotMap<DefaultKey, MeshEntry>,
+        lights: &Lights,
+    ) {
+        if self.count == 0 {
+            return;
+        }
+        let scaled = |bit: u32| lights.get(bit).map(|light| ScaledLight::new(light.to_array()).light);
+        let scaled: Vec<[f32; 4]> = (0..32 * table.batches as u32).map(|bit| scaled(bit).unwrap_or_default()).collect();
+        table.put(self.lights_at, bytemuck::cast_slice(&scaled));
+        let mut corners_at = self.lights_at + scaled.len();
+        for (number, (caster, corners)) in occluders(order, casters).enumerate() {
+            let Placement::Rigid(rigid) = caster.placement else { continue };
+            let is_closed = meshes.get(caster.mesh).is_some_and(|mesh| mesh.is_closed);
+            let places = in_world(corners, &rigid);
+            for batch in 0..table.batches {
+                // Faces that are excluded for a light do not hide for it, and masks tell only of lights.
+                let allowed = if caster.excluded.is_empty() && rigid.space.is_some() {
+                    caster.lights.and(&lights.used).word(batch)
+                } else {
+                    0
+                };
+                let [mut usable, mut facing] = [0_u32; 2];
+                for bit in bits(allowed) {
+                    let Some(&light) = scaled.get(32 * batch + bit as usize) else { continue };
+                    if let Some(is_facing) = side(&places, light, rigid.is_mirrored, is_closed) {
+                        usable |= 1 << bit;
+                        facing |= u32::from(is_facing) << bit;
+                    }
+                }
+                let part = [usable, facing, caster.index, corners_at as u32];
+                table.put(self.at + batch * self.count + number, &[part]);
+            }
+            let count = corners.len() as u32;
+            let parts: Vec<Part> = places
+                .iter()
+                .map(|place| {
+                    let [x, y, z] = place.map(f32::to_bits);
+                    [x, y, z, count]
+                })
+                .collect();
+            table.put(corners_at, &parts);
+            corners_at += parts.len();
+        }
+    }
+}
+
+/// Corners in world space, rounded once.
+fn in_world(corners: &[[f32; 3]], rigid: &Rigid) -> Vec<[f32; 3]> {
+    let columns: [[f64; 3]; 4] = std::array::from_fn(|column| rigid.rows.map(|row| f64::from(row[column])));
+    let matrix = DAffine3::from_cols_array_2d(&columns);
+    corners
+        .iter()
+        .map(|corner| matrix.transform_point3(DVec3::from(corner.map(f64::from))).as_vec3().to_array())
+        .collect()
+}
+
+/// On which side of the polygon's counter-clockwise side, as seen in world space, a light is: true for that side. `None`: it
+/// does not hide for this light. It must be convex as seen from the light, and of a closed caster it must be averted.
+fn side(corners: &[[f32; 3]], light: [f32; 4], is_mirrored: bool, is_closed: bool) -> Option<bool> {
+    let DVec4 { x, y, z, w } = DVec4::from_array(light.map(f64::from));
+    if w < 0.0 || light == [0.0; 4] {
+        return None;
+    }
+    let corners: Vec<DVec3> = corners.iter().map(|corner| DVec3::from(corner.map(f64::from))).collect();
+    let size = corners.iter().map(|corner| sum(*corner)).fold(0.0, f64::max);
+    let light = DVec3::new(x, y, z);
+    // The light is on this side of three corners, with room for all rounding.
+    let sign = |a: DVec3, b: DVec3, c: DVec3| {
+        let (u, v, t) = (b - a, c - a, light - w * a);
+        let (reach, spread) = (sum(light) + w * size, sum(u) + sum(v));
+        let error = SLACK * reach * (size * spread + 2.0 * sum(u) * sum(v)) + f64::from(f32::MIN_POSITIVE);
+        let d = u.cross(v).dot(t);
+        if d > error { 1 } else { -i32::from(d < -error) }
+    };
+    let &[first, second, third, ..] = &*corners else { return None };
+    let facing = sign(first, second, third);
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1)).enumerate();
+    let is_convex = edges.into_iter().all(|(number, (&a, &b))| {
+        let others =
+            corners.iter().enumerate().filter(|(other, _)| *other != number && *other != (number + 1) % corners.len());
+        others.into_iter().all(|(_, &c)| sign(a, b, c) == facing)
+    });
+    let is_averted = (facing < 0) != is_mirrored;
+    (facing != 0 && is_convex && (!is_closed || is_averted)).then_some(facing > 0)
+}
+
+/// The sum of the absolute coordinates.
+fn sum(v: DVec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}

@@ -1,0 +1,370 @@
+//! Casters that occluders hide: only those that are hidden, and all bits are right when they are not hidden any more.
+
+use glam::{DMat3, DVec3};
+use rimline::gpu::{
+    Caster, CasterHandle, LightHandle, MeshHandle, OccluderError, Scene, SceneError, SceneFrame, SceneOptions,
+};
+use rimline::reference::cpu::{self, SceneTable};
+use rimline::{Light, Matrix3x4, Mesh};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::shapes::{self, Shape};
+use rimline_measure::{is_long, must_fail, same};
+
+use crate::found::Found;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("occluded_casters_are_hidden_and_others_are_not", random),
+    ("cracks_and_edges_hide_nothing", edges),
+    ("polygons_that_are_no_occluders_are_refused", refused),
+];
+
+/// A caster as the test knows it.
+#[derive(Clone, Copy)]
+struct Own {
+    /// 0: a cube, 1: a sphere, 2: an open sheet.
+    mesh: usize,
+    rows: Matrix3x4,
+}
+
+/// Quads of a cube from −1 to 1, counter-clockwise seen from outside.
+fn cube_sides() -> Vec<Vec<[f32; 3]>> {
+    let side = |axis: usize, sign: f32| {
+        let corner = |u: f32, v: f32| {
+            let mut corner = [0.0; 3];
+            (corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (sign, sign * u, v);
+            corner
+        };
+        vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
+    };
+    [0, 1, 2].into_iter().flat_map(|axis| [side(axis, -1.0), side(axis, 1.0)]).collect()
+}
+
+fn sheet() -> Shape {
+    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Shape { positions, faces: vec![[0, 1, 2], [0, 2, 3]] }
+}
+
+fn shapes() -> [Shape; 3] {
+    [shapes::cube(), shapes::sphere(2), sheet()]
+}
+
+/// What a mesh declares: sides of the cube, a face of the sphere, the sheet from both sides.
+fn occluders(mesh: usize) -> Vec<Vec<[f32; 3]>> {
+    match mesh {
+        0 => cube_sides(),
+        1 => {
+            let shape = shapes::sphere(2);
+            let triangle = |face: &[u32; 3]| face.map(|vertex| shape.positions[vertex as usize]).to_vec();
+            shape.faces.iter().step_by(7).map(triangle).collect()
+        }
+        _ => vec![sheet().positions],
+    }
+}
+
+struct Stage {
+    scene: Scene,
+    casters: Vec<CasterHandle>,
+    lights: Vec<LightHandle>,
+}
+
+impl Stage {
+    fn new(gpu: &Gpu, owns: &[Own], lights: &[Light], skip_occluded: bool) -> Result<Self, String> {
+        let options = SceneOptions { skip_occluded, max_lights: 40, ..SceneOptions::default() };
+        let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
+        let add = |shape: &Shape| {
+            let mesh: Mesh = shape.mesh().map_err(text)?;
+            scene.add_mesh(&mesh, &shape.positions).map_err(text)
+        };
+        let meshes: Vec<MeshHandle> = shapes().iter().map(add).collect::<Result<_, String>>()?;
+        let mut casters = Vec::new();
+        for own in owns {
+            let caster = scene.insert(Caster::rigid(meshes[own.mesh], own.rows)).map_err(text)?;
+            let polygons = occluders(own.mesh);
+            let polygons: Vec<&[[f32; 3]]> = polygons.iter().map(|polygon| &polygon[..]).collect();
+            scene.set_occluders(caster, &polygons).map_err(text)?;
+            casters.push(caster);
+        }
+        let lights = lights.iter().map(|&light| scene.add_light(light).map_err(text)).collect::<Result<_, _>>()?;
+        Ok(Self { scene, casters, lights })
+    }
+
+    fn encode(&mut self, gpu: &Gpu) -> Result<SceneFrame, String> {
+        gpu.submit(|encoder| self.scene.encode(encoder, &[], None).map_err(text))
+    }
+}
+
+fn rows(random: &mut Random, scales: [f32; 3], at: [f32; 3]) -> Matrix3x4 {
+    let axis = DVec3::from(random.direction().map(f64::from)).normalize();
+    let turn = DMat3::from_axis_angle(axis, f64::from(random.between(-3.0, 3.0)));
+    let sign = if random.below(3) == 0 { -1.0 } else { 1.0 };
+    let turn = if random.below(3) == 0 { DMat3::IDENTITY } else { turn };
+    std::array::from_fn(|row| {
+        std::array::from_fn(|column| match column {
+            3 => at[row],
+            0 => (sign * turn.col(0)[row] * f64::from(scales[0])) as f32,
+            _ => (turn.col(column)[row] * f64::from(scales[column])) as f32,
+        })
+    })
+}
+
+fn placed(rows: &Matrix3x4, position: [f32; 3]) -> DVec3 {
+    let position = DVec3::from(position.map(f64::from));
+    DVec3::from(rows.map(|row| {
+        let [x, y, z, shift] = row.map(f64::from);
+        x * position.x + y * position.y + z * position.z + shift
+    }))
+}
+
+/// Whether a polygon is strictly between a point and the light: by where the ray meets its plane.
+fn is_between(polygon: &[DVec3], point: DVec3, light: Light) -> bool {
+    let normal = polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| a.cross(*b)).sum::<DVec3>();
+    let xyz = DVec3::from(light.xyz.map(f64::from));
+    let (toward, end) = if light.w == 0.0 { (xyz, f64::INFINITY) } else { (xyz / f64::from(light.w) - point, 1.0) };
+    let at = normal.dot(polygon[0] - point) / normal.dot(toward);
+    if !(at > 0.0 && at < end) {
+        return false;
+    }
+    let met = point + at * toward;
+    let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    edges.into_iter().all(|(a, b)| (*b - *a).cross(met - *a).dot(normal) > 0.0)
+}
+
+/// Whether the polygon is turned away from the light.
+fn is_averted(polygon: &[DVec3], light: Light, is_mirrored: bool) -> bool {
+    let normal = (polygon[1] - polygon[0]).cross(polygon[2] - polygon[0]);
+    let toward = DVec3::from(light.xyz.map(f64::from)) - f64::from(light.w) * polygon[0];
+    (normal.dot(toward) < 0.0) != is_mirrored
+}
+
+/// Whether one polygon of another caster is before all corners of a caster's box.
+fn is_hidden(owns: &[Own], number: usize, light: Light) -> bool {
+    let shape = &shapes()[owns[number].mesh];
+    let end = |pick: fn(f32, f32) -> f32| {
+        shape.positions.iter().copied().reduce(|a, b| std::array::from_fn(|axis| pick(a[axis], b[axis])))
+    };
+    let (Some(low), Some(high)) = (end(f32::min), end(f32::max)) else { return false };
+    let corners: Vec<DVec3> = (0..8)
+        .map(|corner| {
+            let position = std::array::from_fn(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            placed(&owns[number].rows, position)
+        })
+        .collect();
+    owns.iter().enumerate().filter(|(other, _)| *other != number).any(|(_, own)| {
+        let columns = [0, 1, 2].map(|column| DVec3::from(own.rows.map(|row| f64::from(row[column]))));
+        let is_mirrored = columns[0].dot(columns[1].cross(columns[2])) < 0.0;
+        occluders(own.mesh).iter().any(|polygon| {
+            let polygon: Vec<DVec3> = polygon.iter().map(|&corner| placed(&own.rows, corner)).collect();
+            (own.mesh == 2 || is_averted(&polygon, light, is_mirrored))
+                && corners.iter().all(|&corner| is_between(&polygon, corner, light))
+        })
+    })
+}
+
+fn lights(random: &mut Random) -> Vec<Light> {
+    let count = [3, 35][usize::from(random.below(4) == 0)];
+    let light = |_| {
+        let xyz = [(); 3].map(|()| random.between(-12.0, 12.0));
+        match random.below(3) {
+            0 => Light::directional(random.direction()),
+            1 => Light::homogeneous([3.0 * xyz[0], 3.0 * xyz[1], 3.0 * xyz[2], 3.0]),
+            _ => Light::point(xyz).with_range(random.between(5.0, 40.0)),
+        }
+    };
+    (0..count).map(light).collect()
+}
+
+/// Large plates and boxes, small bodies among them.
+fn own(random: &mut Random) -> Own {
+    let at = [(); 3].map(|()| random.between(-5.0, 5.0));
+    if random.below(3) > 0 {
+        let size = random.between(0.02, 0.3);
+        return Own { mesh: random.below(3), rows: rows(random, [size; 3], at) };
+    }
+    let size = random.between(2.0, 5.0);
+    let scales = [[size, 0.05, size], [size; 3], [size, size, 0.5]][random.below(3)];
+    Own { mesh: random.below(3), rows: rows(random, scales, at) }
+}
+
+/// Fails where a pair is hidden that is not, or is by the twin but for the last bits of a proof, or has other bits than in a new
+/// scene. Returns how many are hidden, and how many of those that are would be.
+fn check(gpu: &Gpu, stage: &mut Stage, owns: &[Own], given: &[Light]) -> Result<[u32; 2], String> {
+    let frame = stage.encode(gpu)?;
+    let found = Found::read(gpu, &frame)?;
+    let mut plain = Stage::new(gpu, owns, given, false)?;
+    let plain_frame = plain.encode(gpu)?;
+    let all = Found::read(gpu, &plain_frame)?;
+    let first = frame.results().map_err(text)?.groups.first().ok_or("no group")?.dispatch;
+    let table = SceneTable(&found.table);
+    let (mut hidden, mut could, mut differ) = (0, 0, 0);
+    for (number, (&caster, &other)) in stage.casters.iter().zip(&plain.casters).enumerate() {
+        let (index, group) = frame.place(caster).ok_or("no caster")?;
+        let (plain_index, plain_group) = plain_frame.place(other).ok_or("no caster")?;
+        for batch in 0..frame.batches() {
+            let at = |index: u32| batch * owns.len() + index as usize;
+            let (lit, reaching) = (found.lit[at(index)], all.lit[at(plain_index)]);
+            let [loose, exact, strict] = [0.9, 1.0, 1.1]
+                .map(|factor| cpu::occluded(table, &first, index, batch as u32, reaching, factor * cpu::SLACK));
+            let gone = reaching & !lit;
+            differ += u32::from(gone != exact);
+            if lit & !reaching != 0 || gone & !loose != 0 || strict & !gone != 0 {
+                return Err(format!("caster {number}, batch {batch}: {gone:b} are hidden, by the twin {exact:b}"));
+            }
+            for bit in 0..32 {
+                let Some(&light) = given.get(32 * batch + bit) else { continue };
+                let is_gone = gone >> bit & 1 != 0;
+                let is_reaching = reaching >> bit & 1 != 0;
+                let may = is_reaching && is_hidden(owns, number, light);
+                if is_gone && !may {
+                    return Err(format!("caster {number} is not hidden from light {bit}, {light:?}"));
+                }
+                hidden += u32::from(is_gone);
+                could += u32::from(may);
+            }
+            let masks = |found: &Found, group, index| -> Result<Vec<u32>, String> {
+                let caster = SceneTable(&found.table).caster(index);
+                let slots = caster.first_face_slot as usize..(caster.first_face_slot + caster.faces) as usize;
+                Ok(found.group(group, batch)?.facing[slots].iter().map(|mask| mask & lit).collect())
+            };
+            same(
+                &format!("bits of caster {number}"),
+                &masks(&found, group, index)?,
+                &masks(&all, plain_group, plain_index)?,
+            )?;
+        }
+    }
+    same("counter", &[found.statistics.occluded_pairs], &[hidden])?;
+    if differ > 1 {
+        return Err(format!("{differ} words differ from the twin's in the last bits"));
+    }
+    Ok([hidden, could])
+}
+
+fn random() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut sum, mut shown) = ([0; 2], 0);
+    for seed in 4601..if is_long() { 5601 } else { 4641 } {
+        println!("seed {seed}");
+        let mut random = Random::new(seed);
+        let mut owns: Vec<Own> = (0..2 + random.below(24)).map(|_| own(&mut random)).collect();
+        let mut given = lights(&mut random);
+        let mut stage = Stage::new(gpu, &owns, &given, true)?;
+        let mut last = 0;
+        for _ in 0..5 {
+            let [hidden, could] = check(gpu, &mut stage, &owns, &given)?;
+            shown += u32::from(hidden < last);
+            last = hidden;
+            sum = [sum[0] + hidden, sum[1] + could];
+            match random.below(3) {
+                0 => {
+                    let light = random.below(given.len());
+                    given[light] = lights(&mut random)[0];
+                    stage.scene.set_light(stage.lights[light], given[light]).map_err(text)?;
+                }
+                _ => {
+                    for (own_caster, &caster) in owns.iter_mut().zip(&stage.casters) {
+                        if random.below(3) == 0 {
+                            own_caster.rows = own(&mut random).rows;
+                            stage.scene.set_transform(caster, own_caster.rows).map_err(text)?;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{} pairs hidden of {} that could be; fewer than before in {shown} frames", sum[0], sum[1]);
+    if sum[0] < 50 || 10 * sum[0] < 9 * sum[1] || shown == 0 { Err("not as meant".to_owned()) } else { Ok(()) }
+}
+
+/// A small sphere below plates, and a light above.
+fn edges() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let plate =
+        |x: f32, half: f32| Own { mesh: 2, rows: [[half, 0.0, 0.0, x], [0.0, 0.0, 2.0, 0.0], [0.0, 2.0, 0.0, 0.0]] };
+    let sheet = |x: f32, half: f32| Own {
+        rows: [[half, 0.0, 0.0, x], [0.0, 0.0, 1.0, 0.0], [0.0, 2.0, 0.0, 0.0]],
+        ..plate(x, half)
+    };
+    let ball = |x: f32, y: f32, size: f32| Own {
+        mesh: 1,
+        rows: [[size, 0.0, 0.0, x], [0.0, size, 0.0, y], [0.0, 0.0, size, 0.0]],
+    };
+    let cube = |x: f32, y: f32, half: f32| Own { mesh: 0, ..ball(x, y, half) };
+    let sun = Light::directional([0.0, 1.0, 0.0]);
+    let lamp = Light::point([0.0, 4.0, 0.0]);
+    // A hundredth of a texel of 2,048 across a plate.
+    let crack = 2.0 / 2048.0 / 100.0;
+    let cases: [(&str, Vec<Own>, Light, bool); 11] = [
+        ("below a plate", vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)], sun, true),
+        ("below a plate, near light", vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)], lamp, true),
+        ("above it", vec![sheet(0.0, 2.0), ball(0.0, 1.0, 0.2)], sun, false),
+        ("beyond the light", vec![sheet(0.0, 2.0), ball(0.0, 6.0, 0.2)], lamp, false),
+        ("through it", vec![sheet(0.0, 2.0), ball(0.0, -0.1, 0.2)], sun, false),
+        ("its box touches the plane", vec![sheet(0.0, 2.0), cube(0.0, -0.25, 0.25)], sun, false),
+        (
+            "below a crack",
+            vec![sheet(-1.0 - 0.5 * crack, 1.0), sheet(1.0 + 0.5 * crack, 1.0), ball(0.0, -1.0, 0.2)],
+            sun,
+            false,
+        ),
+        ("beside the crack", vec![sheet(-1.0 - crack, 1.0), sheet(1.0 + crack, 1.0), ball(0.5, -1.0, 0.2)], sun, true),
+        ("its box touches a side plane", vec![sheet(0.0, 2.0), cube(1.75, -1.0, 0.25)], sun, false),
+        ("nearly", vec![sheet(0.0, 2.0), cube(1.749, -1.0, 0.25)], sun, true),
+        (
+            "the light is in the plane",
+            vec![sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)],
+            Light::point([9.0, 0.0, 0.0]),
+            false,
+        ),
+    ];
+    for (what, owns, light, expected) in cases {
+        let mut stage = Stage::new(gpu, &owns, &[light], true)?;
+        check(gpu, &mut stage, &owns, &[light]).map_err(|error| format!("{what}: {error}"))?;
+        let frame = stage.encode(gpu)?;
+        let found = Found::read(gpu, &frame)?;
+        let (index, _) = frame.place(*stage.casters.last().ok_or("no caster")?).ok_or("no caster")?;
+        same(what, &[found.lit[index as usize] == 0], &[expected])?;
+        must_fail("the opposite", &same(what, &[found.lit[index as usize] == 0], &[!expected]))?;
+    }
+    // Without the switch, and with faces that are excluded, nothing is hidden.
+    let owns = [sheet(0.0, 2.0), ball(0.0, -1.0, 0.2)];
+    for (switch, excludes, expected) in [(true, false, 1), (false, false, 0), (true, true, 0)] {
+        let mut stage = Stage::new(gpu, &owns, &[sun], switch)?;
+        if excludes {
+            stage.scene.set_excluded(stage.casters[0], stage.lights[0], &[1]).map_err(text)?;
+        }
+        let frame = stage.encode(gpu)?;
+        same("hidden", &[Found::read(gpu, &frame)?.statistics.occluded_pairs], &[expected])?;
+    }
+    Ok(())
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let owns = [Own { mesh: 0, rows: rows(&mut Random::new(1), [1.0; 3], [0.0; 3]) }];
+    let mut stage = Stage::new(gpu, &owns, &[], true)?;
+    let caster = stage.casters[0];
+    let mut error = |polygons: &[&[[f32; 3]]]| stage.scene.set_occluders(caster, polygons).err();
+    let good: &[[f32; 3]] = &[[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
+    same("good", &[error(&[good, good])], &[None])?;
+    let of = |number, error| Some(SceneError::Occluder { number, error });
+    same("two corners", &[error(&[good, &good[..2]])], &[of(1, OccluderError::Corners { corners: 2 })])?;
+    same("nine corners", &[error(&[&[[1.0; 3]; 9]])], &[of(0, OccluderError::Corners { corners: 9 })])?;
+    for c in [1.5, f32::NAN, f32::INFINITY] {
+        let position = [1.0, c, 1.0];
+        let found = error(&[&[good[0], good[1], position]]);
+        let is_outside =
+            matches!(found, Some(SceneError::Occluder { number: 0, error: OccluderError::Outside { corner: 2, .. } }));
+        if !is_outside {
+            return Err(format!("{c}: {found:?}"));
+        }
+    }
+    // A caster in a buffer is none.
+    let shape = shapes::cube();
+    let buffer = gpu.storage(&shape.positions);
+    let positions = rimline::gpu::PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    stage.scene.set_positions(caster, positions).map_err(text)?;
+    same("in a buffer", &[stage.scene.set_occluders(caster, &[good]).err()], &[Some(SceneError::NotRigid)])
+}
