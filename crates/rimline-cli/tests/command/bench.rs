@@ -344,7 +344,7 @@ fn skipping() -> Outcome {
     let line = "bench --scene still,city,crowd --casters 3,12 --meshes none --frames 0 --rounds 1 --quick";
     let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
     let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
-    run.expect(0, &["8/8"])?;
+    run.expect(0, &["10/10"])?;
     ensure!(
         run.stdout.contains("city, 12 buildings, obliquely") && run.stdout.contains("whole frame"),
         "{}",
@@ -354,7 +354,13 @@ fn skipping() -> Outcome {
     check_data(&data)?;
     ensure!(data["complete"] == true && data["casters"].is_null(), "more was measured");
     let rows = data["skipping"]["rows"].as_array().ok_or("no rows")?;
-    let expected = [("still", "whole", 5), ("city", "along-street", 1), ("city", "oblique", 1), ("crowd", "whole", 32)];
+    let expected = [
+        ("still", "whole", 5),
+        ("city", "along-street", 1),
+        ("city", "oblique", 1),
+        ("crowd", "whole", 32),
+        ("crowd", "within", 32),
+    ];
     let expected = expected.iter().flat_map(|&(scene, view, lights)| {
         [3, 12].map(|casters| [Value::from(scene), view.into(), casters.into(), lights.into()])
     });
@@ -370,6 +376,9 @@ fn skipping() -> Outcome {
         ensure!(count(off, "faces") == Some(number("faces")), "faces of {off}");
         ensure!(count(off, "pairs") == Some(pairs) && count(off, "kept-pairs") == Some(0), "pairs of {off}");
         ensure!(count(moved, "kept-pairs") == Some(0), "pairs of {moved}");
+        let needed = of("without-unneeded-figures")?;
+        ensure!([off, needed].map(|one| count(one, "unneeded-figures")) == [Some(0); 2], "figures of {needed}");
+        ensure!((count(on, "unneeded-figures") > Some(0)) == (row["view"] == "within"), "figures of {on}");
         // Where nothing moves nothing is tested, and lamps may reach none of few figures.
         if row["scene"] != "crowd" {
             ensure!(on["fragments"] != 0, "no fragments of {on}");
@@ -388,7 +397,7 @@ fn skipping() -> Outcome {
         ("/skipping/rows/2/variants/0/parts/3/ratio", Value::Null),
         ("/skipping/rows/2/variants/1/parts/3/ratio/median", 2.into()),
         ("/skipping/rows/2/variants/1/parts/0/ms/median", 1.0.into()),
-        ("/skipping/rows/6/variants/1/stages/0/stage", "reach".into()),
+        ("/skipping/rows/6/variants/1/stages/1/stage", "reach".into()),
         ("/skipping/rows/6/variants/1/counters/0/count", "none".into()),
         ("/skipping/rows/3/variants/1/fragments", 1.into()),
         ("/skipping/rows/3/variants/0/fragments_ratio", 0.5.into()),

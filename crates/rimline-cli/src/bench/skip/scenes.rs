@@ -2,6 +2,7 @@
 
 use rimline::ModelError;
 
+use super::crowd::View;
 use super::setting::Setting;
 use super::{city, crowd, still};
 
@@ -14,8 +15,10 @@ pub(crate) enum SkipScene {
     CityAlong,
     /// The same, seen across the streets.
     CityOblique,
-    /// Skinned figures that walk.
+    /// Skinned figures that walk, seen as a whole.
     Crowd,
+    /// The same, seen by one of them.
+    CrowdWithin,
 }
 
 impl SkipScene {
@@ -24,7 +27,7 @@ impl SkipScene {
         match name {
             "still" => Some(&[Self::Still]),
             "city" => Some(&[Self::CityAlong, Self::CityOblique]),
-            "crowd" => Some(&[Self::Crowd]),
+            "crowd" => Some(&[Self::Crowd, Self::CrowdWithin]),
             _ => None,
         }
     }
@@ -34,7 +37,7 @@ impl SkipScene {
         match self {
             Self::Still => "still",
             Self::CityAlong | Self::CityOblique => "city",
-            Self::Crowd => "crowd",
+            Self::Crowd | Self::CrowdWithin => "crowd",
         }
     }
 
@@ -44,6 +47,7 @@ impl SkipScene {
             Self::Still | Self::Crowd => "whole",
             Self::CityAlong => "along-street",
             Self::CityOblique => "oblique",
+            Self::CrowdWithin => "within",
         }
     }
 
@@ -56,14 +60,15 @@ impl SkipScene {
             Self::CityAlong => format!("city, {number} building{s}, along a street"),
             Self::CityOblique => format!("city, {number} building{s}, obliquely"),
             Self::Crowd => format!("crowd, {number} walking figure{s}"),
+            Self::CrowdWithin => format!("crowd, {number} walking figure{s}, from within"),
         }
     }
 
     /// The usual number of casters, of a quick run and of a whole one.
     pub(crate) fn usual(self, is_quick: bool) -> usize {
         match (self, is_quick) {
-            (Self::Still | Self::Crowd, true) => 20,
-            (Self::Still | Self::Crowd, false) => 1000,
+            (Self::Still | Self::Crowd | Self::CrowdWithin, true) => 20,
+            (Self::Still | Self::Crowd | Self::CrowdWithin, false) => 1000,
             (_, true) => 100,
             (_, false) => 10_000,
         }
@@ -72,7 +77,7 @@ impl SkipScene {
     /// The most casters that it is measured with.
     pub(crate) fn most(self) -> usize {
         match self {
-            Self::Still | Self::Crowd => 1000,
+            Self::Still | Self::Crowd | Self::CrowdWithin => 1000,
             _ => usize::MAX,
         }
     }
@@ -82,7 +87,8 @@ impl SkipScene {
             Self::Still => Ok(still::setting(casters)),
             Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
             Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
-            Self::Crowd => crowd::setting(casters),
+            Self::Crowd => crowd::setting(casters, View::Whole),
+            Self::CrowdWithin => crowd::setting(casters, View::Within),
         }
     }
 }
