@@ -85,12 +85,15 @@ pub const ARGUMENTS: Stage =
 /// Finds the figures of a scene that a frame needs, before they are deformed.
 pub const NEEDS: Stage = Stage {
     name: "needs",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/seen", "scene/needs"],
+    files: files!["common/common", "common/cone", "shadow/shadow", "shadow/pyramid", "shadow/seen", "scene/needs"],
     entry_points: &["needs"],
 };
 /// Finds the lights that matter to each caster of a scene.
-pub const REACH: Stage =
-    Stage { name: "reach", files: files!["common/common", "scene/table", "scene/reach"], entry_points: &["reach"] };
+pub const REACH: Stage = Stage {
+    name: "reach",
+    files: files!["common/common", "common/cone", "scene/table", "scene/reach"],
+    entry_points: &["reach"],
+};
 /// Lists the chunks of the casters of a scene that lights reach.
 pub const CHUNKS: Stage =
     Stage { name: "chunks", files: files!["common/common", "scene/table", "scene/chunks"], entry_points: &["chunks"] };

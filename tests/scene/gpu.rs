@@ -1,6 +1,7 @@
 //! Scenes of many casters on the GPU. Without an adapter these tests fail; they are never passed over.
 
 mod closure;
+mod cones;
 mod crowd;
 mod exact;
 mod found;
@@ -25,6 +26,7 @@ fn main() {
         histories::TESTS,
         kept::TESTS,
         needs::TESTS,
+        cones::TESTS,
         refusals::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));
