@@ -58,7 +58,7 @@ impl AreaLight {
     pub fn pattern_samples(&self, count: usize, pattern: usize, patterns: usize) -> Vec<Light> {
         let patterns = patterns.max(1);
         let turn = Turn::new(pattern % patterns, patterns);
-        let Light { xyz, w, range } = self.light;
+        let Light { xyz, w, range, .. } = self.light;
         let xyz = DVec3::from_array(xyz.map(f64::from));
         let (middle, normal) = if w == 0.0 {
             let towards = xyz.normalize_or_zero();

@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::light::{Cone, Light};
+
 /// A field of a [`StructLayout`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldLayout {
@@ -480,8 +482,18 @@ shared_structs! {
         /// The encode that was the first to have the camera as it is; the word where the view's receivers begin, 0 for none;
         /// zeros.
         version: [u32; 4],
+        /// The light's cone.
+        cone: LightCone,
         /// 0.
-        reserved: [[u32; 4]; 14],
+        reserved: [[u32; 4]; 12],
+    }
+
+    /// The cone of a spot light, in world space.
+    struct LightCone {
+        /// The apex, and 1. All zeros: the light has no cone.
+        apex: [f32; 4],
+        /// The axis at length 1, and the cosine of the angle from it to the cone's border.
+        axis: [f32; 4],
     }
 
     /// What the shadows of a view may fall on.
@@ -698,6 +710,19 @@ impl ScaledLight {
             w
         };
         Self { light, inexact_w }
+    }
+}
+
+impl LightCone {
+    /// The cone of a light. Zeros if it has none, or is at infinity.
+    pub(crate) fn of(light: &Light) -> Self {
+        let Some(Cone { axis, cosine }) = light.cone.filter(|_| light.w != 0.0) else { return Self::zeroed() };
+        // In f64 squares of finite f32 neither overflow nor vanish.
+        let [x, y, z] = axis.map(f64::from);
+        let length = (x * x + y * y + z * z).sqrt();
+        let [x, y, z] = [x, y, z].map(|c| (c / length) as f32);
+        let [apex_x, apex_y, apex_z] = light.xyz.map(|c| (f64::from(c) / f64::from(light.w)) as f32);
+        Self { apex: [apex_x, apex_y, apex_z, 1.0], axis: [x, y, z, cosine] }
     }
 }
 

@@ -73,7 +73,7 @@ mod stages;
 
 pub use area::{AreaLight, AreaShape};
 pub use displace::{DisplaceError, Displacement};
-pub use light::{Light, LightError, MAX_LIGHTS};
+pub use light::{Cone, Light, LightError, MAX_LIGHTS};
 pub use mesh::{Mesh, MeshError};
 pub use method::Predicate;
 pub use model::{

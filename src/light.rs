@@ -27,29 +27,55 @@ pub struct Light {
     /// caster farther away throws no shadow volume; see also [`crate::gpu::ShadowOptions::end_at_range`]. It has no
     /// meaning where `w` is 0.
     pub range: f32,
+    /// The cone of a spot light, whose apex is the light, in world space. Nothing outside of it is lit, so a caster outside throws no
+    /// shadow volume in a scene. It changes no facing or silhouette bit. It has no meaning where `w` is 0.
+    pub cone: Option<Cone>,
+}
+
+/// The cone of a spot light, for [`Light::cone`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Where the light points, in world space, at any length above 0.
+    pub axis: [f32; 3],
+    /// The cosine of the angle from the axis to where nothing is lit, −1 to 1. An angle of more than 90° has a negative cosine.
+    pub cosine: f32,
+}
+
+impl Cone {
+    /// A cone about `axis` of this half angle, in radians. The cosine is rounded so that the cone has the whole angle.
+    pub fn new(axis: [f32; 3], half_angle: f32) -> Self {
+        let half_angle = f64::from(half_angle).clamp(0.0, std::f64::consts::PI);
+        Self { axis, cosine: (half_angle.cos() as f32).next_down().max(-1.0) }
+    }
 }
 
 impl Light {
     /// A light at the point `xyz`, in the unit and space of the positions.
     pub const fn point(xyz: [f32; 3]) -> Self {
-        Self { xyz, w: 1.0, range: f32::INFINITY }
+        Self { xyz, w: 1.0, range: f32::INFINITY, cone: None }
     }
 
     /// A light at infinity. `towards` points from the scene to the light and may have any length above 0.
     pub const fn directional(towards: [f32; 3]) -> Self {
-        Self { xyz: towards, w: 0.0, range: f32::INFINITY }
+        Self { xyz: towards, w: 0.0, range: f32::INFINITY, cone: None }
     }
 
     /// A light as a homogeneous point `(x, y, z, w)`.
     pub const fn homogeneous(xyzw: [f32; 4]) -> Self {
         let [x, y, z, w] = xyzw;
-        Self { xyz: [x, y, z], w, range: f32::INFINITY }
+        Self { xyz: [x, y, z], w, range: f32::INFINITY, cone: None }
     }
 
     /// This light with another [range](Self::range).
     #[must_use]
     pub const fn with_range(self, range: f32) -> Self {
         Self { range, ..self }
+    }
+
+    /// This light with a [cone](Self::cone).
+    #[must_use]
+    pub const fn with_cone(self, cone: Cone) -> Self {
+        Self { cone: Some(cone), ..self }
     }
 
     /// The four components `(x, y, z, w)`.
@@ -63,7 +89,7 @@ impl Light {
     ///
     /// With it a rigid instance can keep its positions in mesh space. The facing bits are then those of world space,
     /// but for one rounding: the light's components are computed in `f64` and rounded once to `f32`. This holds for
-    /// mirrored transforms too, without turning the mesh's faces. The range stays as it is, in the unit of world space.
+    /// mirrored transforms too, without turning the mesh's faces. Range and cone stay as they are, in world space.
     ///
     /// Returns `None` when the transform is singular or the result is not finite. Such an instance casts nothing.
     pub fn to_mesh_space(self, mesh_to_world: &[[f64; 3]; 4]) -> Option<Self> {
@@ -132,6 +158,19 @@ pub enum LightError {
         /// The range given.
         range: f32,
     },
+    /// The axis of a cone has no direction, or its cosine is none.
+    #[error(
+        "light {index} has a cone about ({}, {}, {}) of cosine {cosine}; the axis must be finite and not zero, and the cosine -1 to 1",
+        .axis[0], .axis[1], .axis[2]
+    )]
+    Cone {
+        /// Position in the list.
+        index: usize,
+        /// The axis given.
+        axis: [f32; 3],
+        /// The cosine given.
+        cosine: f32,
+    },
     /// The weight is negative, and shadows refuse it.
     #[error(
         "light {index} has w = {w}, and a negative w reverses its sides, which shadows have no use for; negate all four components"
@@ -144,7 +183,7 @@ pub enum LightError {
     },
 }
 
-/// Checks a list of lights: at most `limit` of them, all finite, none all zeros, ranges positive.
+/// Checks a list of lights: at most `limit` of them, all finite, none all zeros, ranges positive, cones with a direction.
 ///
 /// # Errors
 /// The first [`LightError`] found.
@@ -162,6 +201,11 @@ pub fn check_lights(lights: &[Light], limit: usize) -> Result<(), LightError> {
         }
         if light.range.is_nan() || light.range <= 0.0 {
             return Err(LightError::Range { index, range: light.range });
+        }
+        if let Some(Cone { axis, cosine }) = light.cone
+            && (axis.iter().any(|c| !c.is_finite()) || axis == [0.0; 3] || !(-1.0..=1.0).contains(&cosine))
+        {
+            return Err(LightError::Cone { index, axis, cosine });
         }
     }
     Ok(())
@@ -217,6 +261,26 @@ mod tests {
         assert_eq!(check(zero, 1.0), Err(LightError::Zero { index: 1 }));
         assert_eq!(check_shadow_lights(&[point; 3], 2), Err(LightError::TooMany { count: 3, limit: 2 }));
         assert_eq!(check_shadow_lights(&[], 2), Ok(()));
+    }
+
+    #[test]
+    fn cones_are_checked() {
+        let check = |axis, cosine| check_lights(&[Light::point([0.0; 3]).with_cone(Cone { axis, cosine })], 1);
+        let down = [0.0, -2.0, 0.0];
+        for cosine in [-1.0, 0.0, -0.0, 0.5, 1.0] {
+            assert_eq!(check(down, cosine), Ok(()));
+        }
+        assert_eq!(check([0.0, 1e-45, 0.0], 0.5), Ok(()));
+        for (axis, cosine) in
+            [([0.0; 3], 0.5), ([0.0, -0.0, 0.0], 0.5), ([f32::INFINITY, 0.0, 0.0], 0.5), (down, 1.5), (down, -1.1)]
+        {
+            assert_eq!(check(axis, cosine), Err(LightError::Cone { index: 0, axis, cosine }));
+        }
+        assert!(matches!(check(down, f32::NAN), Err(LightError::Cone { .. })));
+        for (half_angle, cosine) in [(0.0, 1.0), (1.0, 0.540_302_3), (std::f32::consts::PI, -1.0), (9.0, -1.0)] {
+            let found = Cone::new(down, half_angle).cosine;
+            assert!(found <= cosine && found > cosine - 2e-7, "{half_angle}: {found}");
+        }
     }
 
     #[test]

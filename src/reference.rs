@@ -87,6 +87,7 @@ pub mod clusters {
 /// The CPU twin of each stage. File, function and tests have the same name as the stage's WGSL. Tests compare the two
 /// bit for bit.
 pub mod cpu {
+    pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::extract::arguments::arguments;

@@ -85,13 +85,13 @@ pub const ARGUMENTS: Stage =
 /// Finds the figures of a scene that a frame needs, before they are deformed.
 pub const NEEDS: Stage = Stage {
     name: "needs",
-    files: files!["common/common", "shadow/shadow", "shadow/pyramid", "shadow/seen", "scene/needs"],
+    files: files!["common/common", "common/cone", "shadow/shadow", "shadow/pyramid", "shadow/seen", "scene/needs"],
     entry_points: &["needs"],
 };
 /// Finds the lights that matter to each caster of a scene.
 pub const REACH: Stage = Stage {
     name: "reach",
-    files: files!["common/common", "scene/table", "scene/occluded", "scene/reach"],
+    files: files!["common/common", "common/cone", "scene/table", "scene/occluded", "scene/reach"],
     entry_points: &["reach"],
 };
 /// Decides clusters of faces of the casters of a scene as wholes, and lists the chunks of faces that are left.

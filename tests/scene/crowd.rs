@@ -5,7 +5,7 @@ use rimline::gpu::{
     Caster, CasterHandle, Deformer, DeformerOptions, LightHandle, Scene, SceneFrame, SceneNeeds, SceneOptions,
 };
 use rimline::model::Box3;
-use rimline::{DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
+use rimline::{Cone, DepthDirection, Instance, InstancePose, Light, Mesh, Model, ModelBounds, Pose, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::models::bending_tube;
 use rimline_measure::on_gpu::text;
@@ -85,6 +85,10 @@ pub(crate) fn lights(random: &mut Random) -> Vec<Light> {
             0 => Light::directional([0.4, 1.0, 0.1]),
             1 => Light::homogeneous([2.0 * at.x, 2.0 * at.y, 2.0 * at.z, 2.0]).with_range(8.0),
             2 => Light::point(at.to_array()),
+            3 => {
+                let axis = [random.between(-1.0, 1.0), -1.0, random.between(-1.0, 1.0)];
+                Light::point(at.to_array()).with_range(20.0).with_cone(Cone { axis, cosine: random.between(-0.2, 0.9) })
+            }
             _ => Light::point(at.to_array()).with_range(random.between(3.0, 9.0)),
         }
     };

@@ -4,6 +4,7 @@ mod closure;
 #[path = "../mesh/cluster_meshes.rs"]
 mod cluster_meshes;
 mod clusters;
+mod cones;
 mod crowd;
 mod exact;
 mod found;
@@ -32,6 +33,7 @@ fn main() {
         kept::TESTS,
         needs::TESTS,
         occluded::TESTS,
+        cones::TESTS,
         refusals::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -3,9 +3,9 @@
 use glam::{DVec3, DVec4};
 use rimline::gpu::{DeformError, LightMask, SceneError, SceneFrame, SceneNeeds, SceneOptions, SceneStatistics};
 use rimline::model::Box3;
-use rimline::reference::layout::{NeedsDispatch, SeenLight};
+use rimline::reference::layout::{LightCone, NeedsDispatch, SeenLight};
 use rimline::reference::{cpu, shadow};
-use rimline::{Light, ShadowCamera};
+use rimline::{Cone, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
@@ -34,6 +34,7 @@ fn twin(boxes: &[Option<Box3>], masks: &[u32], lights: &[Light], cameras: &[Shad
         let entry = |light: &Light| SeenLight {
             view,
             light: shadow::light(camera, &view, *light),
+            cone: packed(light),
             ..bytemuck::Zeroable::zeroed()
         };
         seen.extend(lights.iter().map(entry));
@@ -69,7 +70,11 @@ fn check_unneeded(
         for (_, light) in lights.iter().enumerate().filter(|(bit, _)| mask >> bit & 1 != 0) {
             let [x, y, z, w] = light.to_array().map(f64::from);
             let away = p * w - DVec3::new(x, y, z);
-            if w == 0.0 || away.length() / w <= f64::from(light.range) {
+            let is_in_cone = light.cone.is_none_or(|Cone { axis, cosine }| {
+                let axis = DVec3::from(axis.map(f64::from)).normalize();
+                axis.dot(away) >= f64::from(cosine) * away.length()
+            });
+            if is_in_cone && (w == 0.0 || away.length() / w <= f64::from(light.range)) {
                 let steps = (-7..14).map(|step| p.extend(1.0) + 2_f64.powi(step) * away.extend(0.0));
                 places.extend(steps.chain([away.extend(0.0)]));
             }
@@ -80,6 +85,14 @@ fn check_unneeded(
         }
     }
     Ok(())
+}
+
+/// The cone of a light, as the stage is given it.
+fn packed(light: &Light) -> LightCone {
+    let Some(Cone { axis, cosine }) = light.cone else { return bytemuck::Zeroable::zeroed() };
+    let axis = DVec3::from(axis.map(f64::from)).normalize().as_vec3();
+    let [x, y, z] = light.xyz;
+    LightCone { apex: [x, y, z, 1.0], axis: [axis.x, axis.y, axis.z, cosine] }
 }
 
 fn words(gpu: &Gpu, needs: &SceneNeeds) -> Result<Vec<u32>, String> {
@@ -305,6 +318,9 @@ fn off() -> Result<(), String> {
     Ok(())
 }
 
+/// A change of a scene.
+type Change = fn(&mut Stage) -> Result<(), SceneError>;
+
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4501);
@@ -334,7 +350,7 @@ fn refusals() -> Result<(), String> {
     let part = own.part(1..4).ok_or("no part")?;
     same("a part", &[encode(&mut stage, &part, &cameras)], &stale)?;
     same("too large a part", &[own.part(1..5).map(|part| part.len())], &[None])?;
-    let changes: [fn(&mut Stage) -> Result<(), SceneError>; 4] = [
+    let changes: [Change; 4] = [
         |stage| stage.scene.set_light(stage.lights[1], Light::point([1.0; 3])),
         |stage| stage.scene.set_bounds(stage.casters[1], Some([[0.0; 3], [1.0; 3]])),
         |stage| stage.scene.set_lights(stage.casters[1], LightMask::NONE),

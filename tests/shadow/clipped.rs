@@ -160,7 +160,13 @@ impl Drawn<'_> {
         };
         // What is chosen is read from the table alone.
         let given = ShadowLight { casting: 7, counting: 7, excludes: 7, ..*self.light() };
-        let seen = SeenLight { view: self.view, light: given, version: [0; 4], reserved: [[0; 4]; 14] };
+        let seen = SeenLight {
+            view: self.view,
+            light: given,
+            version: [0; 4],
+            cone: bytemuck::Zeroable::zeroed(),
+            reserved: [[0; 4]; 12],
+        };
         [uniform(gpu, &shape), uniform(gpu, &draw), uniform(gpu, &seen), gpu.storage(&table)]
     }
 

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use rimline::gpu::ShadowOptions;
-use rimline::{Counting, Light};
+use rimline::{Cone, Counting, Light};
 
 use crate::classes::{CLASSES, Class};
 use crate::rays::{self, Truth};
-use crate::render::Renderer;
+use crate::render::{Placing, Renderer};
 use crate::scene::{Body, Frame};
 use crate::trials::{Test, Traced};
 use rimline_measure::device::Gpu;
@@ -17,6 +17,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("volumes_end_at_the_range", ended),
     ("receivers_just_within_the_range_are_in_shadow", just_within),
     ("casters_out_of_range_are_skipped", skipped),
+    ("casters_out_of_the_cone_throw_no_shadow_into_it", cones),
 ];
 
 fn place(light: Light) -> DVec3 {
@@ -162,4 +163,60 @@ fn skipped() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Rigid casters of a scene, some of them outside of the light's cone: what is seen within the cone is as without one.
+fn cones() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let (mut compared, mut shadowed, mut gone, mut noticed) = (0, 0, 0, 0);
+    for class in CLASSES.iter().filter(|class| class.name != "directional lights") {
+        for number in 60..if is_long() { 80 } else { 63 } {
+            let seed = crate::trials::seed(class, number);
+            let mut random = Random::new(seed);
+            let mut frame = (class.frame)(&mut random);
+            frame.size = 48;
+            // A matrix makes a caster rigid, so its box is known.
+            frame
+                .bodies
+                .iter_mut()
+                .filter(|body| body.casts)
+                .for_each(|body| body.mirror = Some(glam::Vec3::NEG_X + glam::Vec3::Y + glam::Vec3::Z));
+            frame.lights.truncate(1);
+            let light = place(frame.lights[0]);
+            let axis = random.direction();
+            let cone = Cone { axis, cosine: random.between(-0.5, 0.95) };
+            let renderer = Renderer { placing: Placing::Scene, ..Renderer::new(&gpu) };
+            let whole = renderer.count(&frame, Counting::Auto)?;
+            frame.lights[0] = frame.lights[0].with_cone(cone);
+            let found = renderer.count(&frame, Counting::Auto)?;
+            let within = |point: &Option<DVec3>| {
+                point.is_some_and(|point| {
+                    let axis = DVec3::from(axis.map(f64::from)).normalize();
+                    (point - light).normalize().dot(axis) > f64::from(cone.cosine)
+                })
+            };
+            let pixels = found.stencils[0].iter().zip(&whole.stencils[0]).zip(rays::points(&frame));
+            for ((found, whole), point) in pixels {
+                if within(&point) {
+                    if found != whole {
+                        return Err(format!("{}, seed {seed}, {cone:?}: {found}, not {whole}", class.name));
+                    }
+                    compared += 1;
+                    shadowed += usize::from(*whole > 0);
+                } else {
+                    gone += usize::from(found != whole);
+                }
+            }
+            // The negative control: a cone that points away.
+            frame.lights[0] = frame.lights[0].with_cone(Cone { axis: axis.map(|c| -c), cosine: 0.99 });
+            let turned = renderer.count(&frame, Counting::Auto)?;
+            let pixels = turned.stencils[0].iter().zip(&whole.stencils[0]).zip(rays::points(&frame));
+            noticed +=
+                usize::from(pixels.into_iter().any(|((turned, whole), point)| within(&point) && turned != whole));
+        }
+    }
+    println!(
+        "{compared} pixels in cones, {shadowed} of them in shadow, {gone} others not in shadow any more, {noticed} controls"
+    );
+    if shadowed < 1000 || gone < 1000 || noticed < 3 { Err("too few of a kind".to_owned()) } else { Ok(()) }
 }

@@ -126,7 +126,16 @@ fn choices(lights: &[ShadowLight], capped: &[bool]) -> Vec<u32> {
 
 /// Lights without what was chosen for them.
 fn seen(view: ShadowView, lights: &[ShadowLight]) -> Vec<SeenLight> {
-    lights.iter().map(|&light| SeenLight { view, light, version: [0; 4], reserved: [[0; 4]; 14] }).collect()
+    lights
+        .iter()
+        .map(|&light| SeenLight {
+            view,
+            light,
+            version: [0; 4],
+            cone: bytemuck::Zeroable::zeroed(),
+            reserved: [[0; 4]; 12],
+        })
+        .collect()
 }
 
 /// Makes some coordinates infinite or NaN.

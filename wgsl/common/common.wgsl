@@ -8,6 +8,13 @@ const WINDING: u32 = 0x80000000u;
 // The number of edges that one workgroup compacts.
 const BLOCK: u32 = 256u;
 
+// A light's cone, in world space: the apex and 1 (0: the light has no cone), the axis of length 1 and the cosine of the angle from the
+// axis to the border.
+struct LightCone {
+  apex: vec4<f32>,
+  axis: vec4<f32>,
+}
+
 // A batch of up to 32 lights, one bit each, and the layout of the positions.
 struct LightBatch {
   // Homogeneous (x, y, z, w), scaled by a power of two so that the largest component is between 1 and 2. This changes

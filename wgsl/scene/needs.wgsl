@@ -26,7 +26,8 @@ struct NeedsDispatch {
 // Whether a camera may see the shadow that a light makes of a box.
 fn may_shade(view: u32, number: u32, low: vec3<f32>, high: vec3<f32>) -> bool {
   let light = seen[view * frame.lights + number].light;
-  if (frame.skip_unreached != 0u && out_of_range(light, 1.0, low, high)) {
+  let cone = seen[view * frame.lights + number].cone;
+  if (frame.skip_unreached != 0u && (out_of_range(light, 1.0, low, high) || !may_be_in_cone(cone, low, high, 0.0))) {
     return false;
   }
   return frame.skip_unseen == 0u || !is_unseen(seen[view * frame.lights + number].view, light, low, high);

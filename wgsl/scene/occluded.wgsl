@@ -10,7 +10,7 @@ const LOST: f32 = 0x1p-100;
 
 // A box in world space: its middle, half of each of its edges, and sizes as sums of absolute values: of places, and of the
 // distance from the middle to a corner.
-struct PlacedBox {
+struct TurnedBox {
   middle: vec3<f32>,
   half_x: vec3<f32>,
   half_y: vec3<f32>,
@@ -27,7 +27,7 @@ fn dot_of(a: vec3<f32>, b: vec3<f32>) -> f32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-fn placed_box(caster: u32) -> PlacedBox {
+fn turned_box(caster: u32) -> TurnedBox {
   let low = bitcast<vec3<f32>>(caster_part(caster, 3u).xyz);
   let high = bitcast<vec3<f32>>(caster_part(caster, 4u).xyz);
   let x = bitcast<vec4<f32>>(caster_part(caster, 0u));
@@ -42,7 +42,7 @@ fn placed_box(caster: u32) -> PlacedBox {
   let half_x = half.x * vec3<f32>(x.x, y.x, z.x);
   let half_y = half.y * vec3<f32>(x.y, y.y, z.y);
   let half_z = half.z * vec3<f32>(x.z, y.z, z.z);
-  return PlacedBox(
+  return TurnedBox(
     vec3<f32>(dot_of(x.xyz, middle) + x.w, dot_of(y.xyz, middle) + y.w, dot_of(z.xyz, middle) + z.w),
     half_x, half_y, half_z,
     size + 3.0 * origin,
@@ -51,7 +51,7 @@ fn placed_box(caster: u32) -> PlacedBox {
 }
 
 // The least of normal * (p - on) for all p of the box.
-fn least(box: PlacedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
+fn least(box: TurnedBox, normal: vec3<f32>, on: vec3<f32>) -> f32 {
   return dot_of(normal, box.middle - on) - abs(dot_of(normal, box.half_x)) - abs(dot_of(normal, box.half_y)) - abs(dot_of(normal, box.half_z));
 }
 
@@ -60,7 +60,7 @@ fn corner_of(at: u32, number: u32) -> vec3<f32> {
 }
 
 // Whether the box is hidden. `side` is 1 if the light sees the corners counter-clockwise, else -1.
-fn is_behind(box: PlacedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
+fn is_behind(box: TurnedBox, at: u32, light: vec4<f32>, side: f32) -> bool {
   let count = min(table[at].w, MOST_CORNERS);
   let first = corner_of(at, 0u);
   for (var number = 0u; number < count; number++) {
@@ -105,7 +105,7 @@ fn occluded(caster: u32, batch: u32, lights: u32) -> u32 {
   if (!is_boxed) {
     return 0u;
   }
-  let box = placed_box(caster);
+  let box = turned_box(caster);
   var hidden = 0u;
   for (var number = 0u; number < group.occluders; number++) {
     let occluder = table[group.occluders_at + batch * group.occluders + number];

@@ -1,5 +1,6 @@
 // Reach: finds the lights that matter to each caster, for each batch: those that are allowed, and have its box within their
-// range, if it is rigid or the caller states a box, and not hidden from the light. And of these the ones whose bits are to be computed, because caster or light changed
+// range and cone, if it is rigid or the caller states a box, and is not hidden from the light. And of these the ones whose
+// bits are to be computed, because caster or light changed
 // since.
 
 // For each batch and caster the bits of these lights.
@@ -30,6 +31,27 @@ fn may_reach(light: vec4<f32>, range: f32, low: vec3<f32>, high: vec3<f32>, scal
   return !(scale * (distance - SLACK * size) > range * (1.0 + SLACK));
 }
 
+// The box of a caster in world space, and a bound on the terms of its ends.
+struct PlacedBox {
+  low: vec3<f32>,
+  high: vec3<f32>,
+  terms: f32,
+}
+
+fn placed_box(caster: u32, low: vec3<f32>, high: vec3<f32>) -> PlacedBox {
+  var own: PlacedBox;
+  for (var axis = 0u; axis < 3u; axis++) {
+    let row = bitcast<vec4<f32>>(caster_part(caster, axis));
+    let begin = min(row.xyz * low, row.xyz * high);
+    let end = max(row.xyz * low, row.xyz * high);
+    let sizes = max(abs(begin), abs(end));
+    own.low[axis] = begin.x + begin.y + begin.z + row.w;
+    own.high[axis] = end.x + end.y + end.z + row.w;
+    own.terms = max(own.terms, sizes.x + sizes.y + sizes.z + abs(row.w));
+  }
+  return own;
+}
+
 fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   let lights = caster_lights(caster, batch);
   let low = caster_part(caster, 3u);
@@ -37,13 +59,15 @@ fn lights_that_matter(caster: u32, batch: u32) -> u32 {
   if ((high.w & (RIGID | BOUNDED)) == 0u) {
     return lights.allowed;
   }
+  let placed = placed_box(caster, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz));
   var matter = 0u;
   var at = lights.first;
   for (var rest = lights.allowed; rest != 0u; rest &= rest - 1u) {
     let light = firstTrailingBit(rest);
     let range = bitcast<f32>(table[group.ranges_at + 8u * batch + light / 4u][light % 4u]);
     let scaled = bitcast<vec4<f32>>(table[at + 1u]);
-    if (may_reach(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w))) {
+    if (may_reach(scaled, range, bitcast<vec3<f32>>(low.xyz), bitcast<vec3<f32>>(high.xyz), bitcast<f32>(low.w)) &&
+      may_be_in_cone(light_cone(batch, light), placed.low, placed.high, placed.terms)) {
       matter |= 1u << light;
     }
     at += 2u;

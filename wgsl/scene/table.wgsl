@@ -1,5 +1,5 @@
 // The scene table: casters, then for each batch and caster its lights, then the ranges of the lights and their versions,
-// four words, the lights themselves, and the casters of all chunks. The first of the four words is the number of the encode.
+// four words, the cones of the lights, the lights themselves, and the casters of all chunks. The first of the four words is the number of the encode.
 // The second is the word of the work lists from which on a word for each figure is 1 if it is not needed; 0: all are. The CPU
 // writes the table for every frame.
 
@@ -86,6 +86,11 @@ const GIVEN: u32 = 64u;
 
 fn encode_number() -> u32 {
   return table[group.ranges_at + 16u * group.batches].x;
+}
+
+fn light_cone(batch: u32, light: u32) -> LightCone {
+  let at = group.ranges_at + 16u * group.batches + 1u + 2u * (32u * batch + light);
+  return LightCone(bitcast<vec4<f32>>(table[at]), bitcast<vec4<f32>>(table[at + 1u]));
 }
 
 fn light_version(batch: u32, light: u32) -> u32 {

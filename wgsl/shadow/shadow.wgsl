@@ -53,7 +53,8 @@ struct SeenLight {
   light: ShadowLight,
   // The encode that was the first to have the camera as it is; the word where the view's receivers begin, 0 for none; zeros.
   version: vec4<u32>,
-  reserved: array<vec4<u32>, 14>,
+  cone: LightCone,
+  reserved: array<vec4<u32>, 12>,
 }
 
 // Casters that are drawn together, and the caller's options.

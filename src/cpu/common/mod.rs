@@ -1,5 +1,6 @@
 //! The parts that the twins share: threads, positions, the determinant, its filter, its exact sign.
 
+pub(crate) mod cone;
 pub(crate) mod determinant;
 pub(crate) mod exact_sign;
 pub(crate) mod filter;

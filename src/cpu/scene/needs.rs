@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::cpu::common::cone::may_be_in_cone;
 use crate::cpu::shadow::seen::{Bounds, box_is_unseen, is_unseen, out_of_range};
 use crate::layout::{NeedsDispatch, SeenLight};
 
@@ -23,8 +24,9 @@ fn is_needed(frame: &NeedsDispatch, seen: &[SeenLight], figure: &[[u32; 4]]) -> 
     let has_light = |number: usize| lights[number / 128][number / 32 % 4] >> (number % 32) & 1 != 0;
     let views = seen.chunks(frame.lights.max(1) as usize).take(frame.views as usize);
     let may_matter = |lights: &[SeenLight]| {
-        let may_shade = |(_, SeenLight { view, light, .. }): (usize, &SeenLight)| {
-            let is_reached = frame.skip_unreached == 0 || !out_of_range(light, own);
+        let may_shade = |(_, SeenLight { view, light, cone, .. }): (usize, &SeenLight)| {
+            let is_in_cone = || may_be_in_cone(cone, low.to_array(), high.to_array(), 0.0);
+            let is_reached = frame.skip_unreached == 0 || (!out_of_range(light, own) && is_in_cone());
             is_reached && (frame.skip_unseen == 0 || !is_unseen(view, light, own))
         };
         let is_seen = lights.first().is_some_and(|first| !box_is_unseen(&first.view, own));

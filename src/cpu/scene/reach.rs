@@ -2,6 +2,7 @@
 
 use super::occluded::{SLACK as SLACK_BEHIND, occluded};
 use super::table::SceneTable;
+use crate::cpu::common::cone::may_be_in_cone;
 use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
 
 /// Rigid, or with a box that the caller states.
@@ -88,11 +89,30 @@ fn lights_that_matter(table: SceneTable<'_>, group: &SceneDispatch, caster: u32,
     if caster.flags & BOXED == 0 {
         return allowed;
     }
+    let (placed_low, placed_high, terms) = placed_box(&caster);
     let lights = (0..32).filter(|light| allowed >> light & 1 != 0).zip((first..).step_by(2));
     lights.fold(0, |matter, (light, at)| {
         let range = f32::from_bits(table.word(group.ranges_at + 8 * batch, light));
-        matter | u32::from(may_reach(table.part(at + 1).map(f32::from_bits), range, &caster)) << light
+        let cone = table.cone(group, 32 * batch + light);
+        let is_reached = may_reach(table.part(at + 1).map(f32::from_bits), range, &caster)
+            && may_be_in_cone(&cone, placed_low, placed_high, terms);
+        matter | u32::from(is_reached) << light
     })
+}
+
+/// The box of a caster in world space, and a bound on the terms of its ends.
+fn placed_box(caster: &SceneCaster) -> ([f32; 3], [f32; 3], f32) {
+    let SceneCaster { low, high, .. } = *caster;
+    let (mut placed_low, mut placed_high, mut terms) = ([0.0; 3], [0.0; 3], 0.0_f32);
+    for (axis, row) in [caster.row_0, caster.row_1, caster.row_2].into_iter().enumerate() {
+        let products = [0, 1, 2].map(|c| [row[c] * low[c], row[c] * high[c]]);
+        let [begin, end] = [f32::min, f32::max].map(|pick: fn(f32, f32) -> f32| products.map(|[a, b]| pick(a, b)));
+        let sizes = [0, 1, 2].map(|c| begin[c].abs().max(end[c].abs()));
+        placed_low[axis] = begin[0] + begin[1] + begin[2] + row[3];
+        placed_high[axis] = end[0] + end[1] + end[2] + row[3];
+        terms = terms.max(sizes[0] + sizes[1] + sizes[2] + row[3].abs());
+    }
+    (placed_low, placed_high, terms)
 }
 
 /// Whether the light may reach the box of the caster. It is never false for a light that does.

@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 
-use crate::layout::{CasterLights, SceneCaster, SceneDispatch};
+use crate::layout::{CasterLights, LightCone, SceneCaster, SceneDispatch};
 
 /// The scene table, in units of 16 bytes. What it lacks is zero.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,12 @@ impl SceneTable<'_> {
     /// The lights of a caster in a batch.
     pub fn lights(&self, group: &SceneDispatch, index: u32, batch: u32) -> CasterLights {
         bytemuck::cast(self.part(group.lights_at + batch * group.casters + index))
+    }
+
+    /// The cone of a light.
+    pub fn cone(&self, group: &SceneDispatch, light: u32) -> LightCone {
+        let at = group.ranges_at + 16 * group.batches + 1 + 2 * light;
+        bytemuck::cast([self.part(at), self.part(at + 1)])
     }
 
     /// Four words.

@@ -246,7 +246,7 @@ impl Scene {
             for bit in 0..volumes.lights() as u32 {
                 let light = self.lights.get(bit).map(|light| camera.light(&view, light));
                 let light = light.unwrap_or_else(bytemuck::Zeroable::zeroed);
-                seen.push(SeenLight { view, light, version: [version, at, 0, 0], reserved: [[0; 4]; 14] });
+                seen.push(SeenLight { view, light, version: [version, at, 0, 0], ..bytemuck::Zeroable::zeroed() });
             }
         }
         seen.resize(volumes.seen(), bytemuck::Zeroable::zeroed());

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::errors::SceneError;
 use super::handles::{LightHandle, SceneId};
 use super::mask::LightMask;
-use crate::Light;
 use crate::light::{MAX_LIGHTS, check_lights, check_room};
+use crate::{Cone, Light};
 
 /// A bit, and the light that has it.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +56,9 @@ impl Lights {
     pub(crate) fn set(&mut self, handle: LightHandle, light: Light) -> Result<(), SceneError> {
         self.check(handle)?;
         check_lights(&[light], MAX_LIGHTS)?;
-        let bits = |light: Light| (light.to_array().map(f32::to_bits), light.range.to_bits());
+        let cone_bits = |Cone { axis: [x, y, z], cosine }: Cone| [x, y, z, cosine].map(f32::to_bits);
+        let bits =
+            |light: Light| (light.to_array().map(f32::to_bits), light.range.to_bits(), light.cone.map(cone_bits));
         if self.get(handle.bit).map(bits) != Some(bits(light)) {
             self.put(handle, Some(light));
         }

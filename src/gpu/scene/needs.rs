@@ -9,15 +9,15 @@ use super::caster::Placement;
 use super::errors::SceneError;
 use super::handles::{CasterHandle, SceneId};
 use super::scene::Scene;
+use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, buffer, check, guarded, mapped, write_mapped};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::requirements::{DeviceError, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::layout::{NeedsDispatch, SeenLight, ShadowLight, ShadowView};
+use crate::layout::{LightCone, NeedsDispatch, SeenLight, ShadowLight, ShadowView};
 use crate::stages::NEEDS;
-use crate::{Light, ShadowCamera};
 
 /// Invocations of a workgroup, which take a figure each.
 const WORKGROUP: u64 = 64;
@@ -155,9 +155,10 @@ impl Scene {
         let mut seen = Vec::with_capacity(views.len() * lights as usize);
         for (camera, &view) in cameras.iter().zip(views) {
             for bit in 0..lights {
-                let light = self.lights.get(bit).map(|light: Light| camera.light(&view, light));
-                let light = light.unwrap_or_else(ShadowLight::zeroed);
-                seen.push(SeenLight { view, light, ..SeenLight::zeroed() });
+                let given = self.lights.get(bit);
+                let light = given.map_or_else(ShadowLight::zeroed, |light| camera.light(&view, light));
+                let cone = given.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
+                seen.push(SeenLight { view, light, cone, ..SeenLight::zeroed() });
             }
         }
         seen

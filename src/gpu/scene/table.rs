@@ -1,10 +1,12 @@
 //! The CPU's copy of the scene table. It is changed where something moved, and uploaded by each encode.
 
+use bytemuck::Zeroable;
+
 use super::caster::{CasterEntry, MeshEntry, Placement};
 use super::lights::Lights;
 use super::mask::{LightMask, bits};
 use crate::layout::caster_flags::{BOUNDED, CHANGING, CLOSED, EXCLUDING, GIVEN, HOLED, MIRRORED, PROXY, RIGID};
-use crate::layout::{CasterLights, NO_CLUSTERS, ScaledLight, SceneCaster};
+use crate::layout::{CasterLights, LightCone, NO_CLUSTERS, ScaledLight, SceneCaster};
 use crate::light::Light;
 
 /// Words of the table, in fours.
@@ -15,6 +17,9 @@ pub(crate) const CASTER_PARTS: usize = size_of::<SceneCaster>() / size_of::<Part
 pub(crate) const LIGHT_PARTS: u32 = 2;
 /// Parts of the ranges of a batch, and of the versions of its lights.
 pub(crate) const RANGE_PARTS: usize = 8;
+
+/// Parts of the cone of a light.
+const CONE_PARTS: usize = size_of::<LightCone>() / size_of::<Part>();
 
 /// The table, and where its sections begin. Casters are first.
 #[derive(Debug, Default)]
@@ -56,9 +61,14 @@ impl Table {
         self.ranges_at() + 2 * RANGE_PARTS * self.batches
     }
 
+    /// Where the cones of lights begin.
+    fn cones_at(&self) -> usize {
+        self.encode_at() + 1
+    }
+
     /// Where the lights begin.
     pub(crate) fn pairs_at(&self) -> usize {
-        self.encode_at() + 1
+        self.cones_at() + CONE_PARTS * 32 * self.batches
     }
 
     /// Writes the number of the encode, and the word of the work lists where it says which figures are not needed, 0 for none.
@@ -189,7 +199,7 @@ impl Table {
         }
     }
 
-    /// Writes the ranges of all lights, 0 for no limit, and their versions.
+    /// Writes the ranges of all lights, 0 for no limit, their versions, and their cones.
     pub(crate) fn put_ranges(&mut self, lights: &Lights) {
         let heeds_ranges = self.heeds_ranges;
         let range = |bit| match lights.get(bit) {
@@ -202,6 +212,11 @@ impl Table {
             self.put(self.ranges_at() + part, &[of_part.map(range)]);
             let versions_at = self.ranges_at() + RANGE_PARTS * self.batches;
             self.put(versions_at + part, &[of_part.map(|bit| lights.version(bit))]);
+        }
+        for bit in 0..32 * self.batches {
+            let light = lights.get(bit as u32).filter(|_| heeds_ranges);
+            let cone = light.map_or_else(LightCone::zeroed, |light| LightCone::of(&light));
+            self.put(self.cones_at() + CONE_PARTS * bit, bytemuck::cast_slice(&[cone]));
         }
     }
 }

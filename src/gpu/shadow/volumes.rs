@@ -174,8 +174,13 @@ impl ShadowVolumes {
         let bound = extraction.bound()?;
         let stages = self.bind(extraction, &bound)?;
         let Shared { buffers, source, table, .. } = &*self.shared;
-        let seen =
-            |&light| SeenLight { view, light: camera.light(&view, light), version: [0; 4], reserved: [[0; 4]; 14] };
+        let seen = |&light| SeenLight {
+            view,
+            light: camera.light(&view, light),
+            version: [0; 4],
+            cone: bytemuck::Zeroable::zeroed(),
+            reserved: [[0; 4]; 12],
+        };
         let mut seen: Vec<SeenLight> = lights.iter().map(seen).collect();
         // Numbers without a light are seen in no view.
         seen.resize(buffers.sizes.lights, bytemuck::Zeroable::zeroed());

@@ -346,7 +346,7 @@ fn skipping() -> Outcome {
     let line = "bench --scene still,city,crowd,moving,big --casters 3,12 --meshes none --frames 0 --rounds 1 --quick";
     let places = ["--report".as_ref(), report.as_os_str(), "--json".as_ref(), json.as_os_str()];
     let run = rimline(line.split(' ').map(AsRef::as_ref).chain(places));
-    run.expect(0, &["11/11"])?;
+    run.expect(0, &["13/13"])?;
     ensure!(
         run.stdout.contains("city, 12 buildings, obliquely") && run.stdout.contains("whole frame"),
         "{}",
@@ -361,6 +361,7 @@ fn skipping() -> Outcome {
         ("city", "along-street", 1),
         ("city", "oblique", 1),
         ("crowd", "whole", 32),
+        ("crowd", "within", 32),
         ("moving", "whole", 5),
     ];
     let expected = expected.iter().flat_map(|&(scene, view, lights)| {
@@ -388,6 +389,9 @@ fn skipping() -> Outcome {
         }
         let moved = of("without-nothing-moved")?;
         ensure!(count(moved, "kept-pairs") == Some(0), "pairs of {moved}");
+        let needed = of("without-unneeded-figures")?;
+        ensure!([off, needed].map(|one| count(one, "unneeded-figures")) == [Some(0); 2], "figures of {needed}");
+        ensure!((count(on, "unneeded-figures") > Some(0)) == (row["view"] == "within"), "figures of {on}");
         // Where nothing moves nothing is tested, and lamps may reach none of few figures.
         if row["scene"] == "moving" {
             ensure!(count(on, "skipped-volumes") == Some(0) && count(on, "kept-pairs") == Some(0), "{on}");
@@ -408,12 +412,12 @@ fn skipping() -> Outcome {
         ("/skipping/rows/2/variants/0/parts/3/ratio", Value::Null),
         ("/skipping/rows/2/variants/1/parts/3/ratio/median", 2.into()),
         ("/skipping/rows/2/variants/1/parts/0/ms/median", 1.0.into()),
-        ("/skipping/rows/6/variants/1/stages/0/stage", "reach".into()),
+        ("/skipping/rows/6/variants/1/stages/1/stage", "reach".into()),
         ("/skipping/rows/6/variants/1/counters/0/count", "none".into()),
         ("/skipping/rows/3/variants/1/fragments", 1.into()),
         ("/skipping/rows/3/variants/0/fragments_ratio", 0.5.into()),
         ("/skipping/levels/0/id", "other".into()),
-        ("/skipping/planned_rows", 12.into()),
+        ("/skipping/planned_rows", 14.into()),
     ];
     for (pointer, wrong) in wrong_values {
         let mut other = data.clone();

@@ -18,7 +18,19 @@ const ONE_PAIR_IN: usize = 20;
 const GROUND: f32 = 9.0;
 /// The height of lamps above the ground.
 const LAMP: f32 = 4.0;
-pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
+/// The height of the eye of a figure.
+const EYE: f32 = 1.6;
+
+/// From where the crowd is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum View {
+    /// From above its edge.
+    Whole,
+    /// From its middle, level.
+    Within,
+}
+
+pub(super) fn setting(figures: usize, view: View) -> Result<Setting, ModelError> {
     let mut random = Random::new(3);
     let width = (GROUND * figures as f32).sqrt();
     let side = (figures as f32).sqrt().ceil().max(1.0) as usize;
@@ -41,9 +53,14 @@ pub(super) fn setting(figures: usize) -> Result<Setting, ModelError> {
         Walker { at, heading, phase }
     });
     let model = Model::new(vec![figure()?], vec![Instance::new(0, None); figures])?;
-    // Above the crowd's edge, looking down at its middle.
-    let eye = Vec3::new(0.0, 0.25 * width + 2.0, 0.55 * width + 4.0);
-    let forward = -eye.normalize();
+    let (eye, forward) = match view {
+        View::Whole => {
+            let eye = Vec3::new(0.0, 0.25 * width + 2.0, 0.55 * width + 4.0);
+            (eye, -eye.normalize())
+        }
+        // Where four squares meet.
+        View::Within => (Vec3::new(width * ((side / 2) as f32 / side as f32 - 0.5), EYE, 0.0), Vec3::NEG_Z),
+    };
     let camera = Camera { eye, right: Vec3::X, up: Vec3::X.cross(forward), forward, scale: [1.5; 2], near: 0.1 };
     Ok(Setting {
         pairs_in_range: distances.iter().filter(|distance| **distance <= range).count(),
@@ -68,7 +85,7 @@ mod tests {
     #[test]
     fn a_twentieth_of_the_pairs_matters() {
         for figures in [20, 100, 1000] {
-            let Setting { pairs_in_range, lights, casters, .. } = setting(figures).expect("figures");
+            let Setting { pairs_in_range, lights, casters, .. } = setting(figures, View::Whole).expect("figures");
             assert_eq!([lights.len(), casters.count()], [LAMPS, figures]);
             let share = pairs_in_range as f32 / (figures * LAMPS) as f32;
             assert!((0.045..=0.055).contains(&share), "{figures} figures: {share}");

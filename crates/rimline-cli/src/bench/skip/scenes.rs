@@ -2,6 +2,7 @@
 
 use rimline::ModelError;
 
+use super::crowd::View;
 use super::levels::Variant;
 use super::setting::Setting;
 use super::{big, city, crowd, moving, still};
@@ -15,8 +16,10 @@ pub(crate) enum SkipScene {
     CityAlong,
     /// The same, seen across the streets.
     CityOblique,
-    /// Skinned figures that walk.
+    /// Skinned figures that walk, seen as a whole.
     Crowd,
+    /// The same, seen by one of them.
+    CrowdWithin,
     /// Casters that all move, of which all matters.
     Moving,
     /// One mesh of about so many times 65,536 faces.
@@ -30,7 +33,7 @@ impl SkipScene {
             "big" if is_quick => Some(&[Self::Big(1)]),
             "still" => Some(&[Self::Still]),
             "city" => Some(&[Self::CityAlong, Self::CityOblique]),
-            "crowd" => Some(&[Self::Crowd]),
+            "crowd" => Some(&[Self::Crowd, Self::CrowdWithin]),
             "moving" => Some(&[Self::Moving]),
             "big" => Some(&[Self::Big(16), Self::Big(64), Self::Big(168), Self::Big(256)]),
             _ => None,
@@ -42,7 +45,7 @@ impl SkipScene {
         match self {
             Self::Still => "still",
             Self::CityAlong | Self::CityOblique => "city",
-            Self::Crowd => "crowd",
+            Self::Crowd | Self::CrowdWithin => "crowd",
             Self::Moving => "moving",
             Self::Big(_) => "big",
         }
@@ -54,6 +57,7 @@ impl SkipScene {
             Self::Still | Self::Crowd | Self::Moving | Self::Big(_) => "whole",
             Self::CityAlong => "along-street",
             Self::CityOblique => "oblique",
+            Self::CrowdWithin => "within",
         }
     }
 
@@ -66,6 +70,7 @@ impl SkipScene {
             Self::CityAlong => format!("city, {number} building{s}, along a street"),
             Self::CityOblique => format!("city, {number} building{s}, obliquely"),
             Self::Crowd => format!("crowd, {number} walking figure{s}"),
+            Self::CrowdWithin => format!("crowd, {number} walking figure{s}, from within"),
             Self::Moving => format!("moving, {number} caster{s} of which all matters"),
             Self::Big(size) => {
                 format!("big, a mesh of {} faces", super::super::grouped::grouped(big_faces(size)))
@@ -78,8 +83,8 @@ impl SkipScene {
         match (self, is_quick) {
             (Self::Big(_), _) => 1,
             (Self::Moving, false) => 200,
-            (Self::Still | Self::Crowd | Self::Moving, true) => 20,
-            (Self::Still | Self::Crowd, false) => 1000,
+            (Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving, true) => 20,
+            (Self::Still | Self::Crowd | Self::CrowdWithin, false) => 1000,
             (_, true) => 100,
             (_, false) => 10_000,
         }
@@ -103,7 +108,7 @@ impl SkipScene {
     /// The most casters that it is measured with.
     pub(crate) fn most(self) -> usize {
         match self {
-            Self::Still | Self::Crowd | Self::Moving => 1000,
+            Self::Still | Self::Crowd | Self::CrowdWithin | Self::Moving => 1000,
             Self::CityAlong | Self::CityOblique => usize::MAX,
             Self::Big(_) => 1,
         }
@@ -114,7 +119,8 @@ impl SkipScene {
             Self::Still => Ok(still::setting(casters)),
             Self::CityAlong => Ok(city::setting(casters, city::ALONG)),
             Self::CityOblique => Ok(city::setting(casters, city::OBLIQUE)),
-            Self::Crowd => crowd::setting(casters),
+            Self::Crowd => crowd::setting(casters, View::Whole),
+            Self::CrowdWithin => crowd::setting(casters, View::Within),
             Self::Moving => Ok(moving::setting(casters)),
             Self::Big(size) => Ok(big::setting(big_faces(size))),
         }

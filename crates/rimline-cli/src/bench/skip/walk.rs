@@ -144,7 +144,7 @@ mod tests {
     use rimline::mesh::Mesh;
     use rimline_measure::shapes::Shape;
 
-    use super::super::crowd::setting;
+    use super::super::crowd::{View, setting};
     use super::super::setting::{Casters, Setting};
     use super::super::tests::volume;
     use super::*;
@@ -155,7 +155,7 @@ mod tests {
         let mesh = Mesh::from_faces(figure.positions().len(), figure.faces().to_vec()).expect("a mesh");
         assert!(mesh.is_closed());
         assert_eq!(figure.faces().len(), 4032);
-        let Setting { casters: Casters::Walking(walk), .. } = setting(3).expect("three figures") else {
+        let Setting { casters: Casters::Walking(walk), .. } = setting(3, View::Whole).expect("three figures") else {
             panic!("the crowd walks")
         };
         let begin = walk.pose(0).expect("a pose");

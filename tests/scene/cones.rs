@@ -1,0 +1,266 @@
+//! Cones of spot lights: what is left out is outside of the cone, and little else is kept.
+
+use glam::{DAffine3, DMat3, DVec3};
+use rimline::gpu::{SceneError, SceneOptions};
+use rimline::reference::cpu::{self, SceneTable, may_be_in_cone};
+use rimline::reference::layout::LightCone;
+use rimline::{Cone, Light, LightError, Matrix3x4};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same};
+
+use crate::random_scene::{Content, Own, Placed, RandomScene};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("boxes_that_touch_a_cone_are_kept", touching),
+    ("boxes_beside_a_cone_are_left_out", beside),
+    ("cones_in_scenes_equal_their_twin_and_hide_nothing", scenes),
+];
+
+/// How far a place is inside of a cone: positive inside, by more for a place farther in. Relative to its distance.
+fn inside(cone: Cone, apex: DVec3, place: DVec3) -> f64 {
+    let axis = DVec3::from(cone.axis.map(f64::from)).normalize();
+    let away = place - apex;
+    if away.length() == 0.0 { 1.0 } else { away.normalize().dot(axis) - f64::from(cone.cosine) }
+}
+
+/// As a scene has the cone.
+fn packed(cone: Cone, apex: [f32; 3]) -> LightCone {
+    let axis = DVec3::from(cone.axis.map(f64::from)).normalize().as_vec3();
+    LightCone { apex: [apex[0], apex[1], apex[2], 1.0], axis: [axis.x, axis.y, axis.z, cone.cosine] }
+}
+
+fn random_cone(random: &mut Random) -> Cone {
+    let cosine = match random.below(8) {
+        0 => 0.0,
+        1 => 1.0,
+        2 => -1.0,
+        3 => random.between(0.99, 1.0),
+        _ => random.between(-1.0, 1.0),
+    };
+    let length = 10.0_f32.powf(random.between(-3.0, 3.0));
+    let axis = match random.below(3) {
+        0 => [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]][random.below(3)],
+        _ => random.direction(),
+    };
+    Cone { axis: axis.map(|c| c * length), cosine }
+}
+
+/// A direction at this angle from the axis, in radians.
+fn direction(random: &mut Random, axis: [f32; 3], angle: f64) -> DVec3 {
+    let axis = DVec3::from(axis.map(f64::from)).normalize();
+    let any = DVec3::from(random.direction().map(f64::from));
+    let across = (any - any.dot(axis) * axis).normalize_or_zero();
+    angle.cos() * axis + angle.sin() * across
+}
+
+/// A box with a place at a corner, on a side, or within.
+fn box_around(random: &mut Random, place: [f32; 3], size: f32) -> [[f32; 3]; 2] {
+    let mut ends = [place; 2];
+    for axis in 0..3 {
+        let which = random.below(3);
+        if which != 1 {
+            ends[0][axis] = place[axis] - random.between(0.0, size);
+        }
+        if which != 2 {
+            ends[1][axis] = place[axis] + random.between(0.0, size);
+        }
+    }
+    ends
+}
+
+/// A place in the cone or on its surface, at any distance and scale, and the apex itself.
+fn touching() -> Result<(), String> {
+    let seeds = 4601..if is_long() { 2_004_601 } else { 104_601 };
+    println!("seeds {seeds:?}");
+    let mut on_surface = 0;
+    for seed in seeds {
+        let mut random = Random::new(seed);
+        let cone = random_cone(&mut random);
+        let scale = 10.0_f32.powf(random.between(-4.0, 4.0));
+        let far = [0.0, 1.0, 100.0][random.below(3)];
+        let apex = [(); 3].map(|()| scale * random.between(-far, far));
+        let half_angle = f64::from(cone.cosine).acos();
+        let angle = half_angle
+            * [1.0, f64::from(random.between(0.99, 1.0)), f64::from(random.between(0.0, 1.0))][random.below(3)];
+        let distance = f64::from(scale) * [0.0, 1.0, f64::from(random.between(0.0, 3.0))][random.below(3)];
+        let from = DVec3::from(apex.map(f64::from));
+        let place = (from + distance * direction(&mut random, cone.axis, angle)).as_vec3().to_array();
+        // Rounding may have moved it out.
+        let is_inside = inside(cone, from, DVec3::from(place.map(f64::from))) >= 0.0;
+        if is_inside {
+            on_surface += usize::from(angle == half_angle);
+            let [low, high] = box_around(&mut random, place, scale);
+            if !may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
+                return Err(format!("seed {seed}: {cone:?} at {apex:?} has {place:?}, not {low:?} {high:?}"));
+            }
+        }
+    }
+    // Exactly on the surface: 3, 4 and 5.
+    for (cosine, corner, y) in
+        [(0.6_f32, [3.0_f32, 4.0, 0.0], 1.0), (-0.6, [-3.0, 4.0, 0.0], -1.0), (0.0, [0.0, 1.0, 2.0], 1.0)]
+    {
+        let cone = packed(Cone { axis: [1.0, 0.0, 0.0], cosine }, [0.0; 3]);
+        // Away from the cone, with the place at a corner.
+        let ends = [corner[1].min(corner[1] + y), corner[1].max(corner[1] + y)];
+        let [low, high] = [[corner[0] - 1.0, ends[0], corner[2]], [corner[0], ends[1], corner[2]]];
+        same("on the surface", &[may_be_in_cone(&cone, low, high, 0.0)], &[true])?;
+        let apart = [low, high].map(|[x, y, z]| [x - 0.01, y, z]);
+        same("beside it", &[may_be_in_cone(&cone, apart[0], apart[1], 0.0)], &[false])?;
+    }
+    // No cone, no box, and what is too large or no number.
+    let down = packed(Cone { axis: [0.0, -1.0, 0.0], cosine: 0.9 }, [0.0; 3]);
+    let up = [[-1.0, 2.0, -1.0], [1.0, 3.0, 1.0]];
+    let none = LightCone { apex: [0.0; 4], ..down };
+    let cases = [
+        (down, up, false),
+        (none, up, true),
+        (down, [up[1], up[0]], true),
+        (down, [up[0], [1.0, f32::NAN, 1.0]], true),
+        (down, up.map(|c| c.map(|c| 1e25 * c)), true),
+        (down, up.map(|c| c.map(|c| 1e-12 * c)), true),
+    ];
+    for (cone, [low, high], expected) in cases {
+        same(&format!("{low:?} {high:?}"), &[may_be_in_cone(&cone, low, high, 0.0)], &[expected])?;
+    }
+    println!("{on_surface} places on surfaces");
+    if on_surface < 10_000 { Err("too few on surfaces".to_owned()) } else { Ok(()) }
+}
+
+/// Small boxes two degrees beside the cone, behind the light among them.
+fn beside() -> Result<(), String> {
+    let seeds = 4701..24_701;
+    println!("seeds {seeds:?}");
+    let mut count = 0;
+    for seed in seeds {
+        let mut random = Random::new(seed);
+        let cone = random_cone(&mut random);
+        let half_angle = f64::from(cone.cosine).acos();
+        let least = half_angle + 0.035;
+        if least >= std::f64::consts::PI {
+            continue;
+        }
+        let angle = match random.below(3) {
+            0 => std::f64::consts::PI,
+            _ => least + (std::f64::consts::PI - least) * f64::from(random.between(0.0, 1.0)),
+        };
+        let apex = random.direction();
+        let place = DVec3::from(apex.map(f64::from)) + 3.0 * direction(&mut random, cone.axis, angle);
+        let place = place.as_vec3().to_array();
+        let [low, high] = [place.map(|c| c - 0.03), place.map(|c| c + 0.03)];
+        if may_be_in_cone(&packed(cone, apex), low, high, 0.0) {
+            return Err(format!("seed {seed}: {cone:?} at {apex:?} keeps {place:?}"));
+        }
+        count += 1;
+    }
+    if count < 10_000 { Err(format!("{count} boxes")) } else { Ok(()) }
+}
+
+/// Whether some corner of a finite face is inside the light's cone, in `f64`.
+fn certainly_in_cone(content: &Content, own: &Own, light: Light) -> bool {
+    let Some(cone) = light.cone else { return true };
+    let (_, rest, mesh) = &*content.meshes[own.mesh].0;
+    let transform = |rows: &Matrix3x4| {
+        let column = |c: usize| DVec3::from(rows.map(|row| f64::from(row[c])));
+        DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
+    };
+    let apex = DVec3::from(light.xyz.map(f64::from)) / f64::from(light.w);
+    mesh.faces().iter().filter(|face| face.iter().all(|&vertex| cpu::is_finite(rest[vertex as usize]))).flatten().any(
+        |&vertex| {
+            let place = match &own.placed {
+                Placed::World(world) => DVec3::from(world[vertex as usize].map(f64::from)),
+                Placed::Rigid(rows) => {
+                    transform(rows).transform_point3(DVec3::from(rest[vertex as usize].map(f64::from)))
+                }
+            };
+            inside(cone, apex, place) > 0.0
+        },
+    )
+}
+
+/// The table with another cosine for all cones.
+fn with_cosines(table: &[[u32; 4]], cones_at: u32, batches: u32, by: f32) -> Vec<[u32; 4]> {
+    let mut table = table.to_vec();
+    for light in 0..32 * batches {
+        let cosine = &mut table[(cones_at + 2 * light + 1) as usize][3];
+        *cosine = (f32::from_bits(*cosine) + by).clamp(-1.0, 1.0).to_bits();
+    }
+    table
+}
+
+fn scenes() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut left_out, mut kept, mut noticed) = (0, 0, 0);
+    for seed in 4801..if is_long() { 4951 } else { 4831 } {
+        println!("seed {seed}");
+        let options = SceneOptions { max_lights: 40, ..Default::default() };
+        let mut scene = RandomScene::new(gpu, seed, options)?;
+        for _ in 0..=scene.random.below(40) {
+            scene.add_light()?;
+        }
+        for _ in 0..=scene.random.below(20) {
+            scene.insert(gpu)?;
+        }
+        for step in 0..2 {
+            for index in 0..scene.content.lights.len() {
+                let cone = random_cone(&mut scene.random);
+                let (handle, light) = &mut scene.content.lights[index];
+                light.cone = (step == 0 || scene.random.below(2) == 0).then_some(cone);
+                scene.scene.set_light(*handle, *light).map_err(text)?;
+            }
+            let frame = gpu.submit(|encoder| scene.encode(encoder))?;
+            let results = frame.results().map_err(text)?;
+            let first = results.groups.first().ok_or("no group")?.dispatch;
+            let table: Vec<[u32; 4]> = gpu.read(results.table, usize::MAX)?;
+            let lit: Vec<u32> = gpu.read(results.lit, (first.casters * first.batches) as usize)?;
+            let cones_at = first.ranges_at + 16 * first.batches + 1;
+            let twin = |by| cpu::reach(SceneTable(&with_cosines(&table, cones_at, first.batches, by)), &first, &[]);
+            let (least, exact, most) = (twin(1e-3), twin(0.0), twin(-1e-3));
+            // Within a hair of a cone's surface rounding may decide.
+            let check = |lit: &[u32]| {
+                let certain = |at: usize| !((least[at] ^ exact[at]) | (most[at] ^ exact[at]));
+                let wrong = (0..lit.len()).find(|&at| (lit[at] ^ exact[at]) & certain(at) != 0);
+                wrong.map_or(Ok(()), |at| Err(format!("pair {at}: {:b}, twin {:b}", lit[at], exact[at])))
+            };
+            check(&lit)?;
+            if let Some(at) = (0..lit.len()).find(|&at| least[at] & exact[at] & most[at] != 0) {
+                let mut wrong = lit.clone();
+                wrong[at] = 0;
+                must_fail("a light that is left out", &check(&wrong))?;
+            }
+            // Those left out because of the cone alone: they have no corner in it.
+            let mut uncut = table.clone();
+            uncut[cones_at as usize..][..64 * first.batches as usize].fill([0; 4]);
+            let uncut = cpu::reach(SceneTable(&uncut), &first, &[]);
+            for own in &scene.content.casters {
+                let (index, _) = frame.place(own.handle).ok_or("the frame lacks a caster")?;
+                for (handle, light) in &scene.content.lights {
+                    let (batch, bit) = (handle.bit() / 32, handle.bit() % 32);
+                    let at = (batch * first.casters + index) as usize;
+                    if uncut[at] >> bit & 1 == 0 {
+                        continue;
+                    }
+                    let is_in = certainly_in_cone(&scene.content, own, *light);
+                    match (lit[at] >> bit & 1 != 0, is_in) {
+                        (false, true) => {
+                            return Err(format!("caster {index} has a corner in the cone of {light:?}"));
+                        }
+                        (false, false) => left_out += 1,
+                        (true, is_in) => {
+                            kept += 1;
+                            noticed += usize::from(is_in);
+                        }
+                    }
+                }
+            }
+        }
+        let refused =
+            scene.scene.add_light(Light::point([0.0; 3]).with_cone(Cone { axis: [0.0; 3], cosine: 0.5 })).err();
+        let error = LightError::Cone { index: 0, axis: [0.0; 3], cosine: 0.5 };
+        same("a cone without an axis", &[refused], &[Some(SceneError::Light(error))])?;
+    }
+    println!("{left_out} pairs left out by cones, {noticed} of {kept} others with a corner inside");
+    if left_out < 500 || noticed < 500 { Err("too few of a kind".to_owned()) } else { Ok(()) }
+}
