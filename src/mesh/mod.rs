@@ -1,4 +1,4 @@
-//! Triangle meshes as the extraction needs them: faces, welded vertices, edge records.
+//! Meshes as the extraction needs them: triangles or polygons, welded vertices, edge records.
 
 #[cfg(feature = "reference")]
 mod bounds;
@@ -6,6 +6,7 @@ mod bounds;
 pub(crate) mod clusters;
 mod diagnostics;
 mod faces;
+mod polygons;
 mod topology;
 pub(crate) mod weld;
 
@@ -15,5 +16,6 @@ pub use diagnostics::MeshDiagnostics;
 pub(crate) use faces::MeshId;
 pub use faces::{MAX_FACES, Mesh, MeshError};
 pub(crate) use topology::is_degenerate;
+pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 pub use weld::{Weld, WeldCounts};
