@@ -90,11 +90,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`] for no polygons or too many, arrays that do not fit together, a loop of fewer than three corners,
     /// or a corner out of range.
-    pub fn from_polygons(
-        positions: &[[f32; 3]],
-        polygons: PolygonLoops<'_>,
-        weld: Weld,
-    ) -> Result<Self, MeshError> {
+    pub fn from_polygons(positions: &[[f32; 3]], polygons: PolygonLoops<'_>, weld: Weld) -> Result<Self, MeshError> {
         let (groups, counts) = weld::weld_positions(positions, weld);
         let (polygons, triangles) = Polygons::new(positions, polygons, &groups)?;
         if polygons.are_triangles() {
@@ -249,7 +245,9 @@ pub enum MeshError {
         corners: usize,
     },
     /// There are more loops than the polygons have.
-    #[error("{loops} loops are left over after the last polygon; the numbers of loops must add up to the loop sizes given")]
+    #[error(
+        "{loops} loops are left over after the last polygon; the numbers of loops must add up to the loop sizes given"
+    )]
     LoopsLeftOver {
         /// Loops that belong to no polygon.
         loops: usize,

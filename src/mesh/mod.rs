@@ -15,7 +15,7 @@ pub use bounds::Bounds;
 pub use diagnostics::MeshDiagnostics;
 pub(crate) use faces::MeshId;
 pub use faces::{MAX_FACES, Mesh, MeshError};
-pub(crate) use topology::is_degenerate;
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
+pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 pub use weld::{Weld, WeldCounts};

@@ -59,7 +59,9 @@ fn check_boundaries(mesh: &Mesh, triangles: &[[u32; 3]]) -> Outcome {
         }
         let found = chain_of_loops(triangles.iter().map(|face| face.as_slice()));
         if found != expected {
-            return Err(format!("the triangles of polygon {polygon} have the boundary {found:?}, expected {expected:?}"));
+            return Err(format!(
+                "the triangles of polygon {polygon} have the boundary {found:?}, expected {expected:?}"
+            ));
         }
     }
     if next == mesh.faces().len() { Ok(()) } else { Err("triangles are left over".to_owned()) }
@@ -161,7 +163,10 @@ fn sides_of_loops(mesh: &Mesh, set: &PolygonSet) -> Sides {
         // Names after welding: those of the mesh, found by position.
         let polygons = mesh.polygons().expect("polygons");
         let named: Vec<&[u32]> = polygons.loops(face as usize).collect();
-        assert_eq!(named.iter().map(|corners| corners.len()).collect::<Vec<_>>(), loops.iter().map(Vec::len).collect::<Vec<_>>());
+        assert_eq!(
+            named.iter().map(|corners| corners.len()).collect::<Vec<_>>(),
+            loops.iter().map(Vec::len).collect::<Vec<_>>()
+        );
         for (key, count) in chain_of_loops(named) {
             let list = &mut sides.entry(key).or_default()[usize::from(count < 0)];
             list.extend(std::iter::repeat_n(face, count.unsigned_abs() as usize));
@@ -175,7 +180,8 @@ fn records_hold_the_outlines() -> Outcome {
     for seed in 0..3_000 {
         let mut random = Random::new(seed);
         let vertices = 4 + random.below(12);
-        let mut set = PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
+        let mut set =
+            PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
         for _ in 0..1 + random.below(8) {
             let loops: Vec<Vec<u32>> = (0..1 + random.below(2))
                 .map(|_| (0..3 + random.below(5)).map(|_| random.below(vertices) as u32).collect())
@@ -257,7 +263,10 @@ fn a_bridge_is_no_edge() {
 
 #[test]
 fn an_edge_walked_twice_is_an_edge_of_one_face_on_both_sides() {
-    let mut set = PolygonSet { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Default::default() };
+    let mut set = PolygonSet {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        ..Default::default()
+    };
     set.push(&[vec![0, 1, 2, 0, 1, 3]]);
     let mesh = set.mesh(Weld::Keep).expect("a mesh");
     let twice: Vec<_> = mesh.edges().iter().filter(|edge| edge.face_1 == Some(0)).collect();
@@ -278,7 +287,10 @@ fn what_is_wrong_is_named() {
         refused(&[2], &[3, 2], &[0, 1, 2, 3, 0]),
         MeshError::LoopTooSmall { polygon: 0, loop_index: 1, corners: 2 }
     );
-    assert_eq!(refused(&[1, 2], &[3, 3], &[0, 1, 2, 3, 0, 1]), MeshError::MissingLoops { polygon: 1, loop_index: 1, loops: 2 });
+    assert_eq!(
+        refused(&[1, 2], &[3, 3], &[0, 1, 2, 3, 0, 1]),
+        MeshError::MissingLoops { polygon: 1, loop_index: 1, loops: 2 }
+    );
     assert_eq!(
         refused(&[1, 1], &[3, 4], &[0, 1, 2, 3, 0, 1]),
         MeshError::MissingCorners { polygon: 1, loop_index: 0, corners: 6 }
@@ -287,10 +299,7 @@ fn what_is_wrong_is_named() {
     assert_eq!(refused(&[1], &[3], &[0, 1, 2, 0]), MeshError::CornersLeftOver { corners: 1 });
     let error = refused(&[1, 2], &[3, 3, 4], &[0, 1, 2, 3, 2, 1, 0, 1, 4, 2]);
     assert_eq!(error, MeshError::CornerOutOfRange { polygon: 1, loop_index: 1, corner: 2, index: 4, vertices: 4 });
-    assert_eq!(
-        error.to_string(),
-        "corner 2 of loop 1 of polygon 1 names vertex 4, but there are 4 vertices"
-    );
+    assert_eq!(error.to_string(), "corner 2 of loop 1 of polygon 1 names vertex 4, but there are 4 vertices");
     let size = (1 << 24) + 1;
     assert_eq!(refused(&[1], &[size], &vec![0; size as usize]), MeshError::PolygonTooLarge { polygon: 0 });
     // Sizes that would overflow a sum.

@@ -117,9 +117,8 @@ pub fn random_polygon(random: &mut Random, most: usize) -> (&'static str, Polygo
             let vertices = 3 + random.below(6);
             set.positions = (0..vertices).map(|_| lattice(random, 3)).collect();
             let loops = 1 + random.below(3);
-            let loops: Vec<Vec<u32>> = (0..loops)
-                .map(|_| (0..3 + random.below(7)).map(|_| random.below(vertices) as u32).collect())
-                .collect();
+            let loops: Vec<Vec<u32>> =
+                (0..loops).map(|_| (0..3 + random.below(7)).map(|_| random.below(vertices) as u32).collect()).collect();
             set.push(&loops);
             "repeated vertices"
         }

@@ -74,7 +74,9 @@ impl Triangulator {
         let found = self.found.as_chunks::<3>().0.iter().map(|face| face.map(|index| self.vertices[index as usize]));
         let area = found.clone().map(|face| doubled_area(face.map(flat))).sum::<f64>();
         triangles.extend(
-            found.filter(|&[a, b, c]| a != b && b != c && c != a).map(|[a, b, c]| if area < 0.0 { [a, c, b] } else { [a, b, c] }),
+            found
+                .filter(|&[a, b, c]| a != b && b != c && c != a)
+                .map(|[a, b, c]| if area < 0.0 { [a, c, b] } else { [a, b, c] }),
         );
     }
 }
@@ -103,4 +105,3 @@ fn plane(loops: impl Iterator<Item = impl ExactSizeIterator<Item = [f64; 3]> + C
 fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
-
