@@ -1,0 +1,1 @@
+//! Extraction of polygon meshes: masks against sums over faces.
