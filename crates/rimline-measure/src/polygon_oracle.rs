@@ -57,8 +57,7 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
         *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
     }
     let Some(projection) = Projection::new(&edges, &moved, w) else { return Found { seen: Seen::Twisted, touches } };
-    let flat: Vec<[Point; 2]> =
-        edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect();
+    let flat: Vec<[Point; 2]> = edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect();
     let windings = windings(&flat);
     let is_within = |allowed: [i32; 2]| windings.iter().all(|winding| allowed.contains(winding));
     let seen = match () {
@@ -223,8 +222,7 @@ fn is_in_plane(edges: &[[Vector; 2]], l: &Vector, w: &BigInt) -> bool {
         let to_light: Vector = std::array::from_fn(|axis| &l[axis] - w * &a[axis]);
         sign(&dot(&cross(&minus(b, a), &minus(c, a)), &to_light)) == 0
     };
-    (0..corners.len())
-        .all(|i| (0..i).all(|j| (0..j).all(|k| is_level(corners[i], corners[j], corners[k]))))
+    (0..corners.len()).all(|i| (0..i).all(|j| (0..j).all(|k| is_level(corners[i], corners[j], corners[k]))))
 }
 
 /// Whether two edges meet in space elsewhere than at an end of both.
@@ -257,7 +255,8 @@ fn windings(edges: &[[Point; 2]]) -> BTreeSet<i32> {
     for (i, [p, q]) in edges.iter().enumerate() {
         for (j, [r, s]) in edges.iter().enumerate().take(i) {
             let side = |line: &[BigInt; 3], p: &Point| sign(&(&line[0] * &p.x + &line[1] * &p.y + &line[2] * &p.z));
-            let is_crossing = side(&lines[i], r) * side(&lines[i], s) < 0 && side(&lines[j], p) * side(&lines[j], q) < 0;
+            let is_crossing =
+                side(&lines[i], r) * side(&lines[i], s) < 0 && side(&lines[j], p) * side(&lines[j], q) < 0;
             if is_crossing {
                 let [x, _, z] = cross(&lines[i], &lines[j]);
                 cuts.push(if sign(&z) < 0 { (-x, -z) } else { (x, z) });
