@@ -131,6 +131,44 @@ fn triangles_of_planar_polygons_cover_them() {
     assert!(checked > 400, "{checked}");
 }
 
+/// A plate with square holes on a grid of whole numbers, whose area is known.
+#[test]
+fn holes_stay_open() {
+    for seed in 0..200 {
+        let mut random = Random::new(seed);
+        let slope = random.below(5) as f32 - 2.0;
+        let square = |x: f32, y: f32, size: f32| {
+            [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]].map(|[u, v]| [x + u, y + v, slope * (x + u)])
+        };
+        let mut loops = vec![square(0.0, 0.0, 10.0).to_vec()];
+        let mut area = 100.0;
+        for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
+            if random.below(2) == 0 {
+                let mut hole =
+                    square(3.0 * x as f32 + 1.0, 3.0 * y as f32 + 1.0, 1.0 + random.below(2) as f32).to_vec();
+                area -= (hole[1][0] - hole[0][0]).powi(2);
+                hole.reverse();
+                loops.push(hole);
+            }
+        }
+        let turned_over = random.below(2) == 0;
+        if turned_over {
+            loops.iter_mut().for_each(|points| points.reverse());
+            area = -area;
+        }
+        let mut set = PolygonSet::default();
+        set.push_points(&loops);
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        let doubled = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|v| set.positions[v as usize]);
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        let parts: Vec<f32> = mesh.faces().iter().map(doubled).collect();
+        assert_eq!(parts.iter().sum::<f32>(), 2.0 * area, "seed {seed}");
+        assert_eq!(parts.iter().map(|part| part.abs()).sum::<f32>(), 2.0 * area.abs(), "seed {seed}: turned triangles");
+    }
+}
+
 /// What records say of each pair of vertices: the faces that run upwards, and those that run downwards.
 type Sides = BTreeMap<[u32; 2], [Vec<u32>; 2]>;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rimline::Light;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Seen, convex, fits_half_space};
+use rimline::reference::cpu::{Outline, Seen, convex, edge_pair, fits_half_space};
 use rimline_measure::polygons::{PolygonSet, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle};
@@ -155,6 +155,41 @@ fn an_outline_around_the_light_is_twisted() {
     assert_eq!(seen(&loops(&[&fence]), light), Seen::Twisted);
     assert_eq!(seen(&loops(&[&fence]), Light::point([0.0, 0.0, 1.0])), Seen::Facing);
     assert!(fits_half_space(&fence[..4], light.to_array()));
+}
+
+/// Edges on opposite sides of the light have lines of sight in common, but no direction.
+#[test]
+fn opposite_directions_do_not_cross() {
+    let light = [0.0, 0.0, 0.0, 1.0];
+    let across = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    let along = [[0.0, -2.0, 2.0], [0.0, 2.0, 2.0]];
+    let opposite = along.map(|point| point.map(|c: f32| -c));
+    assert!(edge_pair(across, along, light).meets && edge_pair(along, across, light).meets);
+    assert!(!edge_pair(across, opposite, light).meets && !edge_pair(opposite, across, light).meets);
+    let beside = along.map(|[x, y, z]| [x + 2.5, y, z]);
+    assert!(!edge_pair(across, beside, light).meets);
+}
+
+#[test]
+fn edges_in_line_meet_where_they_overlap() {
+    let on_line = |from: f32, to: f32| [[from, 2.0 * from, 0.0], [to, 2.0 * to, 0.0]];
+    for (other, meets) in [
+        (on_line(1.0, 2.0), true),
+        (on_line(2.0, 1.0), true),
+        (on_line(-1.0, 4.0), true),
+        (on_line(2.0, 5.0), true),
+        (on_line(4.0, 5.0), false),
+        (on_line(-1.0, -2.0), false),
+        // With an end in common.
+        (on_line(3.0, 4.0), false),
+        (on_line(3.0, 1.0), true),
+        (on_line(0.0, 5.0), true),
+        (on_line(3.0, 0.0), true),
+    ] {
+        let edge = on_line(0.0, 3.0);
+        assert_eq!(edge_pair(edge, other, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
+        assert_eq!(edge_pair(other, edge, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
+    }
 }
 
 /// Two lobes that meet at a vertex: it is an ordinary corner, twice.

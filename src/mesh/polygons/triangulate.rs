@@ -49,7 +49,7 @@ impl Triangulator {
         self.open.append_fans(triangles);
     }
 
-    /// Appends what `earcut` finds, wound as the polygon is.
+    /// Appends what `earcut` finds.
     fn cut_ears<'a>(
         &mut self,
         triangles: &mut Vec<[u32; 3]>,
@@ -72,12 +72,8 @@ impl Triangulator {
         let earcut = self.earcut.get_or_insert_with(Earcut::new);
         earcut.earcut(self.points.iter().copied(), &self.holes, &mut self.found);
         let found = self.found.as_chunks::<3>().0.iter().map(|face| face.map(|index| self.vertices[index as usize]));
-        let area = found.clone().map(|face| doubled_area(face.map(flat))).sum::<f64>();
-        triangles.extend(
-            found
-                .filter(|&[a, b, c]| a != b && b != c && c != a)
-                .map(|[a, b, c]| if area < 0.0 { [a, c, b] } else { [a, b, c] }),
-        );
+        // The projection is counter-clockwise, and so are these.
+        triangles.extend(found.filter(|&[a, b, c]| a != b && b != c && c != a));
     }
 }
 
@@ -100,8 +96,4 @@ fn plane(loops: impl Iterator<Item = impl ExactSizeIterator<Item = [f64; 3]> + C
     let (y, z) = ((axis + 1) % 3, (axis + 2) % 3);
     let is_flat = normal.iter().all(|&n| n == 0.0) || !normal.iter().all(|n: &f64| n.is_finite());
     (!is_flat).then_some(if normal[axis] > 0.0 { [y, z] } else { [z, y] })
-}
-
-fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
