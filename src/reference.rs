@@ -97,6 +97,11 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
+    pub use crate::cpu::polygon::convex::convex;
+    pub use crate::cpu::polygon::edge_pair::{EdgePair, edge_pair};
+    pub use crate::cpu::polygon::half_space::fits_half_space;
+    pub use crate::cpu::polygon::outline::{Outline, Seen};
+    pub use crate::cpu::polygon::polygon_facing::{PolygonMasks, polygon_facing};
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;

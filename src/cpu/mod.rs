@@ -6,6 +6,7 @@
 pub(crate) mod common;
 pub(crate) mod deform;
 pub(crate) mod extract;
+pub(crate) mod polygon;
 pub(crate) mod query;
 #[cfg(feature = "reference")]
 pub(crate) mod scene;

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::polygons::{PolygonLoops, Polygons};
 use super::topology::{EdgeCounts, EdgeRecords, is_degenerate};
 use super::weld::{self, Weld, WeldCounts};
 
@@ -10,6 +11,9 @@ use super::weld::{self, Weld, WeldCounts};
 pub const MAX_FACES: usize = (1 << 31) / 3;
 
 /// The faces of a mesh over welded vertices, and the edge records between them. Positions are not kept.
+///
+/// Faces are triangles, or polygons. A mesh of polygons also has triangles, which are its surface. Edge records and
+/// facing masks never see those: a polygon is one face.
 ///
 /// Vertices keep the caller's numbering. Faces and records name each welded group by its lowest source index, so the
 /// stages read the caller's own position buffer as it is.
@@ -20,7 +24,9 @@ pub const MAX_FACES: usize = (1 << 31) / 3;
 pub struct Mesh {
     id: MeshId,
     vertex_count: u32,
+    /// The faces, or the triangles of the polygons.
     faces: Vec<[u32; 3]>,
+    polygons: Option<Polygons>,
     edges: EdgeRecords,
     weld: WeldCounts,
 }
@@ -36,11 +42,12 @@ impl MeshId {
     }
 }
 
-/// Compares vertex counts, faces, records and weld counts.
+/// Compares vertex counts, faces, polygons, records and weld counts.
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
-        let Self { id: _, vertex_count, faces, edges, weld } = self;
-        (vertex_count, faces, edges, weld) == (&other.vertex_count, &other.faces, &other.edges, &other.weld)
+        let Self { id: _, vertex_count, faces, polygons, edges, weld } = self;
+        (vertex_count, faces, polygons, edges, weld)
+            == (&other.vertex_count, &other.faces, &other.polygons, &other.edges, &other.weld)
     }
 }
 
@@ -73,9 +80,35 @@ impl Mesh {
         Ok(Self::build(vertex_count, faces, WeldCounts::kept(vertex_count)))
     }
 
+    /// Welds vertices and builds the edge records between polygons, planar or not. A polygon is one face, so its inner
+    /// diagonals are no edges. An edge that a polygon walks both ways is none either: the bridge to a hole. Polygons
+    /// that are all triangles make the same mesh as [`Self::new`].
+    ///
+    /// `positions` also decide the triangles that are the surface of each polygon. These stay as they are when vertices
+    /// move.
+    ///
+    /// # Errors
+    /// [`MeshError`] for no polygons or too many, arrays that do not fit together, a loop of fewer than three corners,
+    /// or a corner out of range.
+    pub fn from_polygons(positions: &[[f32; 3]], polygons: PolygonLoops<'_>, weld: Weld) -> Result<Self, MeshError> {
+        let (groups, counts) = weld::weld_positions(positions, weld);
+        let (polygons, triangles) = Polygons::new(positions, polygons, &groups)?;
+        if polygons.are_triangles() {
+            return Ok(Self::build(positions.len(), polygons.into_triangles(), counts));
+        }
+        Ok(Self {
+            id: MeshId::next(),
+            vertex_count: positions.len() as u32,
+            edges: EdgeRecords::build(positions.len(), &polygons),
+            faces: triangles,
+            polygons: Some(polygons),
+            weld: counts,
+        })
+    }
+
     fn build(vertex_count: usize, faces: Vec<[u32; 3]>, weld: WeldCounts) -> Self {
-        let edges = EdgeRecords::build(vertex_count, &faces);
-        Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, edges, weld }
+        let edges = EdgeRecords::build(vertex_count, &*faces);
+        Self { id: MeshId::next(), vertex_count: vertex_count as u32, faces, polygons: None, edges, weld }
     }
 
     /// The identity of this mesh.
@@ -88,9 +121,21 @@ impl Mesh {
         self.vertex_count
     }
 
-    /// Counter-clockwise triangles in the order given, as vertex indices. Degenerate faces are included.
+    /// Counter-clockwise triangles, as vertex indices: the surface of the mesh, which callers draw. In a mesh of
+    /// triangles these are the faces in the order given, degenerate ones included. In a mesh of polygons they are the
+    /// triangles of one polygon after the other: see [`Polygons::triangles`].
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// The number of faces, which edge records name and of which each has a facing mask: polygons or triangles.
+    pub fn face_count(&self) -> usize {
+        self.polygons.as_ref().map_or(self.faces.len(), Polygons::len)
+    }
+
+    /// The polygons. `None` if all faces are triangles.
+    pub fn polygons(&self) -> Option<&Polygons> {
+        self.polygons.as_ref()
     }
 
     /// The edge records.
@@ -109,8 +154,12 @@ impl Mesh {
         inconsistent == 0 && boundary == 0
     }
 
-    /// The number of faces that name a vertex twice. They face no light and have no edge records.
+    /// The number of faces without edge records: triangles that name a vertex twice, and polygons that walk all their
+    /// edges both ways. They face no light.
     pub fn degenerate_faces(&self) -> usize {
+        if let Some(polygons) = &self.polygons {
+            return (0..polygons.len()).filter(|&polygon| polygons.outline(polygon).is_empty()).count();
+        }
         self.faces.iter().filter(|face| is_degenerate(**face)).count()
     }
 
@@ -155,6 +204,84 @@ pub enum MeshError {
     #[error("the mesh has {vertices} vertices, more than u32 indices can name; split it")]
     TooManyVertices {
         /// Vertices given.
+        vertices: usize,
+    },
+    /// The polygons have more corners than edge indices can count.
+    #[error("the polygons have {corners} corners, more than the {} that edge indices can count; split the mesh", 3 * MAX_FACES)]
+    TooManyCorners {
+        /// Corners given.
+        corners: usize,
+    },
+    /// A polygon has more corners than [`MAX_POLYGON_CORNERS`](super::MAX_POLYGON_CORNERS).
+    #[error("polygon {polygon} has more than {} corners; cut it into several", super::MAX_POLYGON_CORNERS)]
+    PolygonTooLarge {
+        /// The polygon's index.
+        polygon: usize,
+    },
+    /// A polygon has no loop.
+    #[error("polygon {polygon} has no loops; a polygon needs an outer loop, so leave it out")]
+    PolygonWithoutLoops {
+        /// The polygon's index.
+        polygon: usize,
+    },
+    /// There are fewer loops than the polygons have.
+    #[error("loop {loop_index} of polygon {polygon} has no size: only {loops} loop sizes are given")]
+    MissingLoops {
+        /// The polygon's index.
+        polygon: usize,
+        /// The loop's index in the polygon. 0 is the outer loop.
+        loop_index: usize,
+        /// Loop sizes given.
+        loops: usize,
+    },
+    /// There are fewer corners than the loops have.
+    #[error("loop {loop_index} of polygon {polygon} ends after the last of the {corners} corners that are given")]
+    MissingCorners {
+        /// The polygon's index.
+        polygon: usize,
+        /// The loop's index in the polygon. 0 is the outer loop.
+        loop_index: usize,
+        /// Corners given.
+        corners: usize,
+    },
+    /// There are more loops than the polygons have.
+    #[error(
+        "{loops} loops are left over after the last polygon; the numbers of loops must add up to the loop sizes given"
+    )]
+    LoopsLeftOver {
+        /// Loops that belong to no polygon.
+        loops: usize,
+    },
+    /// There are more corners than the loops have.
+    #[error("{corners} corners are left over after the last loop; the loop sizes must add up to the corners given")]
+    CornersLeftOver {
+        /// Corners that belong to no loop.
+        corners: usize,
+    },
+    /// A loop has fewer than three corners.
+    #[error("loop {loop_index} of polygon {polygon} has {corners} corners; a loop needs at least 3")]
+    LoopTooSmall {
+        /// The polygon's index.
+        polygon: usize,
+        /// The loop's index in the polygon. 0 is the outer loop.
+        loop_index: usize,
+        /// Corners of the loop.
+        corners: usize,
+    },
+    /// A corner of a polygon names a vertex that does not exist.
+    #[error(
+        "corner {corner} of loop {loop_index} of polygon {polygon} names vertex {index}, but there are {vertices} vertices"
+    )]
+    CornerOutOfRange {
+        /// The polygon's index.
+        polygon: usize,
+        /// The loop's index in the polygon. 0 is the outer loop.
+        loop_index: usize,
+        /// The corner's index in the loop.
+        corner: usize,
+        /// The vertex that it names.
+        index: u32,
+        /// Vertices of the mesh.
         vertices: usize,
     },
     /// A face names a vertex that does not exist.

@@ -1,10 +1,11 @@
-//! Triangle meshes as the extraction needs them: faces, welded vertices, edge records.
+//! Meshes as the extraction needs them: triangles or polygons, welded vertices, edge records.
 
 #[cfg(feature = "reference")]
 mod bounds;
 pub(crate) mod clusters;
 mod diagnostics;
 mod faces;
+mod polygons;
 mod topology;
 pub(crate) mod weld;
 
@@ -13,6 +14,7 @@ pub use bounds::Bounds;
 pub use diagnostics::MeshDiagnostics;
 pub(crate) use faces::MeshId;
 pub use faces::{MAX_FACES, Mesh, MeshError};
+pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};
 pub use weld::{Weld, WeldCounts};

@@ -1,4 +1,4 @@
-//! Edge records: which faces meet at each edge, for any set of triangles.
+//! Edge records: which faces meet at each edge, for any set of triangles or polygons.
 //!
 //! Stable counting sorts order the half-edges by their two vertices, so the time is linear. A run of equal vertex pairs
 //! holds all faces at one edge, lowest face first. It is split into records of at most two faces.
@@ -20,7 +20,8 @@ pub enum EdgeKind {
 pub struct Edge {
     /// The vertices `(a, b)`. Face 0 traverses the edge `a→b`.
     pub vertices: [u32; 2],
-    /// Face 0. Its index is lower than that of face 1.
+    /// Face 0. Its index is lower than that of face 1. It is the same where a polygon walks the edge twice, both times
+    /// `a→b`.
     pub face_0: u32,
     /// Face 1, if there is one.
     pub face_1: Option<u32>,
@@ -99,32 +100,63 @@ impl EdgeRecords {
         size_of_val(&*self.vertices) + size_of_val(&*self.faces)
     }
 
-    /// Builds the records of `faces`, whose indices are below `vertex_count`.
-    pub(super) fn build(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
+    /// Builds the records of faces whose vertices are below `vertex_count`.
+    pub(super) fn build(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Self {
         let mates = pair_half_edges(vertex_count, faces);
         let count = mates.iter().enumerate().filter(|&(half_edge, &mate)| is_first(half_edge, mate)).count();
         let (mut vertices, mut packed) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut counts = EdgeCounts::default();
-        for (face, (corners, mates)) in faces.iter().zip(mates.chunks_exact(3)).enumerate() {
-            for (corner, &mate) in mates.iter().enumerate() {
-                if !is_first(3 * face + corner, mate) {
-                    continue;
-                }
-                let face = face as u32;
-                let [a, b] = [corners[corner], corners[NEXT[corner]]];
-                vertices.push([a, b]);
-                if mate == BOUNDARY {
-                    counts.boundary += 1;
-                    packed.push([face, NO_FACE]);
-                } else {
-                    let inconsistent = mate & INCONSISTENT_BIT;
-                    counts.inconsistent += usize::from(inconsistent != 0);
-                    counts.consistent += usize::from(inconsistent == 0);
-                    packed.push([face | inconsistent, (mate & !INCONSISTENT_BIT) / 3]);
-                }
+        let face_of = faces.faces();
+        faces.visit(|half_edge, edge| {
+            let mate = mates[half_edge as usize];
+            if !is_first(half_edge as usize, mate) {
+                return;
+            }
+            vertices.push(edge);
+            let face = face_of(half_edge);
+            if mate == BOUNDARY {
+                counts.boundary += 1;
+                packed.push([face, NO_FACE]);
+            } else {
+                let inconsistent = mate & INCONSISTENT_BIT;
+                counts.inconsistent += usize::from(inconsistent != 0);
+                counts.consistent += usize::from(inconsistent == 0);
+                packed.push([face | inconsistent, face_of(mate & !INCONSISTENT_BIT)]);
+            }
+        });
+        Self { vertices, faces: packed, counts }
+    }
+}
+
+/// The directed edges of faces. Each has a number, by which they are ordered: by face, and by corner in a face.
+pub(super) trait HalfEdges {
+    /// One more than the largest number there may be, at most `3·MAX_FACES`.
+    fn places(&self) -> usize;
+    /// Calls `visit(number, [a, b])` for each half-edge, in order. `a` and `b` differ.
+    fn visit(&self, visit: impl FnMut(u32, [u32; 2]));
+    /// The function from a half-edge's number to its face.
+    fn faces(&self) -> impl Fn(u32) -> u32;
+}
+
+/// Triangles: corner `c` of face `f` begins the half-edge `3·f + c`. Degenerate faces have none.
+impl HalfEdges for [[u32; 3]] {
+    fn places(&self) -> usize {
+        3 * self.len()
+    }
+
+    fn visit(&self, mut visit: impl FnMut(u32, [u32; 2])) {
+        for (face, &corners) in self.iter().enumerate() {
+            if is_degenerate(corners) {
+                continue;
+            }
+            for (corner, next) in NEXT.into_iter().enumerate() {
+                visit((3 * face + corner) as u32, [corners[corner], corners[next]]);
             }
         }
-        Self { vertices, faces: packed, counts }
+    }
+
+    fn faces(&self) -> impl Fn(u32) -> u32 {
+        |half_edge| half_edge / 3
     }
 }
 
@@ -142,12 +174,12 @@ const NEXT: [usize; 3] = [1, 2, 0];
 /// The mate of a half-edge without a mate. No half-edge has this number, with or without [`INCONSISTENT_BIT`]: the
 /// largest number is `3·MAX_FACES − 1`, which is 2³¹ − 3.
 const BOUNDARY: u32 = u32::MAX;
-/// The mate of a half-edge of a degenerate face. It belongs to no record.
-const DEGENERATE: u32 = u32::MAX - 1;
+/// The mate where a number has no half-edge, in a degenerate face.
+const UNUSED: u32 = u32::MAX - 1;
 
 /// Whether a half-edge belongs to face 0 of its record. The record is written at its place.
 fn is_first(half_edge: usize, mate: u32) -> bool {
-    mate == BOUNDARY || (mate != DEGENERATE && half_edge < (mate & !INCONSISTENT_BIT) as usize)
+    mate == BOUNDARY || (mate != UNUSED && half_edge < (mate & !INCONSISTENT_BIT) as usize)
 }
 
 /// A half-edge, stored at its lower vertex: the other vertex, and the half-edge's number. [`Entry::FORWARD`] is set
@@ -168,24 +200,17 @@ impl Entry {
     }
 }
 
-/// Calls `visit(lower, entry)` for every half-edge `3·face + corner` of the faces that are not degenerate, in order.
-fn for_each_half_edge(faces: &[[u32; 3]], mut visit: impl FnMut(u32, Entry)) {
-    for (face, &corners) in faces.iter().enumerate() {
-        if is_degenerate(corners) {
-            continue;
-        }
-        for (corner, next) in NEXT.into_iter().enumerate() {
-            let (a, b) = (corners[corner], corners[next]);
-            let half_edge = (3 * face + corner) as u32;
-            let tagged = if a < b { half_edge | Entry::FORWARD } else { half_edge };
-            visit(a.min(b), Entry { upper: a.max(b), tagged });
-        }
-    }
+/// Calls `visit(lower, entry)` for every half-edge, in order.
+fn for_each_half_edge(faces: &(impl HalfEdges + ?Sized), mut visit: impl FnMut(u32, Entry)) {
+    faces.visit(|half_edge, [a, b]| {
+        let tagged = if a < b { half_edge | Entry::FORWARD } else { half_edge };
+        visit(a.min(b), Entry { upper: a.max(b), tagged });
+    });
 }
 
-/// For every half-edge `3·face + corner`, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
-/// traverse the edge alike. Or [`BOUNDARY`], or [`DEGENERATE`].
-fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
+/// For every number of a half-edge, the half-edge that shares its record, with [`INCONSISTENT_BIT`] set if both
+/// traverse the edge alike. Or [`BOUNDARY`], or [`UNUSED`].
+fn pair_half_edges(vertex_count: usize, faces: &(impl HalfEdges + ?Sized)) -> Vec<u32> {
     let mut starts = vec![0_u32; vertex_count + 1];
     for_each_half_edge(faces, |lower, _| starts[lower as usize + 1] += 1);
     let largest = starts.iter().copied().max().unwrap_or(0);
@@ -201,7 +226,7 @@ fn pair_half_edges(vertex_count: usize, faces: &[[u32; 3]]) -> Vec<u32> {
         // One vertex has so many edges that only a second counting sort keeps the time linear.
         entries = sorted_by_both(faces, &starts);
     }
-    let mut mates = vec![DEGENERATE; 3 * faces.len()];
+    let mut mates = vec![UNUSED; faces.places()];
     for bucket in buckets(&starts) {
         for run in entries[bucket].chunk_by(|a, b| a.upper == b.upper) {
             pair_run(run, &mut mates);
@@ -245,7 +270,7 @@ fn insertion_sort(entries: &mut [Entry]) {
 }
 
 /// Sorts by two stable counting sorts: by the upper vertex and then by the lower.
-fn sorted_by_both(faces: &[[u32; 3]], starts: &[u32]) -> Vec<Entry> {
+fn sorted_by_both(faces: &(impl HalfEdges + ?Sized), starts: &[u32]) -> Vec<Entry> {
     let mut next = vec![0_u32; starts.len()];
     for_each_half_edge(faces, |_, entry| next[entry.upper as usize + 1] += 1);
     prefix_sum(&mut next);

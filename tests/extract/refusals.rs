@@ -4,6 +4,7 @@ use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
     ExtractorOptions, ListOptions, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
 };
+use rimline::mesh::Weld;
 use rimline::{Light, Mesh};
 use rimline_measure::shapes::{self, Shape};
 
@@ -13,6 +14,7 @@ use rimline_measure::models::random_model;
 use rimline_measure::on_gpu::extract;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, repeated_torus, text};
+use rimline_measure::polygons::quad_box;
 use rimline_measure::random::Random;
 use rimline_measure::same;
 
@@ -21,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("positions_and_models_that_do_not_fit_are_typed_errors", positions_and_models_too_large),
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
+    ("polygons_are_refused_and_their_triangles_taken", polygons),
 ];
 
 /// The memory error of an extractor that must not come to be.
@@ -37,6 +40,18 @@ fn expect(what: &str, error: &MemoryError, fits: fn(&MemoryError) -> bool) -> Re
 
 fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
     shape.mesh().map_err(text)
+}
+
+fn polygons() -> Result<(), String> {
+    let gpu = limited(1 << 20, 1 << 20, 64)?;
+    let mesh = quad_box(1).mesh(Weld::Position).map_err(text)?;
+    let refused = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default());
+    if !matches!(refused, Err(ExtractorError::Polygons)) {
+        return Err(format!("expected a refusal, got {:?}", refused.err()));
+    }
+    let triangles = Mesh::from_faces(24, mesh.faces().to_vec()).map_err(text)?;
+    Extractor::new(&gpu.pipelines, &triangles, ExtractorOptions::default()).map_err(text)?;
+    Ok(())
 }
 
 fn too_large() -> Result<(), String> {

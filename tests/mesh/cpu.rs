@@ -1,6 +1,7 @@
-//! Meshes: welding, edge records and clusters.
+//! Meshes: welding, edge records, polygons and clusters.
 
 mod cluster_meshes;
 mod clusters;
+mod polygons;
 mod topology;
 mod weld;

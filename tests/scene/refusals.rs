@@ -5,6 +5,7 @@ use rimline::{DepthDirection, Light, LightError, Mesh, ShadowCamera, mesh::Weld}
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{limited, text};
+use rimline_measure::polygons::quad_box;
 use rimline_measure::{same, shapes};
 
 pub(crate) const TESTS: &[Test] = &[
@@ -72,6 +73,9 @@ fn meshes() -> Result<(), String> {
     let short = scene.add_mesh(&mesh, &positions[1..]);
     let given = positions.len() - 1;
     is("positions", short, SceneError::TooFewPositions { given, needed: mesh.vertex_count() })?;
+    let quads = quad_box(1);
+    let of_quads = quads.mesh(Weld::Position).map_err(text)?;
+    is("polygons", scene.add_mesh(&of_quads, &quads.positions), SceneError::Polygons)?;
     let cube = scene.add_mesh(&mesh, &positions).map_err(text)?;
     let casters = [(); 2].map(|()| scene.insert(Caster::rigid(cube, IDENTITY)));
     is("a mesh in use", scene.remove_mesh(cube), SceneError::MeshInUse { casters: 2 })?;

@@ -1,8 +1,8 @@
 //! What Rimline's tests, benches and command measure with. Nothing here is part of the library.
 //!
-//! * [`shapes`], [`cases`], [`models`]: meshes and models made by code;
+//! * [`shapes`], [`polygons`], [`cases`], [`models`]: meshes and models made by code;
 //! * [`stress`]: scenes that are hard on floating-point arithmetic; [`error_metrics`]: how wrong a method is on them;
-//! * [`oracle`], [`shadow_oracle`], [`band`]: brute force in big integers, and the error bounds of NUMERICS.md in `f64`;
+//! * [`oracle`], [`shadow_oracle`], [`polygon_oracle`], [`band`]: brute force in big integers, and the error bounds of NUMERICS.md in `f64`;
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
@@ -21,6 +21,8 @@ pub mod harness;
 pub mod models;
 pub mod on_gpu;
 pub mod oracle;
+pub mod polygon_oracle;
+pub mod polygons;
 pub mod poser;
 pub mod predicates;
 pub mod random;

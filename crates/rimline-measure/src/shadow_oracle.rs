@@ -7,25 +7,25 @@ use rimline::Light;
 
 use super::oracle::decode;
 
-type Vector = [BigInt; 3];
+pub(crate) type Vector = [BigInt; 3];
 
 /// The value times a power of two that makes an integer of it.
-fn scaled(value: f32, exponent: i32) -> BigInt {
+pub(crate) fn scaled(value: f32, exponent: i32) -> BigInt {
     let (mantissa, own) = decode(value);
     if mantissa == 0 { BigInt::ZERO } else { BigInt::from(mantissa) << (own + exponent) as usize }
 }
 
 /// The least power of two in these values; 0 where all are zero.
-fn least(values: impl IntoIterator<Item = f32>) -> i32 {
+pub(crate) fn least(values: impl IntoIterator<Item = f32>) -> i32 {
     let exponents = values.into_iter().map(decode).filter(|&(mantissa, _)| mantissa != 0).map(|(_, exponent)| exponent);
     exponents.min().unwrap_or(0)
 }
 
-fn minus(p: &Vector, q: &Vector) -> Vector {
+pub(crate) fn minus(p: &Vector, q: &Vector) -> Vector {
     std::array::from_fn(|axis| &p[axis] - &q[axis])
 }
 
-fn sign(value: &BigInt) -> i32 {
+pub(crate) fn sign(value: &BigInt) -> i32 {
     match value.sign() {
         Sign::Plus => 1,
         Sign::NoSign => 0,

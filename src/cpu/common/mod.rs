@@ -1,7 +1,8 @@
-//! The parts that the twins share: threads, positions, the determinant, its filter, its exact sign.
+//! The parts that the twins share: threads, positions, the determinant, its filter, its sign in `f64` and in integers.
 
 pub(crate) mod cone;
 pub(crate) mod determinant;
+pub(crate) mod double_sign;
 pub(crate) mod exact_sign;
 pub(crate) mod filter;
 pub(crate) mod fixed_sign;

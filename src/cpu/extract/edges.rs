@@ -1,4 +1,6 @@
 //! Edges: silhouette and winding masks of the edge records, from the facing masks of their faces.
+//!
+//! A face that is L-twisted counts nowhere: its edges are boundaries of its neighbours.
 
 use crate::cpu::common::parallel::Threads;
 use crate::layout::{EdgeMasks, live_bits};
@@ -15,21 +17,28 @@ pub fn edges(
     threads: Threads,
 ) -> Vec<EdgeMasks> {
     let mut masks = Vec::new();
-    edges_into(&mut masks, records, facing, face_count, light_count, threads);
+    edges_into(&mut masks, records, FaceMasks { facing, twisted: &[] }, face_count, light_count, threads);
     masks
+}
+
+/// Masks of faces, in ⌈N/32⌉ planes. Missing ones count as zeros.
+#[derive(Clone, Copy)]
+pub(crate) struct FaceMasks<'a> {
+    pub(crate) facing: &'a [u32],
+    pub(crate) twisted: &'a [u32],
 }
 
 /// As [`edges`], into a vector that is reused.
 pub(crate) fn edges_into(
     masks: &mut Vec<EdgeMasks>,
     records: &EdgeRecords,
-    facing: &[u32],
+    faces: FaceMasks<'_>,
     face_count: usize,
     light_count: usize,
     threads: Threads,
 ) {
     masks.resize(records.len() * light::batches(light_count), EdgeMasks { silhouette: 0, winding: 0 });
-    fill(masks, records, facing, face_count, light_count, threads, |masks| masks);
+    fill(masks, records, faces, face_count, light_count, threads, |masks| masks);
 }
 
 /// Only the silhouette masks, into a vector that is reused. Their layout is that of [`edges`]. Winding masks are the
@@ -43,14 +52,15 @@ pub fn silhouettes_into(
     threads: Threads,
 ) {
     silhouettes.resize(records.len() * light::batches(light_count), 0);
-    fill(silhouettes, records, facing, face_count, light_count, threads, |masks| masks.silhouette);
+    let faces = FaceMasks { facing, twisted: &[] };
+    fill(silhouettes, records, faces, face_count, light_count, threads, |masks| masks.silhouette);
 }
 
 /// Fills planes with the part of each record's masks that `keep` selects.
 fn fill<T: Send>(
     planes: &mut [T],
     records: &EdgeRecords,
-    facing: &[u32],
+    faces: FaceMasks<'_>,
     face_count: usize,
     light_count: usize,
     threads: Threads,
@@ -58,12 +68,15 @@ fn fill<T: Send>(
 ) {
     let counts = records.counts();
     let is_closed = counts.boundary == 0 && counts.inconsistent == 0;
-    let planes = planes.chunks_mut(records.len().max(1)).zip(facing.chunks(face_count.max(1)));
+    let planes = planes.chunks_mut(records.len().max(1)).zip(faces.facing.chunks(face_count.max(1)));
     for (batch, (plane, facing)) in planes.enumerate() {
         let live = live_bits(light_count - 32 * batch);
+        let twisted = faces.twisted.get(face_count * batch..face_count * (batch + 1)).unwrap_or_default();
         threads.share(plane, |first, kept| {
             let records = kept.iter_mut().zip(&records.packed_faces()[first..]);
-            if is_closed {
+            if !twisted.is_empty() {
+                records.for_each(|(kept, &faces)| *kept = keep(masks_beside_twisted(faces, facing, twisted, live)));
+            } else if is_closed {
                 records.for_each(|(kept, &faces)| *kept = keep(consistent_masks(faces, facing)));
             } else {
                 records.for_each(|(kept, &faces)| *kept = keep(edge_masks(faces, facing, live)));
@@ -93,4 +106,19 @@ fn edge_masks([face_0, face_1]: [u32; 2], facing: &[u32], live: u32) -> EdgeMask
         _ => winding ^ mask(face_1),
     };
     EdgeMasks { silhouette, winding }
+}
+
+/// The bits of one edge record where faces may be twisted: those have the sign 0. What is left of a record with one
+/// other face is its boundary.
+fn masks_beside_twisted([face_0, face_1]: [u32; 2], facing: &[u32], twisted: &[u32], live: u32) -> EdgeMasks {
+    let is_inconsistent = face_0 & INCONSISTENT_BIT != 0;
+    let (f0, f1) = (mask(facing, face_0 & !INCONSISTENT_BIT), mask(facing, face_1));
+    let counts = |face: u32| live & !mask(twisted, face);
+    let counts_0 = counts(face_0 & !INCONSISTENT_BIT);
+    let counts_1 = if face_1 == NO_FACE { 0 } else { counts(face_1) };
+    // As face 0 would have it: face 1 runs against it, or alike.
+    let turned_1 = if is_inconsistent { f1 } else { !f1 };
+    let alone = counts_0 ^ counts_1;
+    let both = counts_0 & counts_1;
+    EdgeMasks { silhouette: alone | both & !(f0 ^ turned_1), winding: counts_0 & f0 | !counts_0 & counts_1 & turned_1 }
 }

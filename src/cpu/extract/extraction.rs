@@ -1,11 +1,12 @@
 //! The whole extraction on the CPU.
 
-use super::edges::edges_into;
+use super::edges::{FaceMasks, edges_into};
 use super::facing::FacingStatistics;
 use super::facing::facing_into;
 #[cfg(feature = "reference")]
 use super::per_edge::per_edge;
 use crate::cpu::common::parallel::Threads;
+use crate::cpu::polygon::polygon_facing::polygon_facing;
 use crate::layout::EdgeMasks;
 use crate::light::{LightError, MAX_LIGHTS, check_lights};
 #[cfg(feature = "reference")]
@@ -19,6 +20,9 @@ use crate::{Light, Mesh};
 pub struct Extraction {
     /// One facing mask for each face. Empty for the per-edge method.
     pub facing: Vec<u32>,
+    /// For each polygon the lights for which it is L-twisted: its outline is not simple as seen from them. For these it
+    /// faces nothing, and its edges are boundaries of its neighbours. Empty if all faces are triangles.
+    pub twisted: Vec<u32>,
     /// Silhouette and winding masks for each edge record.
     pub masks: Vec<EdgeMasks>,
     /// The statistics of facing.
@@ -27,7 +31,7 @@ pub struct Extraction {
 
 impl Extraction {
     /// Computes facing, silhouette and winding bits of `mesh` at `positions`. Lights are in the space of the positions.
-    /// The memory of an earlier call is reused. No lights are allowed.
+    /// The memory of an earlier call is reused. No lights are allowed. Polygons are decided exactly by any predicate.
     ///
     /// # Errors
     /// [`LightError`] for more lights than [`MAX_LIGHTS`], or a light that is non-finite, all zeros or has an
@@ -41,9 +45,18 @@ impl Extraction {
         threads: Threads,
     ) -> Result<(), LightError> {
         check_lights(lights, MAX_LIGHTS)?;
-        let faces = mesh.faces().len();
-        self.statistics = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
-        edges_into(&mut self.masks, mesh.edges(), &self.facing, faces, lights.len(), threads);
+        self.twisted.clear();
+        if let Some(polygons) = mesh.polygons() {
+            let (masks, statistics) = polygon_facing(positions, polygons, lights, threads);
+            self.statistics = statistics;
+            self.facing.clear();
+            self.facing.extend(masks.iter().map(|masks| masks.facing));
+            self.twisted.extend(masks.iter().map(|masks| masks.twisted));
+        } else {
+            self.statistics = facing_into(&mut self.facing, positions, mesh.faces(), lights, predicate, threads);
+        }
+        let faces = FaceMasks { facing: &self.facing, twisted: &self.twisted };
+        edges_into(&mut self.masks, mesh.edges(), faces, mesh.face_count(), lights.len(), threads);
         Ok(())
     }
 
@@ -66,6 +79,7 @@ impl Extraction {
         }
         check_lights(lights, MAX_LIGHTS)?;
         self.facing.clear();
+        self.twisted.clear();
         self.statistics = FacingStatistics::default();
         self.masks = per_edge(positions, mesh, lights, predicate, threads);
         Ok(())

@@ -16,14 +16,15 @@ use crate::method::Predicate;
 pub struct FacingStatistics {
     /// Faces with a vertex that is infinite, NaN or missing. They face no light.
     pub non_finite_faces: u32,
-    /// Pairs of face and light that the filter left to exact arithmetic.
+    /// Pairs of face and light that the filter left to exact arithmetic. Of polygons: those that were not convex as seen
+    /// from the light.
     pub undecided_pairs: u32,
-    /// The undecided pairs whose determinant is exactly zero.
+    /// The undecided pairs whose determinant is exactly zero: the light is in the face's plane.
     pub exact_zeros: u32,
 }
 
 impl FacingStatistics {
-    fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             non_finite_faces: self.non_finite_faces + other.non_finite_faces,
             undecided_pairs: self.undecided_pairs.wrapping_add(other.undecided_pairs),

@@ -40,8 +40,11 @@ pub fn per_edge(
 /// is `(b, a, d)`, or `(a, b, d)` if bit 31 of `a` is set. If there is no face 1, `d` is [`NO_FACE`].
 pub(crate) fn edge_corners(mesh: &Mesh) -> Vec<[u32; 4]> {
     let opposite = |face: u32, [a, b]: [u32; 2]| {
-        let corners = mesh.faces().get(face as usize).into_iter().flatten();
-        corners.copied().find(|&v| v != a && v != b).unwrap_or(NO_FACE)
+        // A polygon stands for its triangle at the edge.
+        let face = face as usize;
+        let triangles = mesh.polygons().map_or(face..face + 1, |polygons| polygons.triangles(face));
+        let mut at_edge = mesh.faces()[triangles].iter().filter(|face| face.contains(&a) && face.contains(&b));
+        at_edge.next().into_iter().flatten().copied().find(|&v| v != a && v != b).unwrap_or(NO_FACE)
     };
     let records = mesh.edges();
     let packed = records.vertices().iter().zip(records.packed_faces());

@@ -3,6 +3,7 @@
 use super::exact_shadow_depth::exactly_between;
 use super::shadow_boxes::{CLUSTER, shadow_boxes};
 use crate::Light;
+use crate::cpu::common::double_sign::{RELATIVE, certain_sign, cross, difference, dot, sum_of_sizes, to_light};
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::FaceCluster;
@@ -146,42 +147,11 @@ impl Segment {
 
 /// More than ten times the rounding errors of a box test, relative to its terms.
 const MARGIN: f64 = 1e-14;
-/// More than 8 · 2⁻⁵³: the error of a determinant in `f64` relative to |u|₁ |v|₁ |t|₁, with the bound's own rounding.
-const RELATIVE: f64 = 1e-15;
-
-/// The sign of a determinant with the computed value `d`, of three vectors that are differences. It is 0 if the sign is
-/// not certain. Products of two `f32` are exact in `f64`, and nothing over- or underflows.
-fn certain_sign(d: f64, vectors: [[f64; 3]; 3]) -> i32 {
-    let bound = vectors.into_iter().fold(RELATIVE, |bound, v| bound * sum_of_sizes(v));
-    i32::from(d > bound) - i32::from(d < -bound)
-}
-
 /// A corner of a box.
 fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
     [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
 }
 
-fn sum_of_sizes(v: [f64; 3]) -> f64 {
-    v[0].abs() + v[1].abs() + v[2].abs()
-}
-
 fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {
     [x, y, z]
-}
-
-/// `l − w·a`, with each component rounded once.
-fn to_light(a: [f64; 3], l: [f64; 3], w: f64) -> [f64; 3] {
-    [0, 1, 2].map(|axis| l[axis] - w * a[axis])
-}
-
-fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
-    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }

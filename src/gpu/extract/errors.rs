@@ -33,6 +33,12 @@ pub enum ExtractorError {
     /// The mesh does not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
+    /// The mesh has polygons, which only the CPU extracts so far.
+    #[error(
+        "the mesh has faces of more than three corners, which only `cpu::extract` takes; make a mesh of its triangles, \
+         `Mesh::faces`"
+    )]
+    Polygons,
 }
 
 /// The results of an extraction were overwritten, because its extractor was encoded again.

@@ -55,8 +55,8 @@ impl Extractor {
     /// device, or the [`Pipelines`] that many meshes share.
     ///
     /// # Errors
-    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, or the mesh
-    /// does not fit the device's limits, the `memory_limit` or the device's memory.
+    /// [`ExtractorError`] if the device lacks what extraction needs, the number of lights is impossible, the mesh has
+    /// polygons of more than three corners, or it does not fit the device's limits, the `memory_limit` or the device's memory.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         mesh: &Mesh,
@@ -69,6 +69,9 @@ impl Extractor {
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
         let device = pipelines.device();
         light::check_room(options.max_lights)?;
+        if mesh.polygons().is_some() {
+            return Err(ExtractorError::Polygons);
+        }
         let split = DispatchLimits::new(&device.limits());
         let shape = Shape::new(mesh, &options, &split)?;
         let per_edge = options.method().is_per_edge();

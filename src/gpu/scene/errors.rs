@@ -30,6 +30,12 @@ pub enum SceneError {
     /// A mesh, or the scene as a whole, does not fit the device or the memory limit.
     #[error(transparent)]
     Memory(#[from] MemoryError),
+    /// The mesh has polygons, which only the CPU extracts so far.
+    #[error(
+        "the mesh has faces of more than three corners, which only `cpu::extract` takes; make a mesh of its triangles, \
+         `Mesh::faces`"
+    )]
+    Polygons,
     /// There are fewer positions than the mesh has vertices.
     #[error("{given} positions given, and the mesh has {needed} vertices; give one for each source vertex")]
     TooFewPositions {

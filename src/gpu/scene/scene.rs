@@ -121,12 +121,15 @@ impl Scene {
     /// are allowed; their faces never face a light.
     ///
     /// # Errors
-    /// [`SceneError`] if positions are missing, or the mesh does not fit one binding, the memory limit or the device.
+    /// [`SceneError`] if positions are missing, the mesh has polygons of more than three corners, or it does not fit one binding, the memory limit or the device.
     pub fn add_mesh(&mut self, mesh: &Mesh, positions: &[[f32; 3]]) -> Result<MeshHandle, SceneError> {
         let needed = mesh.vertex_count();
         let Some(own) = positions.get(..needed as usize) else {
             return Err(SceneError::TooFewPositions { given: positions.len(), needed });
         };
+        if mesh.polygons().is_some() {
+            return Err(SceneError::Polygons);
+        }
         let volumes = self.volumes.as_ref().map_or(0, |volumes| volumes.buffers.bytes());
         let used = self.last.as_ref().map_or(0, |last| last.bytes()) + volumes;
         let device = self.pipelines.device();

@@ -14,6 +14,8 @@ pub(super) struct Mutation {
 const DEFORM: &[&str] = &["--test deform_gpu", "--test deform_cpu"];
 const SCENES: &[&str] = &["--test scene_gpu", "--test shadow_gpu"];
 const CLUSTERS: &[&str] = &["--test mesh clusters", "--test rounding clusters"];
+const POLYGON_MESHES: &[&str] = &["--test mesh polygons"];
+const POLYGONS: &[&str] = &["--test polygon_cpu"];
 const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -595,5 +597,142 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "clusters: faces are counted from the run of a thread",
         changes: &[("src/mesh/clusters/order.rs", "(first + keys.len()) as u64", "(0 * first + keys.len()) as u64")],
         tests: CLUSTERS,
+    },
+    Mutation {
+        name: "polygons: edges that are walked both ways stay",
+        changes: &[(
+            "src/mesh/polygons/outline.rs",
+            "self.is_cancelled[other as usize] = true;",
+            "self.is_cancelled[other as usize] = false;",
+        )],
+        tests: POLYGON_MESHES,
+    },
+    Mutation {
+        name: "polygons: what earcut leaves open stays open",
+        changes: &[(
+            "src/mesh/polygons/triangulate.rs",
+            "self.open.append_fans(triangles);",
+            "self.open.append_fans(&mut Vec::new());",
+        )],
+        tests: POLYGON_MESHES,
+    },
+    Mutation {
+        name: "polygons: holes are not told to earcut",
+        changes: &[("src/mesh/polygons/triangulate.rs", "if index > 0 {", "if index > usize::MAX - 1 {")],
+        tests: POLYGON_MESHES,
+    },
+    Mutation {
+        name: "polygons: the last vertex of an index range is out of range",
+        changes: &[("src/mesh/polygons/check.rs", "v as usize >= vertex_count", "v as usize > vertex_count")],
+        tests: POLYGON_MESHES,
+    },
+    Mutation {
+        name: "polygons: ties are not broken",
+        changes: &[("src/cpu/polygon/turn.rs", ".find(|&sign| sign != 0)", ".find(|&sign| sign == 0)")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: ties are broken in another order",
+        changes: &[("src/cpu/polygon/turn.rs", "0 => AXES.into_iter().map", "0 => AXES.into_iter().rev().map")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: crossings go unnoticed",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "(-1, -1) => of_e[0] == of_f[1],", "(-1, -1) => false,")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: opposite directions cross",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "(-1, -1) => of_e[0] == of_f[1],", "(-1, -1) => true,")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: a corner on an edge goes unnoticed",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "(0, -1) | (-1, 0) => true,", "(0, -1) | (-1, 0) => false,")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: edges that overlap go unnoticed",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "return overlaps([a, b], [c, d]);", "return false;")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: edges back along themselves go unnoticed",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "&& !is_between(end, from, other_end)", "&& false")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: an edge that begins at an end does not pass it",
+        changes: &[("src/cpu/polygon/edge_pair.rs", "i32::from(b_of_f >= 0)", "i32::from(b_of_f > 0)")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: any outline fits a half-space",
+        changes: &[("src/cpu/polygon/half_space.rs", "..0 => return false,", "..0 => {}")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: half-spaces are sought on the other side",
+        changes: &[(
+            "src/cpu/polygon/half_space.rs",
+            "turn(corner, best, other, light) < 0",
+            "turn(corner, best, other, light) > 0",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: convex outlines may go around twice",
+        changes: &[("src/cpu/polygon/convex.rs", "(3..count - 1).all(", "(count..count - 1).all(")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: outlines in a plane with the light have a side",
+        changes: &[(
+            "src/cpu/polygon/outline.rs",
+            "turn_as_given(a, b, c, light) == 0 &&",
+            "turn_as_given(a, b, c, light) == 2 &&",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: triangles with the light in their plane say it of all corners",
+        changes: &[(
+            "src/cpu/polygon/outline.rs",
+            "turn_as_given(a, b, c, light) == 0 && self.corners.iter().all(",
+            "turn_as_given(a, b, c, light) == 0 || self.corners.iter().all(",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: only the first edge has its winding number looked at",
+        changes: &[(
+            "src/cpu/polygon/outline.rs",
+            "Some(1) if windings.iter().all(|&winding| winding == 1)",
+            "Some(1) if !windings.is_empty()",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: edges beside a twisted face 0 are wound as if they had none",
+        changes: &[(
+            "src/cpu/extract/edges.rs",
+            "winding: counts_0 & f0 | !counts_0 & counts_1 & turned_1",
+            "winding: counts_0 & f0",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: edges beside twisted faces are no boundaries",
+        changes: &[("src/cpu/extract/edges.rs", "silhouette: alone | both", "silhouette: both")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: faces in one sense count as against each other",
+        changes: &[(
+            "src/cpu/extract/edges.rs",
+            "let turned_1 = if is_inconsistent { f1 } else { !f1 };",
+            "let turned_1 = if is_inconsistent { !f1 } else { !f1 };",
+        )],
+        tests: POLYGONS,
     },
 ];

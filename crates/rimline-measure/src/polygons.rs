@@ -1,0 +1,248 @@
+//! Polygons made by code: convex, concave, with holes, with bridges, nonplanar, twisted, degenerate.
+
+use rimline::mesh::{Mesh, MeshError, PolygonLoops, Weld};
+
+use super::random::Random;
+
+/// Positions and polygons over them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PolygonSet {
+    pub positions: Vec<[f32; 3]>,
+    pub polygon_loops: Vec<u32>,
+    pub loop_sizes: Vec<u32>,
+    pub loop_corners: Vec<u32>,
+}
+
+impl PolygonSet {
+    pub fn loops(&self) -> PolygonLoops<'_> {
+        PolygonLoops {
+            polygon_loops: &self.polygon_loops,
+            loop_sizes: &self.loop_sizes,
+            loop_corners: &self.loop_corners,
+        }
+    }
+
+    pub fn mesh(&self, weld: Weld) -> Result<Mesh, MeshError> {
+        Mesh::from_polygons(&self.positions, self.loops(), weld)
+    }
+
+    /// Adds a polygon of these loops of vertices.
+    pub fn push(&mut self, loops: &[Vec<u32>]) {
+        self.polygon_loops.push(loops.len() as u32);
+        for corners in loops {
+            self.loop_sizes.push(corners.len() as u32);
+            self.loop_corners.extend(corners);
+        }
+    }
+
+    /// Adds a polygon with vertices of its own.
+    pub fn push_points(&mut self, loops: &[Vec<[f32; 3]>]) {
+        let loops: Vec<Vec<u32>> = loops
+            .iter()
+            .map(|points| {
+                let first = self.positions.len() as u32;
+                self.positions.extend(points);
+                (first..self.positions.len() as u32).collect()
+            })
+            .collect();
+        self.push(&loops);
+    }
+
+    /// The loops of each polygon, as vertices.
+    pub fn polygons(&self) -> Vec<Vec<Vec<u32>>> {
+        let (mut sizes, mut corners) = (self.loop_sizes.iter(), self.loop_corners.iter());
+        let mut of_loop = |size: u32| corners.by_ref().take(size as usize).copied().collect();
+        let loops = self.polygon_loops.iter();
+        loops.map(|&count| sizes.by_ref().take(count as usize).map(|&size| of_loop(size)).collect()).collect()
+    }
+}
+
+/// One random polygon with its name, of 3 to `most` corners in its outer loop.
+pub fn random_polygon(random: &mut Random, most: usize) -> (&'static str, PolygonSet) {
+    let corners = 3 + random.below(most.max(4) - 2);
+    let mut set = PolygonSet::default();
+    let name = match random.below(11) {
+        0 => {
+            let outer = ring(random, corners, 1.0, 1.0, 0.0);
+            set.push_points(&[placed(random, &outer, 0.0)]);
+            "convex"
+        }
+        1 => {
+            let outer = ring(random, corners, 0.3, 1.0, 0.0);
+            set.push_points(&[placed(random, &outer, 0.0)]);
+            "concave"
+        }
+        2 | 3 => {
+            let bump = [0.0, 1e-6, 1e-2, 0.3][random.below(4)];
+            let loops = with_holes(random, corners, bump);
+            set.push_points(&loops);
+            "with holes"
+        }
+        4 => {
+            let bump = [1e-7, 1e-3, 0.1, 0.5, 2.0][random.below(5)];
+            let outer = ring(random, corners, 0.5, 1.0, bump);
+            set.push_points(&[placed(random, &outer, 0.0)]);
+            "nonplanar"
+        }
+        5 => {
+            let bump = [0.0, 0.1][random.below(2)];
+            let mut outer = ring(random, corners, 1.0, 1.0, bump);
+            let (p, q) = (random.below(corners), random.below(corners));
+            outer.swap(p, q);
+            set.push_points(&[placed(random, &outer, 0.0)]);
+            "bow tie"
+        }
+        6 => {
+            set.push_points(&[(0..corners).map(|_| random.direction()).collect()]);
+            "any points"
+        }
+        7 => {
+            let least = 3 + random.below(2);
+            let reach = 1 + random.below(4);
+            let count = corners.min(least + random.below(8));
+            set.push_points(&[(0..count).map(|_| lattice(random, reach)).collect()]);
+            "whole numbers"
+        }
+        8 => {
+            // On a staircase, whole numbers in one plane: straight corners, edges in line, and light in many planes.
+            let outer = staircase(random, corners);
+            set.push_points(&[outer]);
+            "staircase"
+        }
+        9 => {
+            bridged(random, corners, &mut set);
+            "with a bridge"
+        }
+        _ => {
+            let vertices = 3 + random.below(6);
+            set.positions = (0..vertices).map(|_| lattice(random, 3)).collect();
+            let loops = 1 + random.below(3);
+            let loops: Vec<Vec<u32>> =
+                (0..loops).map(|_| (0..3 + random.below(7)).map(|_| random.below(vertices) as u32).collect()).collect();
+            set.push(&loops);
+            "repeated vertices"
+        }
+    };
+    (name, set)
+}
+
+/// A loop around the z axis, counter-clockwise, with radii from `least` to `most` and heights up to `bump`.
+fn ring(random: &mut Random, corners: usize, least: f32, most: f32, bump: f32) -> Vec<[f32; 3]> {
+    let start = random.between(0.0, 1.0);
+    (0..corners)
+        .map(|corner| {
+            let angle = (corner as f32 + start) / corners as f32 * std::f32::consts::TAU;
+            let radius = random.between(least, most);
+            [radius * angle.cos(), radius * angle.sin(), random.between(-bump, bump)]
+        })
+        .collect()
+}
+
+fn with_holes(random: &mut Random, corners: usize, bump: f32) -> Vec<Vec<[f32; 3]>> {
+    let outer = ring(random, corners.max(5), 0.9, 1.1, bump);
+    let mut loops = vec![outer];
+    for hole in 0..1 + random.below(3) {
+        let count = 3 + random.below(6);
+        let mut points = ring(random, count, 0.1, 0.2, bump);
+        let angle = hole as f32 / 3.0 * std::f32::consts::TAU;
+        points.iter_mut().for_each(|p| *p = [p[0] + 0.4 * angle.cos(), p[1] + 0.4 * angle.sin(), p[2]]);
+        // Now and then one that is wound as the outer loop is.
+        if random.below(8) > 0 {
+            points.reverse();
+        }
+        loops.push(points);
+    }
+    let turn = random.next_u64();
+    loops.iter().map(|points| placed(&mut Random::new(turn), points, 0.0)).collect()
+}
+
+/// Points in a random plane.
+fn placed(random: &mut Random, points: &[[f32; 3]], offset: f32) -> Vec<[f32; 3]> {
+    let x = random.direction();
+    let y = random.direction();
+    let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+    let at = |p: &[f32; 3]| std::array::from_fn(|axis| p[0] * x[axis] + p[1] * y[axis] + p[2] * z[axis] + offset);
+    points.iter().map(at).collect()
+}
+
+fn lattice(random: &mut Random, reach: usize) -> [f32; 3] {
+    std::array::from_fn(|_| random.below(2 * reach + 1) as f32 - reach as f32)
+}
+
+fn staircase(random: &mut Random, corners: usize) -> Vec<[f32; 3]> {
+    let steps = corners.div_ceil(2).max(2);
+    let slope = lattice(random, 2);
+    let height = |x: f32, y: f32| slope[0] * x + slope[1] * y;
+    let mut top: Vec<[f32; 2]> = Vec::new();
+    for step in 0..steps {
+        let y = 1.0 + random.below(3) as f32;
+        top.push([step as f32, y]);
+        top.push([step as f32 + 1.0, y]);
+    }
+    // From the right end of the bottom back along the top.
+    let mut outline = vec![[0.0, 0.0], [steps as f32, 0.0]];
+    outline.extend(top.into_iter().rev());
+    outline.dedup();
+    outline.into_iter().map(|[x, y]| [x, y, height(x, y)]).collect()
+}
+
+/// A ring with a hole, as one loop that walks an edge from the one to the other both ways.
+fn bridged(random: &mut Random, corners: usize, set: &mut PolygonSet) {
+    let bump = [0.0, 1e-3, 0.2][random.below(3)];
+    let outer = ring(random, corners.max(4), 0.9, 1.1, bump);
+    let mut hole = ring(random, 3 + corners / 3, 0.2, 0.5, bump);
+    hole.reverse();
+    let count = outer.len() as u32;
+    let around = (0..=count).map(|at| at % count);
+    let within = (0..=hole.len()).map(|at| count + (at % hole.len()) as u32);
+    let walk: Vec<u32> = around.chain(within).collect();
+    let turn = random.next_u64();
+    set.positions = placed(&mut Random::new(turn), &[outer, hole].concat(), 0.0);
+    set.push(&[walk]);
+}
+
+/// A closed torus of quadrilaterals. `bump` moves each vertex that far at most, so its faces are not planar.
+pub fn quad_torus(random: &mut Random, rings: u32, segments: u32, bump: f32) -> PolygonSet {
+    let mut set = PolygonSet::default();
+    for ring in 0..rings {
+        let (sin_u, cos_u) = (ring as f32 / rings as f32 * std::f32::consts::TAU).sin_cos();
+        for segment in 0..segments {
+            let (sin_v, cos_v) = (segment as f32 / segments as f32 * std::f32::consts::TAU).sin_cos();
+            let radius = 1.0 + 0.4 * cos_v;
+            let point = [radius * cos_u, 0.4 * sin_v, radius * sin_u];
+            set.positions.push(point.map(|c| c + random.between(-bump, bump)));
+        }
+    }
+    for ring in 0..rings {
+        let (here, there) = (ring * segments, (ring + 1) % rings * segments);
+        for v in 0..segments {
+            let w = (v + 1) % segments;
+            set.push(&[vec![here + v, here + w, there + w, there + v]]);
+        }
+    }
+    set
+}
+
+/// A box of whole numbers, of six squares that are cut into `cuts²` squares each.
+pub fn quad_box(cuts: u32) -> PolygonSet {
+    let mut set = PolygonSet::default();
+    for axis in 0..3 {
+        for upper in [false, true] {
+            for (i, j) in (0..cuts).flat_map(|i| (0..cuts).map(move |j| (i, j))) {
+                let mut square = vec![[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+                if !upper {
+                    square.reverse();
+                }
+                let points = square.into_iter().map(|[u, v]| {
+                    let mut point = [0.0; 3];
+                    point[axis] = if upper { cuts as f32 } else { 0.0 };
+                    point[(axis + 1) % 3] = u as f32;
+                    point[(axis + 2) % 3] = v as f32;
+                    point
+                });
+                set.push_points(&[points.collect()]);
+            }
+        }
+    }
+    set
+}

@@ -1,0 +1,8 @@
+//! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; NUMERICS.md, "Outlines".
+
+pub(crate) mod convex;
+pub(crate) mod edge_pair;
+pub(crate) mod half_space;
+pub(crate) mod outline;
+pub(crate) mod polygon_facing;
+pub(crate) mod turn;

@@ -1,0 +1,100 @@
+//! Outline: how a light sees the outline of a polygon.
+
+use super::convex::convex;
+use super::edge_pair::{Edge, edge_pair};
+use super::half_space::fits_half_space;
+use super::turn::{are_in_line, turn_as_given};
+use crate::cpu::common::positions::{is_finite, position};
+use crate::cpu::extract::exact_facing::exact_facing;
+
+/// How a light sees an outline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// It is simple and counter-clockwise.
+    Facing,
+    /// It is simple and clockwise.
+    Averted,
+    /// All of its corners are in one plane with the light, or it has no edge.
+    InPlane,
+    /// Anything else: it crosses itself, or goes around the light, or has a hole that is not in its outer loop.
+    Twisted,
+}
+
+/// The outline of a polygon at the positions of its corners, without edges of length 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    edges: Vec<Edge>,
+    /// Where each edge begins. Every corner is here.
+    corners: Vec<[f32; 3]>,
+    /// Whether the edges follow each other around once.
+    is_loop: bool,
+}
+
+impl Outline {
+    /// The edges are those of [`Polygons::outline`](crate::mesh::Polygons::outline). `None` if a corner is not finite or
+    /// `positions` lacks it.
+    pub fn new(edges: &[[u32; 2]], positions: &[[f32; 3]]) -> Option<Self> {
+        let placed = edges.iter().map(|edge| edge.map(|vertex| position(positions, vertex)));
+        let mut edges: Vec<Edge> = placed.collect();
+        if !edges.iter().flatten().copied().all(is_finite) {
+            return None;
+        }
+        edges.retain(|[a, b]| a != b);
+        let ends = edges.iter().skip(1).chain(edges.first());
+        let is_loop = edges.iter().zip(ends).all(|([_, end], [start, _])| end == start);
+        Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop, edges })
+    }
+
+    /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
+    pub fn seen(&self, light: [f32; 4]) -> (Seen, bool) {
+        if self.is_loop {
+            match convex(&self.corners, light) {
+                ..0 => return (Seen::Averted, false),
+                0 => {}
+                1.. => return (Seen::Facing, false),
+            }
+        }
+        (self.seen_by_pairs(light), true)
+    }
+
+    /// The same for every outline, by all pairs of edges.
+    pub fn seen_by_pairs(&self, light: [f32; 4]) -> Seen {
+        if self.is_in_plane(light) {
+            return Seen::InPlane;
+        }
+        if !fits_half_space(&self.corners, light) {
+            return Seen::Twisted;
+        }
+        let mut windings = vec![0; self.edges.len()];
+        for (index, &e) in self.edges.iter().enumerate() {
+            for (other, &f) in self.edges.iter().enumerate().skip(index + 1) {
+                let pair = edge_pair(e, f, light);
+                if pair.meets {
+                    return Seen::Twisted;
+                }
+                windings[index] += pair.left_of_e;
+                windings[other] += pair.left_of_f;
+            }
+        }
+        // On the right of an edge it is one less. So all of the outline's inside has 1, or all of it has −1.
+        match windings.first() {
+            Some(1) if windings.iter().all(|&winding| winding == 1) => Seen::Facing,
+            Some(0) if windings.iter().all(|&winding| winding == 0) => Seen::Averted,
+            _ => Seen::Twisted,
+        }
+    }
+
+    /// Whether all corners are in one plane with the light.
+    fn is_in_plane(&self, light: [f32; 4]) -> bool {
+        let Some((a, b, c)) = self.triangle() else { return true };
+        let is_in_plane_of_triangle = |&[x, y, z]: &[f32; 3]| exact_facing(a, b, c, [x, y, z, 1.0]) == 0;
+        turn_as_given(a, b, c, light) == 0 && self.corners.iter().all(is_in_plane_of_triangle)
+    }
+
+    /// Three corners that are not in line.
+    fn triangle(&self) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
+        let [a, b] = *self.edges.first()?;
+        let c = self.corners.iter().copied().find(|&c| !are_in_line(a, b, c))?;
+        Some((a, b, c))
+    }
+}

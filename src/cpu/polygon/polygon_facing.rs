@@ -1,0 +1,72 @@
+//! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
+
+use super::outline::{Outline, Seen};
+use crate::Light;
+use crate::cpu::common::parallel::Threads;
+use crate::cpu::extract::facing::FacingStatistics;
+use crate::layout::live_bits;
+use crate::light;
+use crate::mesh::Polygons;
+
+/// Masks of one polygon for 32 lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PolygonMasks {
+    /// The lights that it faces.
+    pub facing: u32,
+    /// The lights for which it is twisted.
+    pub twisted: u32,
+    /// The lights for which it counts nowhere: those for which it is twisted, those in a plane with all its corners, and
+    /// all lights if a corner is not finite.
+    pub excluded: u32,
+}
+
+/// Masks of polygons for `lights`: ⌈N/32⌉ planes with one [`PolygonMasks`] for each polygon. A vertex that `positions`
+/// lacks counts as non-finite. `undecided_pairs` counts what the cheap way for convex outlines left to all pairs of
+/// edges, and `exact_zeros` polygons in a plane with a light.
+pub fn polygon_facing(
+    positions: &[[f32; 3]],
+    polygons: &Polygons,
+    lights: &[Light],
+    threads: Threads,
+) -> (Vec<PolygonMasks>, FacingStatistics) {
+    let mut masks = vec![PolygonMasks::default(); polygons.len() * light::batches(lights.len())];
+    let mut total = FacingStatistics::default();
+    for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(polygons.len().max(1))) {
+        let statistics = threads.share(plane, |first, masks| {
+            let mut statistics = FacingStatistics::default();
+            for (polygon, masks) in (first..).zip(masks) {
+                *masks = of_polygon(positions, polygons.outline(polygon), lights, &mut statistics);
+            }
+            statistics
+        });
+        let statistics = statistics.into_iter().fold(FacingStatistics::default(), FacingStatistics::plus);
+        // Every batch sees the same polygons.
+        total = FacingStatistics { non_finite_faces: 0, ..total }.plus(statistics);
+    }
+    (masks, total)
+}
+
+fn of_polygon(
+    positions: &[[f32; 3]],
+    outline: &[[u32; 2]],
+    lights: &[Light],
+    statistics: &mut FacingStatistics,
+) -> PolygonMasks {
+    let mut masks = PolygonMasks::default();
+    if outline.is_empty() {
+        return masks;
+    }
+    let Some(outline) = Outline::new(outline, positions) else {
+        statistics.non_finite_faces += 1;
+        return PolygonMasks { excluded: live_bits(lights.len()), ..masks };
+    };
+    for (bit, light) in lights.iter().enumerate() {
+        let (seen, is_general) = outline.seen(light.to_array());
+        statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(u32::from(is_general));
+        statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Seen::InPlane));
+        masks.facing |= u32::from(seen == Seen::Facing) << bit;
+        masks.twisted |= u32::from(seen == Seen::Twisted) << bit;
+        masks.excluded |= u32::from(matches!(seen, Seen::Twisted | Seen::InPlane)) << bit;
+    }
+    masks
+}

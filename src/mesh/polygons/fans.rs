@@ -1,0 +1,91 @@
+//! Fans over closed loops of edges.
+
+/// Directed edges that have no triangle yet. As many begin at a vertex as end there.
+#[derive(Default)]
+pub(super) struct OpenEdges {
+    /// Edges with their lower vertex first, and whether they were turned for that.
+    added: Vec<([u32; 2], bool)>,
+    edges: Vec<[u32; 2]>,
+    /// For each vertex that edges begin at: the vertex, and which of these edges was not walked yet.
+    next: Vec<(u32, usize)>,
+    /// The vertices of a walk, and for each vertex of `next` its place there.
+    path: Vec<u32>,
+    places: Vec<Option<usize>>,
+}
+
+impl OpenEdges {
+    pub(super) fn clear(&mut self) {
+        self.added.clear();
+    }
+
+    pub(super) fn add(&mut self, [a, b]: [u32; 2]) {
+        self.added.push(([a.min(b), a.max(b)], a > b));
+    }
+
+    /// Appends fans whose boundary is the edges, where those that run both ways have cancelled.
+    pub(super) fn append_fans(&mut self, triangles: &mut Vec<[u32; 3]>) {
+        self.cancel();
+        if self.edges.is_empty() {
+            return;
+        }
+        self.edges.sort_unstable();
+        self.next.clear();
+        for (at, &[start, _]) in self.edges.iter().enumerate() {
+            if self.next.last().is_none_or(|&(last, _)| last != start) {
+                self.next.push((start, at));
+            }
+        }
+        self.places.clear();
+        self.places.resize(self.next.len(), None);
+        for first in 0..self.next.len() {
+            self.walk(first, triangles);
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.added.sort_unstable();
+        self.edges.clear();
+        for run in self.added.chunk_by(|p, q| p.0 == q.0) {
+            let [a, b] = run[0].0;
+            let turned = run.iter().filter(|edge| edge.1).count();
+            let straight = run.len() - turned;
+            let edge = if turned > straight { [b, a] } else { [a, b] };
+            self.edges.extend(std::iter::repeat_n(edge, turned.abs_diff(straight)));
+        }
+    }
+
+    /// Walks along edges from a vertex of `next` until none leads on. Where the walk meets a vertex of its path again, it
+    /// has gone around a loop.
+    fn walk(&mut self, first: usize, triangles: &mut Vec<[u32; 3]>) {
+        let mut here = first;
+        self.path.push(self.next[here].0);
+        self.places[here] = Some(0);
+        while let Some(end) = self.take_edge(here) {
+            // Every vertex that an edge ends at has an edge that begins there.
+            let Ok(there) = self.next.binary_search_by_key(&end, |&(vertex, _)| vertex) else { break };
+            here = there;
+            let Some(met) = self.places[there] else {
+                self.places[there] = Some(self.path.len());
+                self.path.push(end);
+                continue;
+            };
+            let around = &self.path[met..];
+            triangles.extend(around[1..].windows(2).map(|pair| [end, pair[0], pair[1]]));
+            for vertex in self.path.drain(met + 1..) {
+                if let Ok(left) = self.next.binary_search_by_key(&vertex, |&(vertex, _)| vertex) {
+                    self.places[left] = None;
+                }
+            }
+        }
+        self.path.clear();
+        self.places[first] = None;
+    }
+
+    /// The end of an edge that begins here and was not walked yet.
+    fn take_edge(&mut self, here: usize) -> Option<u32> {
+        let (vertex, at) = &mut self.next[here];
+        let &[start, end] = self.edges.get(*at)?;
+        *at += 1;
+        (start == *vertex).then_some(end)
+    }
+}

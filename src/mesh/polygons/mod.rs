@@ -1,0 +1,164 @@
+//! Polygons: faces of one or more loops of any number of corners, planar or not.
+
+mod check;
+mod fans;
+mod outline;
+mod triangulate;
+
+use super::faces::MeshError;
+use super::topology::HalfEdges;
+
+/// Polygons as they are given: three flat arrays, which are also those of a `.npz` file.
+///
+/// The first loop of a polygon is its outer loop, and the others are holes. The outer loop runs counter-clockwise as
+/// seen from the polygon's front, and holes run clockwise. A hole may also be joined to the outer loop by a bridge, an
+/// edge that the loop walks both ways. No loop repeats its first corner at its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PolygonLoops<'a> {
+    /// The number of loops of each polygon, at least 1.
+    pub polygon_loops: &'a [u32],
+    /// The number of corners of each loop, at least 3, one polygon's loops after the other's.
+    pub loop_sizes: &'a [u32],
+    /// The vertex at each corner, one loop after the other.
+    pub loop_corners: &'a [u32],
+}
+
+/// The largest number of corners of one polygon.
+pub const MAX_POLYGON_CORNERS: usize = 1 << 24;
+
+/// The polygons of a mesh that has faces other than triangles.
+///
+/// The **outline** of a polygon is its edges, without those that it walks both ways and without edges from a vertex to
+/// itself. Outlines are all that facing, edge records and shadows see. Loops say what was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Polygons {
+    /// Where each polygon's loops begin, and an end.
+    loop_starts: Vec<u32>,
+    /// Where each loop's corners begin, and an end.
+    corner_starts: Vec<u32>,
+    corners: Vec<u32>,
+    /// Where each polygon's outline begins, and an end.
+    outline_starts: Vec<u32>,
+    outlines: Vec<[u32; 2]>,
+    /// Where each polygon's triangles begin, and an end.
+    triangle_starts: Vec<u32>,
+}
+
+impl Polygons {
+    /// Checks polygons over `vertex_count` vertices, renames their corners, and triangulates them at `positions`. The
+    /// triangles come second. `rename` has an entry for each vertex, or none if they keep their names.
+    pub(super) fn new(
+        positions: &[[f32; 3]],
+        given: PolygonLoops<'_>,
+        rename: &[u32],
+    ) -> Result<(Self, Vec<[u32; 3]>), MeshError> {
+        check::check(positions.len(), given)?;
+        let renamed = |&v: &u32| rename.get(v as usize).copied().unwrap_or(v);
+        let mut polygons = Self {
+            loop_starts: starts(given.polygon_loops),
+            corner_starts: starts(given.loop_sizes),
+            corners: given.loop_corners.iter().map(renamed).collect(),
+            outline_starts: vec![0],
+            outlines: Vec::with_capacity(given.loop_corners.len()),
+            triangle_starts: vec![0],
+        };
+        let mut triangles = Vec::with_capacity(given.loop_corners.len());
+        let (mut walker, mut triangulator) = (outline::Walker::default(), triangulate::Triangulator::default());
+        for polygon in 0..polygons.len() {
+            let first = polygons.outlines.len();
+            let mut outlines = std::mem::take(&mut polygons.outlines);
+            walker.append_outline(&mut outlines, polygons.loops(polygon));
+            let outline = &outlines[first..];
+            triangulator.append_triangles(&mut triangles, positions, polygons.loops(polygon), outline);
+            polygons.outlines = outlines;
+            polygons.outline_starts.push(polygons.outlines.len() as u32);
+            polygons.triangle_starts.push(triangles.len() as u32);
+        }
+        Ok((polygons, triangles))
+    }
+
+    /// The number of polygons.
+    pub fn len(&self) -> usize {
+        self.loop_starts.len() - 1
+    }
+
+    /// Whether there are none. A mesh has at least one.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The loops of a polygon, as given but with welded vertices: its outer loop, then its holes.
+    ///
+    /// # Panics
+    /// If there are not so many polygons.
+    pub fn loops(&self, polygon: usize) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
+        let of = range(&self.loop_starts, polygon);
+        of.map(|index| &self.corners[range(&self.corner_starts, index)])
+    }
+
+    /// The directed edges of a polygon's outline. As many begin at a vertex as end there. Without the edges that it walks
+    /// both ways, they are in the order of its corners.
+    ///
+    /// # Panics
+    /// If there are not so many polygons.
+    pub fn outline(&self, polygon: usize) -> &[[u32; 2]] {
+        &self.outlines[range(&self.outline_starts, polygon)]
+    }
+
+    /// Which of the mesh's triangles are those of a polygon. Their boundary is its outline, edge by edge: inner
+    /// diagonals cancel. A polygon without an outline has none.
+    ///
+    /// # Panics
+    /// If there are not so many polygons.
+    pub fn triangles(&self, polygon: usize) -> std::ops::Range<usize> {
+        range(&self.triangle_starts, polygon)
+    }
+
+    /// The polygon of each triangle.
+    pub fn triangle_polygons(&self) -> Vec<u32> {
+        let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
+        (0..).zip(self.triangle_starts.windows(2)).flat_map(|(p, ends)| std::iter::repeat_n(p, count(ends))).collect()
+    }
+
+    /// Whether every polygon is one loop of three corners, so that triangles say the same.
+    pub(super) fn are_triangles(&self) -> bool {
+        let are_all = |starts: &[u32], size| starts.windows(2).all(|ends| ends[1] - ends[0] == size);
+        are_all(&self.loop_starts, 1) && are_all(&self.corner_starts, 3)
+    }
+
+    /// The corners, as triangles where every polygon is one.
+    pub(super) fn into_triangles(self) -> Vec<[u32; 3]> {
+        self.corners.as_chunks::<3>().0.to_vec()
+    }
+}
+
+/// The edges of all outlines are the half-edges of a mesh of polygons.
+impl HalfEdges for Polygons {
+    fn places(&self) -> usize {
+        self.outlines.len()
+    }
+
+    fn visit(&self, mut visit: impl FnMut(u32, [u32; 2])) {
+        (0..).zip(&self.outlines).for_each(|(half_edge, &edge)| visit(half_edge, edge));
+    }
+
+    fn faces(&self) -> impl Fn(u32) -> u32 {
+        let count = |ends: &[u32]| (ends[1] - ends[0]) as usize;
+        let ends = (0_u32..).zip(self.outline_starts.windows(2));
+        let faces: Vec<u32> = ends.flat_map(|(face, ends)| std::iter::repeat_n(face, count(ends))).collect();
+        move |half_edge| faces[half_edge as usize]
+    }
+}
+
+/// Prefix sums, which [`check::check`] has found to fit.
+fn starts(sizes: &[u32]) -> Vec<u32> {
+    let sums = sizes.iter().scan(0, |sum, size| {
+        *sum += size;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(sums).collect()
+}
+
+fn range(starts: &[u32], index: usize) -> std::ops::Range<usize> {
+    starts[index] as usize..starts[index + 1] as usize
+}

@@ -1,0 +1,46 @@
+//! Outlines: the edges of a polygon that remain when those that it walks both ways have cancelled.
+
+/// Finds outlines, and keeps its memory from one polygon to the next.
+#[derive(Default)]
+pub(super) struct Walker {
+    /// Edges with their lower vertex first, whether they were turned for that, and their place.
+    sorted: Vec<([u32; 2], bool, u32)>,
+    is_cancelled: Vec<bool>,
+}
+
+impl Walker {
+    /// Appends the outline of a polygon with these loops, in the order of its corners. Edges from a vertex to itself are
+    /// left out. Of the edges between two vertices the earliest of either direction cancel.
+    pub(super) fn append_outline<'a>(&mut self, outline: &mut Vec<[u32; 2]>, loops: impl Iterator<Item = &'a [u32]>) {
+        let first = outline.len();
+        for corners in loops {
+            let ends = corners.iter().skip(1).chain(corners.first());
+            outline.extend(corners.iter().zip(ends).map(|(&a, &b)| [a, b]).filter(|[a, b]| a != b));
+        }
+        let edges = (0..).zip(&outline[first..]);
+        self.sorted.clear();
+        self.sorted.extend(edges.map(|(place, &[a, b])| ([a.min(b), a.max(b)], a > b, place)));
+        self.sorted.sort_unstable();
+        if self.sorted.windows(2).all(|pair| pair[0].0 != pair[1].0) {
+            return;
+        }
+        self.is_cancelled.clear();
+        self.is_cancelled.resize(self.sorted.len(), false);
+        for run in self.sorted.chunk_by(|p, q| p.0 == q.0) {
+            // Edges of one direction come before those of the other.
+            let (forward, backward) = run.split_at(run.partition_point(|&(_, is_turned, _)| !is_turned));
+            for (&(.., one), &(.., other)) in forward.iter().zip(backward) {
+                self.is_cancelled[one as usize] = true;
+                self.is_cancelled[other as usize] = true;
+            }
+        }
+        let mut end = first;
+        for (place, &is_cancelled) in (first..).zip(&self.is_cancelled) {
+            if !is_cancelled {
+                outline[end] = outline[place];
+                end += 1;
+            }
+        }
+        outline.truncate(end);
+    }
+}

@@ -1,0 +1,345 @@
+//! Polygons: their edge records and triangles, against sums of edges.
+
+use std::collections::BTreeMap;
+
+use rimline::Mesh;
+use rimline::mesh::{EdgeCounts, EdgeKind, MeshError, PolygonLoops, Weld};
+use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail};
+
+type Outcome = Result<(), String>;
+
+/// For each pair of vertices, the lower one first, how often edges run upwards less how often they run downwards.
+type Chain = BTreeMap<[u32; 2], i64>;
+
+fn add(chain: &mut Chain, a: u32, b: u32) {
+    if a != b {
+        let sum = chain.entry([a.min(b), a.max(b)]).or_default();
+        *sum += if a < b { 1 } else { -1 };
+        if *sum == 0 {
+            chain.remove(&[a.min(b), a.max(b)]);
+        }
+    }
+}
+
+fn chain_of_loops<'a>(loops: impl IntoIterator<Item = &'a [u32]>) -> Chain {
+    let mut chain = Chain::new();
+    for corners in loops {
+        for at in 0..corners.len() {
+            add(&mut chain, corners[at], corners[(at + 1) % corners.len()]);
+        }
+    }
+    chain
+}
+
+/// Triangles and outline of every polygon have the boundary that the loops have.
+fn check_boundaries(mesh: &Mesh, triangles: &[[u32; 3]]) -> Outcome {
+    let Some(polygons) = mesh.polygons() else { return Ok(()) };
+    let mut next = 0;
+    for polygon in 0..polygons.len() {
+        let expected = chain_of_loops(polygons.loops(polygon));
+        let mut outline = Chain::new();
+        polygons.outline(polygon).iter().for_each(|&[a, b]| add(&mut outline, a, b));
+        if outline != expected {
+            return Err(format!("outline {outline:?} of polygon {polygon}, expected {expected:?}"));
+        }
+        let sizes: i64 = expected.values().map(|count| count.abs()).sum();
+        if polygons.outline(polygon).len() as i64 != sizes {
+            return Err(format!("the outline of polygon {polygon} has edges that cancel"));
+        }
+        let range = polygons.triangles(polygon);
+        if range.start != next {
+            return Err(format!("triangles of polygon {polygon} begin at {}, expected {next}", range.start));
+        }
+        next = range.end;
+        let triangles = &triangles[range];
+        if let Some(face) = triangles.iter().find(|[a, b, c]| a == b || b == c || c == a) {
+            return Err(format!("polygon {polygon} has the triangle {face:?}"));
+        }
+        let found = chain_of_loops(triangles.iter().map(|face| face.as_slice()));
+        if found != expected {
+            return Err(format!(
+                "the triangles of polygon {polygon} have the boundary {found:?}, expected {expected:?}"
+            ));
+        }
+    }
+    if next == mesh.faces().len() { Ok(()) } else { Err("triangles are left over".to_owned()) }
+}
+
+#[test]
+fn boundaries_of_triangles_are_outlines() -> Outcome {
+    let count = if is_long() { 200_000 } else { 6_000 };
+    let mut names = BTreeMap::<&str, usize>::new();
+    for seed in 0..count {
+        let mut random = Random::new(seed);
+        let (name, mut set) = random_polygon(&mut random, 64);
+        let mut name = name;
+        if seed % 16 == 15 {
+            let spoilt = random.below(set.positions.len());
+            set.positions[spoilt] = [[f32::NAN; 3], [f32::INFINITY; 3], [f32::MAX; 3], [1e-45; 3]][random.below(4)];
+            name = "spoilt";
+        }
+        let weld = if random.below(2) == 0 { Weld::Position } else { Weld::Keep };
+        let mesh = set.mesh(weld).map_err(|error| format!("seed {seed}, {name}: {error}"))?;
+        *names.entry(name).or_default() += 1;
+        check_boundaries(&mesh, mesh.faces()).map_err(|error| format!("seed {seed}, {name}: {error}"))?;
+        let mut turned = mesh.faces().to_vec();
+        if mesh.polygons().is_some() && !turned.is_empty() {
+            let at = random.below(turned.len());
+            turned[at].swap(0, 1);
+            must_fail("a turned triangle", &check_boundaries(&mesh, &turned))?;
+        }
+    }
+    assert!(names.len() == 11 && names.values().all(|&count| count > 100), "{names:?}");
+    Ok(())
+}
+
+/// The triangles of a planar polygon cover it: their areas, all of one sign, add up to that of its loops.
+#[test]
+fn triangles_of_planar_polygons_cover_them() {
+    let mut checked = 0;
+    for seed in 0..3_000 {
+        let mut random = Random::new(seed);
+        let (name, set) = random_polygon(&mut random, 40);
+        if !["convex", "concave", "staircase"].contains(&name) {
+            continue;
+        }
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        checked += 1;
+        let at = |v: u32| set.positions[v as usize].map(f64::from);
+        let normal = |corners: &[u32]| -> [f64; 3] {
+            let mut sum = [0.0; 3];
+            for i in 0..corners.len() {
+                let (p, q) = (at(corners[i]), at(corners[(i + 1) % corners.len()]));
+                for axis in 0..3 {
+                    sum[axis] += p[(axis + 1) % 3] * q[(axis + 2) % 3] - p[(axis + 2) % 3] * q[(axis + 1) % 3];
+                }
+            }
+            sum
+        };
+        let length = |n: [f64; 3]| n.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let whole = normal(&set.loop_corners);
+        let parts: f64 = mesh.faces().iter().map(|face| length(normal(face))).sum();
+        assert!((parts / length(whole) - 1.0).abs() < 1e-4, "seed {seed}, {name}: {parts} of {}", length(whole));
+        let is_turned = |face: &[u32; 3]| (0..3).map(|axis| normal(face)[axis] * whole[axis]).sum::<f64>() < -1e-6;
+        assert!(!mesh.faces().iter().any(is_turned), "seed {seed}, {name}: a triangle is turned over");
+    }
+    assert!(checked > 400, "{checked}");
+}
+
+/// A plate with square holes on a grid of whole numbers, whose area is known.
+#[test]
+fn holes_stay_open() {
+    for seed in 0..200 {
+        let mut random = Random::new(seed);
+        let slope = random.below(5) as f32 - 2.0;
+        let square = |x: f32, y: f32, size: f32| {
+            [[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]].map(|[u, v]| [x + u, y + v, slope * (x + u)])
+        };
+        let mut loops = vec![square(0.0, 0.0, 10.0).to_vec()];
+        let mut area = 100.0;
+        for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
+            if random.below(2) == 0 {
+                let mut hole =
+                    square(3.0 * x as f32 + 1.0, 3.0 * y as f32 + 1.0, 1.0 + random.below(2) as f32).to_vec();
+                area -= (hole[1][0] - hole[0][0]).powi(2);
+                hole.reverse();
+                loops.push(hole);
+            }
+        }
+        let turned_over = random.below(2) == 0;
+        if turned_over {
+            loops.iter_mut().for_each(|points| points.reverse());
+            area = -area;
+        }
+        let mut set = PolygonSet::default();
+        set.push_points(&loops);
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        let doubled = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|v| set.positions[v as usize]);
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        let parts: Vec<f32> = mesh.faces().iter().map(doubled).collect();
+        assert_eq!(parts.iter().sum::<f32>(), 2.0 * area, "seed {seed}");
+        assert_eq!(parts.iter().map(|part| part.abs()).sum::<f32>(), 2.0 * area.abs(), "seed {seed}: turned triangles");
+    }
+}
+
+/// What records say of each pair of vertices: the faces that run upwards, and those that run downwards.
+type Sides = BTreeMap<[u32; 2], [Vec<u32>; 2]>;
+
+fn sides_of_records(mesh: &Mesh) -> Result<Sides, String> {
+    let mut sides = Sides::new();
+    let mut last = None;
+    for edge in mesh.edges().iter() {
+        if last > Some(edge.face_0) {
+            return Err("records are not in order".to_owned());
+        }
+        last = Some(edge.face_0);
+        let [a, b] = edge.vertices;
+        let entry = sides.entry([a.min(b), a.max(b)]).or_default();
+        entry[usize::from(a > b)].push(edge.face_0);
+        match (edge.kind, edge.face_1) {
+            (EdgeKind::Boundary, None) => {}
+            (EdgeKind::Consistent, Some(face)) => entry[usize::from(a < b)].push(face),
+            (EdgeKind::Inconsistent, Some(face)) => entry[usize::from(a > b)].push(face),
+            other => return Err(format!("{other:?}")),
+        }
+    }
+    sides.values_mut().flatten().for_each(|faces| faces.sort_unstable());
+    Ok(sides)
+}
+
+/// The same from the loops alone.
+fn sides_of_loops(mesh: &Mesh, set: &PolygonSet) -> Sides {
+    let mut sides = Sides::new();
+    for (face, loops) in (0..).zip(set.polygons()) {
+        // Names after welding: those of the mesh, found by position.
+        let polygons = mesh.polygons().expect("polygons");
+        let named: Vec<&[u32]> = polygons.loops(face as usize).collect();
+        assert_eq!(
+            named.iter().map(|corners| corners.len()).collect::<Vec<_>>(),
+            loops.iter().map(Vec::len).collect::<Vec<_>>()
+        );
+        for (key, count) in chain_of_loops(named) {
+            let list = &mut sides.entry(key).or_default()[usize::from(count < 0)];
+            list.extend(std::iter::repeat_n(face, count.unsigned_abs() as usize));
+        }
+    }
+    sides
+}
+
+#[test]
+fn records_hold_the_outlines() -> Outcome {
+    for seed in 0..3_000 {
+        let mut random = Random::new(seed);
+        let vertices = 4 + random.below(12);
+        let mut set =
+            PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
+        for _ in 0..1 + random.below(8) {
+            let loops: Vec<Vec<u32>> = (0..1 + random.below(2))
+                .map(|_| (0..3 + random.below(5)).map(|_| random.below(vertices) as u32).collect())
+                .collect();
+            set.push(&loops);
+        }
+        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        let (mut found, expected) = (sides_of_records(&mesh)?, sides_of_loops(&mesh, &set));
+        assert_eq!(found, expected, "seed {seed}");
+        // Opposite ones are paired first: so many records are consistent.
+        let pairs: usize = expected.values().map(|[up, down]| up.len().min(down.len())).sum();
+        let single: usize = expected.values().map(|[up, down]| up.len().abs_diff(down.len()) % 2).sum();
+        let counts = mesh.edges().counts();
+        assert_eq!((counts.consistent, counts.boundary), (pairs, single), "seed {seed}");
+        if let Some(mut entry) = found.first_entry() {
+            entry.get_mut()[0].push(99);
+            assert_ne!(found, expected, "negative control");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn polygons_of_three_corners_are_triangles() {
+    for seed in 0..200 {
+        let mut random = Random::new(seed);
+        let vertices = 3 + random.below(9);
+        let positions: Vec<[f32; 3]> = (0..vertices).map(|_| random.direction().map(f32::round)).collect();
+        let faces: Vec<[u32; 3]> =
+            (0..1 + random.below(9)).map(|_| std::array::from_fn(|_| random.below(vertices) as u32)).collect();
+        let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
+        faces.iter().for_each(|face| set.push(&[face.to_vec()]));
+        for weld in [Weld::Position, Weld::Keep] {
+            assert_eq!(set.mesh(weld), Mesh::new(&positions, &faces, weld), "seed {seed}");
+        }
+        // With a quadrilateral beside them, the records between the triangles stay as they are.
+        set.push_points(&[vec![[9.0; 3], [9.0, 8.0, 9.0], [8.0, 8.0, 9.0], [8.0, 9.0, 9.0]]]);
+        let (mixed, plain) = (set.mesh(Weld::Position).expect("a mesh"), Mesh::new(&positions, &faces, Weld::Position));
+        let plain = plain.expect("a mesh");
+        assert_eq!(mixed.edges().len(), plain.edges().len() + 4, "seed {seed}");
+        assert!(mixed.edges().iter().zip(plain.edges().iter()).all(|(one, other)| one == other), "seed {seed}");
+        assert_eq!(mixed.degenerate_faces(), plain.degenerate_faces(), "seed {seed}");
+    }
+}
+
+#[test]
+fn bodies_of_quadrilaterals_are_closed() {
+    let torus = quad_torus(&mut Random::new(1), 12, 8, 0.05).mesh(Weld::Keep).expect("a mesh");
+    assert!(torus.is_closed());
+    assert_eq!((torus.face_count(), torus.edges().len(), torus.faces().len()), (96, 192, 192));
+    let cube = quad_box(3).mesh(Weld::Position).expect("a mesh");
+    assert!(cube.is_closed());
+    assert_eq!((cube.face_count(), cube.edges().len(), cube.faces().len()), (54, 108, 108));
+    assert_eq!(cube.polygons().map(|polygons| polygons.triangle_polygons().len()), Some(108));
+}
+
+/// A square with a square hole, as two loops and as one with a bridge: the same edges, and no edge for the bridge.
+#[test]
+fn a_bridge_is_no_edge() {
+    let square = |size: f32| [[-size, -size, 0.0], [size, -size, 0.0], [size, size, 0.0], [-size, size, 0.0]];
+    let positions = [square(2.0), square(1.0)].concat();
+    let mut loops = PolygonSet { positions: positions.clone(), ..Default::default() };
+    loops.push(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]);
+    let mut bridge = PolygonSet { positions, ..Default::default() };
+    bridge.push(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]);
+    let edges = |set: &PolygonSet| {
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        assert_eq!(mesh.faces().len(), 8);
+        assert_eq!(mesh.edges().counts(), EdgeCounts { boundary: 8, ..Default::default() });
+        let mut edges: Vec<_> = mesh.edges().iter().map(|edge| edge.vertices).collect();
+        edges.sort_unstable();
+        edges
+    };
+    assert_eq!(edges(&loops), edges(&bridge));
+}
+
+#[test]
+fn an_edge_walked_twice_is_an_edge_of_one_face_on_both_sides() {
+    let mut set = PolygonSet {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        ..Default::default()
+    };
+    set.push(&[vec![0, 1, 2, 0, 1, 3]]);
+    let mesh = set.mesh(Weld::Keep).expect("a mesh");
+    let twice: Vec<_> = mesh.edges().iter().filter(|edge| edge.face_1 == Some(0)).collect();
+    assert_eq!((twice.len(), twice[0].vertices, twice[0].kind), (1, [0, 1], EdgeKind::Inconsistent));
+    assert_eq!(mesh.edges().counts(), EdgeCounts { inconsistent: 1, boundary: 4, consistent: 0 });
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let positions = [[0.0; 3]; 4];
+    let refused = |polygon_loops: &[u32], loop_sizes: &[u32], loop_corners: &[u32]| {
+        let given = PolygonLoops { polygon_loops, loop_sizes, loop_corners };
+        Mesh::from_polygons(&positions, given, Weld::Keep).expect_err("a bad polygon")
+    };
+    assert_eq!(refused(&[], &[], &[]), MeshError::NoFaces);
+    assert_eq!(refused(&[1, 0], &[3], &[0, 1, 2]), MeshError::PolygonWithoutLoops { polygon: 1 });
+    assert_eq!(
+        refused(&[2], &[3, 2], &[0, 1, 2, 3, 0]),
+        MeshError::LoopTooSmall { polygon: 0, loop_index: 1, corners: 2 }
+    );
+    assert_eq!(
+        refused(&[1, 2], &[3, 3], &[0, 1, 2, 3, 0, 1]),
+        MeshError::MissingLoops { polygon: 1, loop_index: 1, loops: 2 }
+    );
+    assert_eq!(
+        refused(&[1, 1], &[3, 4], &[0, 1, 2, 3, 0, 1]),
+        MeshError::MissingCorners { polygon: 1, loop_index: 0, corners: 6 }
+    );
+    assert_eq!(refused(&[1], &[3, 3], &[0, 1, 2, 0, 1, 2]), MeshError::LoopsLeftOver { loops: 1 });
+    assert_eq!(refused(&[1], &[3], &[0, 1, 2, 0]), MeshError::CornersLeftOver { corners: 1 });
+    let error = refused(&[1, 2], &[3, 3, 4], &[0, 1, 2, 3, 2, 1, 0, 1, 4, 2]);
+    assert_eq!(error, MeshError::CornerOutOfRange { polygon: 1, loop_index: 1, corner: 2, index: 4, vertices: 4 });
+    assert_eq!(error.to_string(), "corner 2 of loop 1 of polygon 1 names vertex 4, but there are 4 vertices");
+    let size = (1 << 24) + 1;
+    assert_eq!(refused(&[1], &[size], &vec![0; size as usize]), MeshError::PolygonTooLarge { polygon: 0 });
+    // Sizes that would overflow a sum.
+    assert!(matches!(refused(&[2], &[3, u32::MAX], &[0, 1, 2]), MeshError::PolygonTooLarge { polygon: 0 }));
+}

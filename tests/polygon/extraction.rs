@@ -1,0 +1,289 @@
+//! Extraction of polygon meshes: masks against sums over faces, and against triangles where polygons are planar.
+
+use std::collections::BTreeMap;
+
+use rimline::mesh::{EdgeKind, Weld};
+use rimline::reference::cpu::{self, EdgeMasks, Extraction, Outline, PolygonMasks, Seen, Threads};
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, oracle, same};
+
+use crate::lights::light_for;
+
+type Outcome = Result<(), String>;
+
+fn extracted(set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Extraction {
+    cpu::extract(&set.positions, mesh, lights, Predicate::Exact, Threads::ONE).expect("good lights")
+}
+
+fn bit(masks: &[u32], count: usize, item: usize, light: usize) -> bool {
+    masks[light / 32 * count + item] >> (light % 32) & 1 != 0
+}
+
+/// For each pair of vertices, the lower one first, a sum over the edges between them, counted upwards.
+type Sums = BTreeMap<[u32; 2], i64>;
+
+fn add(sums: &mut Sums, [a, b]: [u32; 2], value: i64) {
+    *sums.entry([a.min(b), a.max(b)]).or_default() += if a < b { value } else { -value };
+}
+
+/// What faces add to their edges: 1 if they face the light, −1 if not, nothing if they are twisted.
+fn sums_of_faces(mesh: &Mesh, facing: &[u32], twisted: &[u32], light: usize) -> Sums {
+    let polygons = mesh.polygons().expect("polygons");
+    let mut sums = Sums::new();
+    for polygon in 0..polygons.len() {
+        let is_set = |masks: &[u32]| bit(masks, polygons.len(), polygon, light);
+        let side = match (is_set(facing), is_set(twisted)) {
+            (_, true) => 0,
+            (true, _) => 1,
+            (false, _) => -1,
+        };
+        polygons.outline(polygon).iter().for_each(|&edge| add(&mut sums, edge, side));
+    }
+    sums
+}
+
+/// The same from silhouette and winding masks. A record with two faces that count has twice the weight.
+fn sums_of_records(mesh: &Mesh, masks: &[EdgeMasks], twisted: &[u32], light: usize) -> Sums {
+    let mut sums = Sums::new();
+    let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
+    for (edge, masks) in mesh.edges().iter().zip(plane) {
+        let counts = |face: u32| i64::from(!bit(twisted, mesh.face_count(), face as usize, light));
+        let weight = counts(edge.face_0) + edge.face_1.map_or(0, counts);
+        let is_set = |mask: u32| mask >> (light % 32) & 1 != 0;
+        let sign = if is_set(masks.winding) { 1 } else { -1 };
+        add(&mut sums, edge.vertices, if is_set(masks.silhouette) { sign * weight } else { 0 });
+    }
+    sums
+}
+
+/// As many edges begin at each vertex as end there, by their multiplicities.
+fn is_closed(sums: &Sums) -> bool {
+    let mut balance = BTreeMap::<u32, i64>::new();
+    for (&[a, b], count) in sums {
+        *balance.entry(a).or_default() += count;
+        *balance.entry(b).or_default() -= count;
+    }
+    balance.values().all(|&sum| sum == 0)
+}
+
+fn check_edges(mesh: &Mesh, found: &Extraction, lights: usize) -> Outcome {
+    for light in 0..lights {
+        let expected = sums_of_faces(mesh, &found.facing, &found.twisted, light);
+        let sums = sums_of_records(mesh, &found.masks, &found.twisted, light);
+        if sums != expected {
+            return Err(format!("light {light}: {sums:?}, expected {expected:?}"));
+        }
+        if !is_closed(&sums) {
+            return Err(format!("light {light}: an open loop"));
+        }
+    }
+    Ok(())
+}
+
+fn lights_for(random: &mut Random, set: &PolygonSet, count: usize) -> Vec<Light> {
+    let any = std::iter::repeat_with(|| light_for(random, &set.positions).1);
+    any.filter(|light| light.to_array() != [0.0; 4]).take(count).collect()
+}
+
+#[test]
+fn bodies_of_nonplanar_quadrilaterals_close() -> Outcome {
+    let mut twisted_pairs = 0;
+    for seed in 0..24 {
+        let mut random = Random::new(seed);
+        let bump = [0.0, 0.01, 0.1, 0.3][random.below(4)];
+        let set = quad_torus(&mut random, 12, 8, bump);
+        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
+        assert!(mesh.is_closed());
+        let lights = lights_for(&mut random, &set, 40);
+        let found = extracted(&set, &mesh, &lights);
+        check_edges(&mesh, &found, lights.len()).map_err(|error| format!("seed {seed}: {error}"))?;
+        let count: u32 = found.twisted.iter().map(|mask| mask.count_ones()).sum();
+        twisted_pairs += count;
+        if bump == 0.0 {
+            continue;
+        }
+        let Some(pair) = found.twisted.iter().position(|&mask| mask != 0) else { continue };
+        let mut wrong = found.clone();
+        wrong.twisted[pair] &= wrong.twisted[pair] - 1;
+        must_fail("a twisted polygon that counts", &check_edges(&mesh, &wrong, lights.len()))?;
+    }
+    println!("{twisted_pairs} twisted");
+    if twisted_pairs > 500 { Ok(()) } else { Err(format!("only {twisted_pairs} twisted")) }
+}
+
+/// Polygons over few vertices: edges of many faces, of one face on both sides, of either sense.
+#[test]
+fn soups_of_polygons_close() -> Outcome {
+    let mut kinds = [0; 3];
+    for seed in 0..150 {
+        let mut random = Random::new(seed);
+        let vertices = 5 + random.below(8);
+        let mut set =
+            PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
+        for _ in 0..1 + random.below(12) {
+            let corners = (0..3 + random.below(3)).map(|_| random.below(vertices) as u32);
+            set.push(&[corners.collect()]);
+        }
+        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        let lights = lights_for(&mut random, &set, 33);
+        let mut found = extracted(&set, &mesh, &lights);
+        check_edges(&mesh, &found, lights.len()).map_err(|error| format!("seed {seed}: {error}"))?;
+        mesh.edges().iter().for_each(|edge| kinds[edge.kind as usize] += 1);
+        let Some(at) = found.masks.iter().position(|masks| masks.silhouette != 0) else { continue };
+        let lowest = found.masks[at].silhouette & found.masks[at].silhouette.wrapping_neg();
+        found.masks[at].winding ^= lowest;
+        let seen = check_edges(&mesh, &found, lights.len());
+        // Where the face on both sides is twisted there is no weight to be wrong.
+        if sums_change(&mesh, &found, at, lowest) {
+            must_fail("a winding bit", &seen)?;
+        }
+    }
+    assert!(kinds[EdgeKind::Inconsistent as usize] > 100 && kinds[EdgeKind::Consistent as usize] > 100, "{kinds:?}");
+    Ok(())
+}
+
+/// Whether the record at a place of the masks has a face that counts for the light of this bit.
+fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool {
+    let (batch, edge) = (at / mesh.edges().len(), at % mesh.edges().len());
+    let edge = mesh.edges().get(edge).expect("a record");
+    let counts = |face: u32| found.twisted[batch * mesh.face_count() + face as usize] & lowest == 0;
+    counts(edge.face_0) || edge.face_1.is_some_and(counts)
+}
+
+/// Squares of whole numbers are planar exactly. So masks are those of their triangles, whose diagonals are no silhouettes.
+#[test]
+fn planar_quadrilaterals_have_the_masks_of_their_triangles() -> Outcome {
+    for seed in 0..20 {
+        let mut random = Random::new(seed);
+        let set = quad_box(1 + random.below(4) as u32);
+        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
+        let triangles = Mesh::new(&set.positions, mesh.faces(), Weld::Position).map_err(|error| error.to_string())?;
+        let lights = lights_for(&mut random, &set, 70);
+        let (found, of_triangles) = (extracted(&set, &mesh, &lights), extracted(&set, &triangles, &lights));
+        assert!(found.twisted.iter().all(|&mask| mask == 0), "seed {seed}: a twisted square");
+        let by_edge = |mesh: &Mesh, masks: &[EdgeMasks]| {
+            let records = mesh.edges().len();
+            let all = masks.iter().enumerate().map(|(at, masks)| {
+                let edge = mesh.edges().get(at % records).expect("a record");
+                let [a, b] = edge.vertices;
+                // Counted upwards, so that it does not matter which face comes first.
+                let turned = if a > b { !masks.winding & masks.silhouette } else { masks.winding & masks.silhouette };
+                ((at / records, [a.min(b), a.max(b)]), (masks.silhouette, turned))
+            });
+            all.filter(|(_, (silhouette, _))| *silhouette != 0).collect::<BTreeMap<_, _>>()
+        };
+        let expected = by_edge(&triangles, &of_triangles.masks);
+        assert_eq!(by_edge(&mesh, &found.masks), expected, "seed {seed}");
+        let triangle_polygons = mesh.polygons().expect("polygons").triangle_polygons();
+        let spread = |masks: &[u32]| -> Vec<u32> {
+            let planes = masks.chunks(mesh.face_count());
+            planes.flat_map(|plane| triangle_polygons.iter().map(|&polygon| plane[polygon as usize])).collect()
+        };
+        same("facing", &spread(&found.facing), &of_triangles.facing)?;
+        let (masks, _) = polygon_masks(&set, &mesh, &lights);
+        let excluded: Vec<u32> = masks.iter().map(|masks| masks.excluded).collect();
+        same("excluded", &spread(&excluded), &cpu::excluded(&set.positions, triangles.faces(), &lights))?;
+        let mut wrong = found.facing.clone();
+        let place = random.below(wrong.len());
+        wrong[place] ^= 1;
+        must_fail("a facing bit", &same("facing", &spread(&wrong), &of_triangles.facing))?;
+    }
+    Ok(())
+}
+
+fn polygon_masks(set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> (Vec<PolygonMasks>, cpu::FacingStatistics) {
+    cpu::polygon_facing(&set.positions, mesh.polygons().expect("polygons"), lights, Threads::ONE)
+}
+
+/// Staircases of whole numbers are planar exactly, concave, and have straight corners and edges in line.
+#[test]
+fn planar_polygons_face_what_their_triangles_face() {
+    let mut checked = 0;
+    for seed in 0..3_000 {
+        let mut random = Random::new(seed);
+        let (name, set) = random_polygon(&mut random, 20);
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        if name != "staircase" || mesh.polygons().is_none() {
+            continue;
+        }
+        checked += 1;
+        let lights = lights_for(&mut random, &set, 20);
+        let found = extracted(&set, &mesh, &lights);
+        let of_triangles = oracle::facing(&set.positions, mesh.faces(), &lights);
+        let in_plane = oracle::excluded(&set.positions, mesh.faces(), &lights);
+        assert_eq!(found.twisted, [0], "seed {seed}: {set:?}");
+        for (facing, in_plane) in of_triangles.iter().zip(&in_plane) {
+            // Triangles without an area have all lights in their plane.
+            assert_eq!(found.facing[0] & !in_plane, facing & !in_plane, "seed {seed}");
+        }
+    }
+    assert!(checked > 100, "{checked}");
+}
+
+#[test]
+fn polygons_that_are_not_finite_are_excluded() {
+    let mut set = quad_box(1);
+    set.positions[0][1] = f32::NAN;
+    set.positions[23][2] = f32::INFINITY;
+    let mesh = set.mesh(Weld::Keep).expect("a mesh");
+    let lights = [Light::point([3.0, 4.0, 5.0]), Light::directional([1.0, 2.0, 3.0])];
+    let (masks, statistics) = polygon_masks(&set, &mesh, &lights);
+    assert_eq!(statistics.non_finite_faces, 2);
+    for (polygon, masks) in masks.iter().enumerate() {
+        let expected = if polygon == 0 || polygon == 5 { 0b11 } else { 0 };
+        assert_eq!(
+            (masks.excluded, masks.twisted, masks.facing & masks.excluded),
+            (expected, 0, 0),
+            "polygon {polygon}"
+        );
+    }
+    let missing = cpu::polygon_facing(&[], mesh.polygons().expect("polygons"), &lights, Threads::ONE);
+    assert_eq!(missing.1.non_finite_faces, 6);
+}
+
+#[test]
+fn neither_threads_nor_memory_of_before_matter() {
+    let mut random = Random::new(7);
+    let set = quad_torus(&mut random, 96, 64, 0.02);
+    let mesh = set.mesh(Weld::Keep).expect("a mesh");
+    let lights = lights_for(&mut random, &set, 34);
+    let one = extracted(&set, &mesh, &lights);
+    let mut again = one.clone();
+    for threads in [2, 7] {
+        again.update(&set.positions, &mesh, &lights, Predicate::Exact, Threads::new(threads)).expect("good lights");
+        assert!(again == one, "{threads} threads");
+    }
+    // A mesh of triangles after it leaves no masks of polygons.
+    let triangles = Mesh::from_faces(set.positions.len(), mesh.faces().to_vec()).expect("a mesh");
+    again.update(&set.positions, &triangles, &lights, Predicate::Exact, Threads::ONE).expect("good lights");
+    assert!(again.twisted.is_empty() && again.facing.len() == 2 * triangles.faces().len());
+}
+
+/// Polygons are decided by their outlines alone: loops and a bridge are the same.
+#[test]
+fn a_bridge_changes_no_bit() {
+    let square = |size: f32| [[-size, -size, 0.0], [size, -size, 0.3], [size, size, 0.0], [-size, size, 0.1]];
+    let positions = [square(2.0), square(1.0)].concat();
+    let outline = |loops: &[Vec<u32>]| {
+        let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
+        set.push(loops);
+        let mesh = set.mesh(Weld::Keep).expect("a mesh");
+        Outline::new(mesh.polygons().expect("polygons").outline(0), &positions).expect("finite")
+    };
+    let (loops, bridge) =
+        (outline(&[vec![0, 1, 2, 3], vec![7, 6, 5, 4]]), outline(&[vec![0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]));
+    let mut random = Random::new(5);
+    let mut seen = [0; 4];
+    for _ in 0..500 {
+        let light = light_for(&mut random, &positions).1.to_array();
+        let found = loops.seen(light).0;
+        assert_eq!(found, bridge.seen(light).0, "{light:?}");
+        seen[found as usize] += 1;
+    }
+    assert!(seen[Seen::Facing as usize] > 20 && seen[Seen::Twisted as usize] > 20, "{seen:?}");
+}

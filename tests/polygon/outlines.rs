@@ -1,0 +1,259 @@
+//! How lights see outlines: against winding numbers in big integers.
+
+use std::collections::BTreeMap;
+
+use rimline::Light;
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{Outline, Seen, convex, edge_pair, fits_half_space};
+use rimline_measure::polygons::{PolygonSet, random_polygon};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, polygon_oracle};
+
+use crate::lights::light_for;
+
+type Outcome = Result<(), String>;
+
+/// The outline of the set's only polygon, as pairs of positions. `None` for a triangle.
+fn placed(set: &PolygonSet) -> Option<(Outline, Vec<[[f32; 3]; 2]>)> {
+    let mesh = set.mesh(Weld::Position).expect("a mesh");
+    let edges = mesh.polygons()?.outline(0);
+    let outline = Outline::new(edges, &set.positions).expect("finite corners");
+    Some((outline, edges.iter().map(|edge| edge.map(|v| set.positions[v as usize])).collect()))
+}
+
+/// The two agree. Only where the outline touches itself in space may it be twisted and yet have a side.
+fn compare(found: Seen, right: polygon_oracle::Found) -> Outcome {
+    match found == right.seen || found == Seen::Twisted && right.touches && right.seen != Seen::InPlane {
+        true => Ok(()),
+        false => Err(format!("{found:?}, but the oracle found {right:?}")),
+    }
+}
+
+#[test]
+fn outlines_are_seen_as_their_winding_numbers_say() -> Outcome {
+    let first = 101_000;
+    let count = if is_long() { 60_000 } else { 1_000 };
+    println!("seeds from {first}");
+    let mut seen = BTreeMap::<String, usize>::new();
+    let mut by_light = BTreeMap::<(&str, &str), usize>::new();
+    for seed in first..first + count {
+        let mut random = Random::new(seed);
+        // Large ones are the oracle's limit.
+        let most = [6, 6, 12, 12, 12, 24, 24, 64][random.below(8)];
+        let (name, set) = random_polygon(&mut random, most);
+        let Some((outline, edges)) = placed(&set) else { continue };
+        for _ in 0..3 {
+            let (of_light, light) = light_for(&mut random, &set.positions);
+            if light.to_array() == [0.0; 4] {
+                continue;
+            }
+            let (found, is_general) = outline.seen(light.to_array());
+            let right = polygon_oracle::find(&edges, light);
+            let what = format!("seed {seed}, {name}, light {of_light}: {light:?}");
+            compare(found, right).map_err(|error| format!("{what}: {error}, {edges:?}"))?;
+            let by_pairs = outline.seen_by_pairs(light.to_array());
+            compare(by_pairs, right).map_err(|error| format!("{what}, by pairs: {error}"))?;
+            *seen.entry(format!("{found:?}, {}", if is_general { "by pairs" } else { "cheap" })).or_default() += 1;
+            *by_light.entry((of_light, if right.touches { "touches" } else { "clean" })).or_default() += 1;
+            let other = match found {
+                Seen::Facing => Seen::Averted,
+                Seen::Averted => Seen::InPlane,
+                Seen::InPlane => Seen::Twisted,
+                Seen::Twisted => Seen::Facing,
+            };
+            if right.seen != other {
+                must_fail("another side", &compare(other, right))?;
+            }
+        }
+    }
+    println!("{seen:#?}\n{by_light:#?}");
+    if seen.len() < 6 || seen.values().any(|&count| count < 12) {
+        Err(format!("too few of a kind: {seen:?}"))
+    } else {
+        Ok(())
+    }
+}
+
+fn loops(loops: &[&[[f32; 3]]]) -> Outline {
+    let mut set = PolygonSet::default();
+    set.push_points(&loops.iter().map(|points| points.to_vec()).collect::<Vec<_>>());
+    placed(&set).expect("no triangle").0
+}
+
+const ABOVE: Light = Light::point([0.3, 0.2, 5.0]);
+const BELOW: Light = Light::point([0.3, 0.2, -5.0]);
+
+fn seen(outline: &Outline, light: Light) -> Seen {
+    outline.seen(light.to_array()).0
+}
+
+fn square(size: f32, height: f32) -> [[f32; 3]; 4] {
+    [[-size, -size, height], [size, -size, height], [size, size, height], [-size, size, height]]
+}
+
+fn reversed<const N: usize>(mut points: [[f32; 3]; N]) -> [[f32; 3]; N] {
+    points.reverse();
+    points
+}
+
+#[test]
+fn cases_worked_by_hand() {
+    let plain = loops(&[&square(1.0, 0.0)]);
+    assert_eq!([seen(&plain, ABOVE), seen(&plain, BELOW)], [Seen::Facing, Seen::Averted]);
+    assert_eq!(seen(&plain, Light::point([9.0, 2.0, 0.0])), Seen::InPlane);
+    assert_eq!(seen(&plain, Light::point([1.0, 0.0, 0.0])), Seen::InPlane, "on an edge");
+    assert_eq!(seen(&plain, Light::directional([1.0, 2.0, 0.0])), Seen::InPlane);
+    let [a, b, c, d] = square(1.0, 0.0);
+    let bow_tie = loops(&[&[a, b, d, c]]);
+    assert_eq!([seen(&bow_tie, ABOVE), seen(&bow_tie, BELOW)], [Seen::Twisted; 2]);
+    // A quadrilateral that is not planar: from some sides it is twisted (Bergeron's figure 7).
+    let bent = loops(&[&[[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]]]);
+    assert_eq!([seen(&bent, ABOVE), seen(&bent, BELOW)], [Seen::Facing, Seen::Averted]);
+    assert_eq!(seen(&bent, Light::point([9.0, 0.5, 0.0])), Seen::Twisted);
+    assert_eq!(seen(&bent, Light::point([0.0; 3])), Seen::Twisted, "within its hull");
+}
+
+#[test]
+fn holes_are_in_their_outer_loop() {
+    let hole = reversed(square(1.0, 0.0));
+    let with_hole = loops(&[&square(2.0, 0.0), &hole]);
+    assert_eq!([seen(&with_hole, ABOVE), seen(&with_hole, BELOW)], [Seen::Facing, Seen::Averted]);
+    let same_way = loops(&[&square(2.0, 0.0), &square(1.0, 0.0)]);
+    assert_eq!([seen(&same_way, ABOVE), seen(&same_way, BELOW)], [Seen::Twisted; 2], "winding number 2");
+    let around = loops(&[&square(1.0, 0.0), &reversed(square(2.0, 0.0))]);
+    assert_eq!([seen(&around, ABOVE), seen(&around, BELOW)], [Seen::Averted, Seen::Facing], "a hole around it");
+    // A hole in another plane leaves the outer loop as the light goes aside.
+    let lifted = loops(&[&square(2.0, 0.0), &reversed(square(1.0, 1.0))]);
+    assert_eq!(seen(&lifted, ABOVE), Seen::Facing);
+    assert_eq!(seen(&lifted, Light::directional([1.5, 0.0, 1.0])), Seen::Twisted, "across");
+    assert_eq!(seen(&lifted, Light::directional([4.0, 0.0, 1.0])), Seen::Twisted, "beside");
+}
+
+/// Crossings of loops whose ends all have winding numbers 0 and 1 beside them: a star of two triangles, and one of five
+/// points.
+#[test]
+fn stars_are_twisted() {
+    let at = |angle: f32| [angle.to_radians().cos(), angle.to_radians().sin(), 0.0];
+    let two = loops(&[&[at(90.0), at(210.0), at(330.0)], &[at(270.0), at(30.0), at(150.0)]]);
+    let five = loops(&[&[at(0.0), at(144.0), at(288.0), at(72.0), at(216.0)]]);
+    for star in [two, five] {
+        assert_eq!([seen(&star, ABOVE), seen(&star, BELOW)], [Seen::Twisted; 2]);
+    }
+}
+
+/// Opposite directions are not the same: a fence around the light that fits no half-space, and its halves.
+#[test]
+fn an_outline_around_the_light_is_twisted() {
+    let light = Light::point([0.0; 3]);
+    let fence: Vec<[f32; 3]> = (0..8)
+        .map(|corner| {
+            let angle = corner as f32 * std::f32::consts::FRAC_PI_4;
+            [angle.cos(), angle.sin(), if corner % 2 == 0 { 0.1 } else { -0.1 }]
+        })
+        .collect();
+    assert!(!fits_half_space(&fence, light.to_array()));
+    assert_eq!(seen(&loops(&[&fence]), light), Seen::Twisted);
+    assert_eq!(seen(&loops(&[&fence]), Light::point([0.0, 0.0, 1.0])), Seen::Facing);
+    assert!(fits_half_space(&fence[..4], light.to_array()));
+}
+
+/// Edges on opposite sides of the light have lines of sight in common, but no direction.
+#[test]
+fn opposite_directions_do_not_cross() {
+    let light = [0.0, 0.0, 0.0, 1.0];
+    let across = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    let along = [[0.0, -2.0, 2.0], [0.0, 2.0, 2.0]];
+    let opposite = along.map(|point| point.map(|c: f32| -c));
+    assert!(edge_pair(across, along, light).meets && edge_pair(along, across, light).meets);
+    assert!(!edge_pair(across, opposite, light).meets && !edge_pair(opposite, across, light).meets);
+    let beside = along.map(|[x, y, z]| [x + 2.5, y, z]);
+    assert!(!edge_pair(across, beside, light).meets);
+}
+
+#[test]
+fn edges_in_line_meet_where_they_overlap() {
+    let on_line = |from: f32, to: f32| [[from, 2.0 * from, 0.0], [to, 2.0 * to, 0.0]];
+    for (other, meets) in [
+        (on_line(1.0, 2.0), true),
+        (on_line(2.0, 1.0), true),
+        (on_line(-1.0, 4.0), true),
+        (on_line(2.0, 5.0), true),
+        (on_line(4.0, 5.0), false),
+        (on_line(-1.0, -2.0), false),
+        // With an end in common.
+        (on_line(3.0, 4.0), false),
+        (on_line(3.0, 1.0), true),
+        (on_line(0.0, 5.0), true),
+        (on_line(3.0, 0.0), true),
+    ] {
+        let edge = on_line(0.0, 3.0);
+        assert_eq!(edge_pair(edge, other, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
+        assert_eq!(edge_pair(other, edge, [1.0, 2.0, 3.0, 1.0]).meets, meets, "{other:?}");
+    }
+}
+
+/// Two lobes that meet at a vertex: it is an ordinary corner, twice.
+#[test]
+fn lobes_may_meet_at_a_vertex() {
+    let mut set = PolygonSet {
+        positions: vec![[0.0; 3], [2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [-2.0, 1.0, 0.0], [-2.0, -1.0, 0.0]],
+        ..Default::default()
+    };
+    let mut of = |corners: &[u32]| {
+        set.push(&[corners.to_vec()]);
+        let one =
+            PolygonSet { polygon_loops: vec![1], loop_sizes: vec![6], loop_corners: corners.to_vec(), ..set.clone() };
+        placed(&one).expect("a polygon").0
+    };
+    let alike = of(&[0, 1, 2, 0, 3, 4]);
+    assert_eq!([seen(&alike, ABOVE), seen(&alike, BELOW)], [Seen::Facing, Seen::Averted]);
+    let against = of(&[0, 1, 2, 0, 4, 3]);
+    assert_eq!([seen(&against, ABOVE), seen(&against, BELOW)], [Seen::Twisted; 2]);
+}
+
+/// Corners in line, edges in line and edges that touch in space.
+#[test]
+fn corners_in_line_are_ordinary() {
+    let comb = loops(&[&[
+        [0.0, 0.0, 0.0],
+        [3.0, 0.0, 0.0],
+        [6.0, 0.0, 0.0],
+        [6.0, 2.0, 0.0],
+        [4.0, 2.0, 0.0],
+        [4.0, 1.0, 0.0],
+        [2.0, 1.0, 0.0],
+        [2.0, 2.0, 0.0],
+        [0.0, 2.0, 0.0],
+    ]]);
+    assert_eq!([seen(&comb, ABOVE), seen(&comb, BELOW)], [Seen::Facing, Seen::Averted]);
+    // Out and back along a line: touching in space counts as twisted.
+    let spike = loops(&[&[[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]]);
+    assert_eq!(seen(&spike, ABOVE), Seen::Twisted);
+    // A corner on another edge.
+    let touching = loops(&[&[[0.0; 3], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
+    assert_eq!(seen(&touching, ABOVE), Seen::Twisted);
+    // Two corners at one place, with other indices.
+    let mut collapsed = square(1.0, 0.0).to_vec();
+    collapsed.insert(1, collapsed[0]);
+    assert_eq!(seen(&loops(&[&collapsed]), ABOVE), Seen::Facing);
+}
+
+/// What the cheap way accepts, all pairs accept, for loops of all sizes; and it does accept convex loops.
+#[test]
+fn convex_outlines_take_the_cheap_way() {
+    for seed in 0..400 {
+        let mut random = Random::new(seed);
+        let count = 5 + random.below(60);
+        let turns = 1 + random.below(2);
+        let ring: Vec<[f32; 3]> = (0..count)
+            .map(|corner| {
+                let angle = corner as f32 / count as f32 * std::f32::consts::TAU * turns as f32;
+                [angle.cos(), angle.sin(), 1e-3 * random.between(-1.0, 1.0)]
+            })
+            .collect();
+        let light = [0.1, -0.2, 3.0, 1.0];
+        assert_eq!(convex(&ring, light), i32::from(turns == 1), "seed {seed}, {count} corners");
+        let expected = if turns == 1 { (Seen::Facing, false) } else { (Seen::Twisted, true) };
+        assert_eq!(loops(&[&ring]).seen(light), expected, "seed {seed}, {count} corners");
+    }
+}
