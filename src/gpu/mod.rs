@@ -28,14 +28,13 @@ pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
 pub use query::options::ShadowQueryOptions;
 pub use query::shadow_query::ShadowQuery;
 pub use scene::caster::{Caster, CasterPositions};
-pub use scene::errors::{ReceiversError, SceneError};
+pub use scene::errors::{OccluderError, ReceiversError, SceneError};
 pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
 pub use scene::mask::LightMask;
 pub use scene::needs::SceneNeeds;
-pub use scene::occluders::OccluderError;
 pub use scene::options::SceneOptions;
 pub use scene::receivers::Receivers;
 pub use scene::scene::Scene;

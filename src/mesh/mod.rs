@@ -4,6 +4,7 @@
 mod bounds;
 pub(crate) mod clusters;
 mod diagnostics;
+mod error;
 mod faces;
 mod polygons;
 mod topology;
@@ -12,8 +13,9 @@ pub(crate) mod weld;
 #[cfg(feature = "reference")]
 pub use bounds::Bounds;
 pub use diagnostics::MeshDiagnostics;
+pub use error::{MAX_FACES, MeshError};
+pub use faces::Mesh;
 pub(crate) use faces::MeshId;
-pub use faces::{MAX_FACES, Mesh, MeshError};
 pub use polygons::{MAX_POLYGON_CORNERS, PolygonLoops, Polygons};
 pub(crate) use topology::is_degenerate;
 pub use topology::{Edge, EdgeCounts, EdgeKind, EdgeRecords, INCONSISTENT_BIT, NO_FACE};

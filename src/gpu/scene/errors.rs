@@ -1,6 +1,5 @@
 //! Why a scene refuses something.
 
-use super::occluders::OccluderError;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -184,5 +183,27 @@ pub enum ReceiversError {
     Refused {
         /// What the device says.
         message: String,
+    },
+}
+
+/// Why a polygon is no occluder.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OccluderError {
+    /// It has too few or too many corners.
+    #[error("it has {corners} corners; give 3 to 8")]
+    Corners {
+        /// Corners given.
+        corners: usize,
+    },
+    /// A corner is not on the mesh.
+    #[error(
+        "corner {corner} at {position:?} is outside the box of the mesh's faces; give positions on its faces, in mesh space"
+    )]
+    Outside {
+        /// The number of the corner.
+        corner: usize,
+        /// Where it is.
+        position: [f32; 3],
     },
 }

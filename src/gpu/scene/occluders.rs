@@ -6,6 +6,7 @@ use glam::{DAffine3, DVec3, DVec4};
 use slotmap::{DefaultKey, SlotMap};
 
 use super::caster::{CasterEntry, MeshEntry, Placement, Rigid};
+use super::errors::OccluderError;
 use super::lights::Lights;
 use super::mask::bits;
 use super::table::{Part, Table};
@@ -15,28 +16,6 @@ use crate::layout::ScaledLight;
 pub(crate) const MOST_CORNERS: usize = 8;
 /// As in `wgsl/scene/occluded.wgsl`.
 const SLACK: f64 = 1.0 / 262_144.0;
-
-/// Why a polygon is no occluder.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OccluderError {
-    /// It has too few or too many corners.
-    #[error("it has {corners} corners; give 3 to 8")]
-    Corners {
-        /// Corners given.
-        corners: usize,
-    },
-    /// A corner is not on the mesh.
-    #[error(
-        "corner {corner} at {position:?} is outside the box of the mesh's faces; give positions on its faces, in mesh space"
-    )]
-    Outside {
-        /// The number of the corner.
-        corner: usize,
-        /// Where it is.
-        position: [f32; 3],
-    },
-}
 
 /// Where occluders are in the table.
 #[derive(Clone, Copy, Debug, Default)]

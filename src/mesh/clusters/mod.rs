@@ -10,11 +10,16 @@ mod edges;
 mod order;
 mod plane;
 
-pub use arranged::{Arranged, Spared};
+pub use arranged::Arranged;
+#[cfg(feature = "reference")]
+pub use arranged::Spared;
+pub use bound::ClusterBound;
+#[cfg(feature = "reference")]
+pub use bound::WIDENING;
 #[cfg(feature = "reference")]
 pub(crate) use bound::cluster_kinds;
-pub use bound::{ClusterBound, WIDENING};
 pub use edges::EdgeOrder;
+#[cfg(feature = "reference")]
 pub use plane::LARGE;
 
 use crate::cpu::Threads;

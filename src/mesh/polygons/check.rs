@@ -1,7 +1,7 @@
 //! What is wrong with polygons as they are given.
 
 use super::{MAX_POLYGON_CORNERS, PolygonLoops};
-use crate::mesh::faces::{MAX_FACES, MeshError};
+use crate::mesh::error::{MAX_FACES, MeshError};
 
 /// Refuses arrays that do not fit together, small loops and bad indices. The first place is named.
 pub(super) fn check(vertex_count: usize, given: PolygonLoops<'_>) -> Result<(), MeshError> {

@@ -5,7 +5,7 @@ mod fans;
 mod outline;
 mod triangulate;
 
-use super::faces::MeshError;
+use super::error::MeshError;
 use super::topology::HalfEdges;
 
 /// Polygons as they are given: three flat arrays, which are also those of a `.npz` file.
