@@ -57,7 +57,7 @@ fn check_boundaries(mesh: &Mesh, triangles: &[[u32; 3]]) -> Outcome {
         if let Some(face) = triangles.iter().find(|[a, b, c]| a == b || b == c || c == a) {
             return Err(format!("polygon {polygon} has the triangle {face:?}"));
         }
-        let found = chain_of_loops(triangles.iter().map(|face| face.as_slice()));
+        let found = chain_of_loops(triangles.iter().map(<[u32; 3]>::as_slice));
         if found != expected {
             return Err(format!(
                 "the triangles of polygon {polygon} have the boundary {found:?}, expected {expected:?}"
@@ -153,7 +153,9 @@ fn holes_stay_open() {
         }
         let turned_over = random.below(2) == 0;
         if turned_over {
-            loops.iter_mut().for_each(|points| points.reverse());
+            for points in &mut loops {
+                points.reverse();
+            }
             area = -area;
         }
         let mut set = PolygonSet::default();
@@ -220,8 +222,8 @@ fn records_hold_the_outlines() -> Outcome {
         let vertices = 4 + random.below(12);
         let mut set =
             PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
-        for _ in 0..1 + random.below(8) {
-            let loops: Vec<Vec<u32>> = (0..1 + random.below(2))
+        for _ in 0..=random.below(8) {
+            let loops: Vec<Vec<u32>> = (0..=random.below(2))
                 .map(|_| (0..3 + random.below(5)).map(|_| random.below(vertices) as u32).collect())
                 .collect();
             set.push(&loops);
@@ -252,9 +254,11 @@ fn polygons_of_three_corners_are_triangles() {
         let vertices = 3 + random.below(9);
         let positions: Vec<[f32; 3]> = (0..vertices).map(|_| random.direction().map(f32::round)).collect();
         let faces: Vec<[u32; 3]> =
-            (0..1 + random.below(9)).map(|_| std::array::from_fn(|_| random.below(vertices) as u32)).collect();
+            (0..=random.below(9)).map(|_| std::array::from_fn(|_| random.below(vertices) as u32)).collect();
         let mut set = PolygonSet { positions: positions.clone(), ..Default::default() };
-        faces.iter().for_each(|face| set.push(&[face.to_vec()]));
+        for face in &faces {
+            set.push(&[face.to_vec()]);
+        }
         for weld in [Weld::Position, Weld::Keep] {
             assert_eq!(set.mesh(weld), Mesh::new(&positions, &faces, weld), "seed {seed}");
         }

@@ -122,7 +122,7 @@ fn soups_of_polygons_close() -> Outcome {
         let vertices = 5 + random.below(8);
         let mut set =
             PolygonSet { positions: (0..vertices).map(|_| random.direction()).collect(), ..Default::default() };
-        for _ in 0..1 + random.below(12) {
+        for _ in 0..=random.below(12) {
             let corners = (0..3 + random.below(3)).map(|_| random.below(vertices) as u32);
             set.push(&[corners.collect()]);
         }

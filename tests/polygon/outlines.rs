@@ -23,9 +23,10 @@ fn placed(set: &PolygonSet) -> Option<(Outline, Vec<[[f32; 3]; 2]>)> {
 
 /// The two agree. Only where the outline touches itself in space may it be twisted and yet have a side.
 fn compare(found: Seen, right: polygon_oracle::Found) -> Outcome {
-    match found == right.seen || found == Seen::Twisted && right.touches && right.seen != Seen::InPlane {
-        true => Ok(()),
-        false => Err(format!("{found:?}, but the oracle found {right:?}")),
+    if found == right.seen || found == Seen::Twisted && right.touches && right.seen != Seen::InPlane {
+        Ok(())
+    } else {
+        Err(format!("{found:?}, but the oracle found {right:?}"))
     }
 }
 
