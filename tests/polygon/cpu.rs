@@ -3,3 +3,4 @@
 mod extraction;
 mod lights;
 mod outlines;
+mod twisted;

@@ -48,14 +48,7 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     if is_in_plane(&edges, &l, &w) {
         return Found { seen: Seen::InPlane, touches };
     }
-    let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
-    let corners = edges.iter().flatten().map(bits).max().unwrap_or(0);
-    let epsilon = 4 * (corners + bits(&l).max(w.bits())) + 64;
-    let mut moved: Vector = l.map(|c| c << (3 * epsilon));
-    let w = w << (3 * epsilon);
-    for (axis, coordinate) in moved.iter_mut().enumerate() {
-        *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
-    }
+    let (moved, w) = moved_light(edges.iter().flatten(), l, w);
     let Some(projection) = Projection::new(&edges, &moved, w) else { return Found { seen: Seen::Twisted, touches } };
     let flat: Vec<[Point; 2]> = edges.iter().map(|[a, b]| [projection.point(a), projection.point(b)]).collect();
     let windings = windings(&flat);
@@ -68,8 +61,19 @@ pub fn find(edges: &[[[f32; 3]; 2]], light: Light) -> Found {
     Found { seen, touches }
 }
 
-/// The parity of the outline around the ray from the light through a point: whether it winds an odd number of times, in
-/// directions. `None` if the outline fits no half-space, or the point is not in it.
+/// The light moved by (ε, ε², ε³), with an ε below the inverse of any determinant of these points.
+fn moved_light<'a>(points: impl Iterator<Item = &'a Vector>, l: Vector, w: BigInt) -> (Vector, BigInt) {
+    let bits = |v: &Vector| v.iter().map(BigInt::bits).max().unwrap_or(0);
+    let largest = points.map(bits).max().unwrap_or(0);
+    let epsilon = 4 * (largest + bits(&l).max(w.bits())) + 64;
+    let mut moved: Vector = l.map(|c| c << (3 * epsilon));
+    for (axis, coordinate) in moved.iter_mut().enumerate() {
+        *coordinate += BigInt::from(1) << ((2 - axis as u64) * epsilon);
+    }
+    (moved, w << (3 * epsilon))
+}
+
+/// How often the outline winds around the ray from the light through a point. `None` if the outline fits no half-space, or the point is not in it.
 pub fn winding_at(edges: &[[[f32; 3]; 2]], light: Light, point: [f32; 3]) -> Option<i32> {
     let coordinates = edges.iter().flatten().chain([&point]).flatten().copied();
     let scale = -least(coordinates);
@@ -78,8 +82,10 @@ pub fn winding_at(edges: &[[[f32; 3]; 2]], light: Light, point: [f32; 3]) -> Opt
     let [x, y, z, w] = light.to_array();
     let common = (-least([x, y, z]) - scale).max(-least([w])).max(0);
     let (l, w) = ([x, y, z].map(|c| scaled(c, scale + common)), scaled(w, common));
-    let projection = Projection::new(&edges, &l, w)?;
-    let at = projection.point(&integers(point));
+    let point = integers(point);
+    let (moved, w) = moved_light(edges.iter().flatten().chain([&point]), l, w);
+    let projection = Projection::new(&edges, &moved, w)?;
+    let at = projection.point(&point);
     if sign(&at.z) <= 0 {
         return None;
     }

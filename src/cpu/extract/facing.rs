@@ -187,7 +187,7 @@ impl Run<'_> {
 }
 
 /// The largest absolute coordinate, or infinity if a coordinate is infinite. NaNs are ignored.
-fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
+pub(crate) fn largest_magnitude(positions: &[[f32; 3]], threads: Threads) -> f32 {
     let larger = |a: f32, b: f32| if b > a { b } else { a };
     let runs = threads.map(positions, |positions| {
         let coordinates: &[f32] = positions.as_flattened();

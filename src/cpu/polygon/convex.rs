@@ -2,18 +2,21 @@
 
 use super::turn::turn_as_given;
 
-/// The facing of one loop of corners, if it is strictly convex as seen from a light: 1 or −1. Otherwise 0. Four corners
-/// need four signs; more corners also need those that show that the loop turns around once.
+/// The corners whose turns must be alike for a loop of `count` corners to be strictly convex. Four corners need four
+/// turns; more corners also need those that show that the loop goes around once.
+pub(crate) fn convex_turns(count: usize) -> impl Iterator<Item = [usize; 3]> {
+    let next = move |corner: usize| if corner + 1 < count { corner + 1 } else { 0 };
+    let corners = (0..if count == 3 { 1 } else { count }).map(move |corner| [corner, next(corner), next(next(corner))]);
+    corners.chain((3..count.max(4) - 1).flat_map(|corner| [[0, 1, corner], [0, corner - 1, corner]]))
+}
+
+/// The facing of one loop of corners, if it is strictly convex as seen from a light: 1 or −1. Otherwise 0.
 pub fn convex(corners: &[[f32; 3]], light: [f32; 4]) -> i32 {
-    let count = corners.len();
-    if count < 3 {
+    if corners.len() < 3 {
         return 0;
     }
-    let at = |corner: usize| corners[corner % count];
-    let turns = |i: usize, j: usize, k: usize| turn_as_given(at(i), at(j), at(k), light);
-    let sign = turns(0, 1, 2);
-    let is_alike = sign != 0
-        && (count == 3 || (1..count).all(|corner| turns(corner, corner + 1, corner + 2) == sign))
-        && (3..count - 1).all(|corner| turns(0, 1, corner) == sign && turns(0, corner - 1, corner) == sign);
-    if is_alike { sign } else { 0 }
+    let mut turns =
+        convex_turns(corners.len()).map(|[i, j, k]| turn_as_given(corners[i], corners[j], corners[k], light));
+    let sign = turns.next().unwrap_or(0);
+    if turns.all(|turn| turn == sign) { sign } else { 0 }
 }

@@ -1,6 +1,9 @@
 //! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; NUMERICS.md, "Outlines".
 
 pub(crate) mod convex;
+pub(crate) mod convex_batch;
+#[cfg(feature = "reference")]
+pub(crate) mod cut_edges;
 pub(crate) mod edge_pair;
 pub(crate) mod half_space;
 pub(crate) mod outline;

@@ -45,6 +45,11 @@ impl Outline {
         Some(Self { corners: edges.iter().map(|edge| edge[0]).collect(), is_loop, edges })
     }
 
+    /// The edges that have a length.
+    pub fn edges(&self) -> &[[[f32; 3]; 2]] {
+        &self.edges
+    }
+
     /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
     pub fn seen(&self, light: [f32; 4]) -> (Seen, bool) {
         if self.is_loop {

@@ -1,10 +1,11 @@
 //! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
 
+use super::convex_batch::convex_batch;
 use super::outline::{Outline, Seen};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
-use crate::cpu::extract::facing::FacingStatistics;
-use crate::layout::live_bits;
+use crate::cpu::extract::facing::{FacingStatistics, largest_magnitude};
+use crate::layout::{LightBatch, live_bits};
 use crate::light;
 use crate::mesh::Polygons;
 
@@ -31,11 +32,21 @@ pub fn polygon_facing(
 ) -> (Vec<PolygonMasks>, FacingStatistics) {
     let mut masks = vec![PolygonMasks::default(); polygons.len() * light::batches(lights.len())];
     let mut total = FacingStatistics::default();
+    let largest = largest_magnitude(positions, threads);
     for (lights, plane) in lights.chunks(32).zip(masks.chunks_mut(polygons.len().max(1))) {
+        let light_batch = LightBatch::new(lights, 0, 3);
         let statistics = threads.share(plane, |first, masks| {
             let mut statistics = FacingStatistics::default();
-            for (polygon, masks) in (first..).zip(masks) {
-                *masks = of_polygon(positions, polygons.outline(polygon), lights, &mut statistics);
+            // In runs, so that what is found of them stays in the cache.
+            for (run, masks) in masks.chunks_mut(RUN).enumerate() {
+                let run = first + RUN * run..first + RUN * run + masks.len();
+                let convex = convex_batch(positions, polygons, run.clone(), largest, &light_batch);
+                for ((polygon, masks), convex) in run.zip(masks).zip(convex) {
+                    *masks = PolygonMasks { facing: convex.facing, ..PolygonMasks::default() };
+                    if convex.undecided != 0 {
+                        decide(masks, positions, polygons.outline(polygon), lights, convex.undecided, &mut statistics);
+                    }
+                }
             }
             statistics
         });
@@ -46,21 +57,27 @@ pub fn polygon_facing(
     (masks, total)
 }
 
-fn of_polygon(
+/// The number of polygons at a time.
+const RUN: usize = 1024;
+
+/// Decides lights that `f32` leaves undecided.
+fn decide(
+    masks: &mut PolygonMasks,
     positions: &[[f32; 3]],
     outline: &[[u32; 2]],
     lights: &[Light],
+    undecided: u32,
     statistics: &mut FacingStatistics,
-) -> PolygonMasks {
-    let mut masks = PolygonMasks::default();
+) {
     if outline.is_empty() {
-        return masks;
+        return;
     }
     let Some(outline) = Outline::new(outline, positions) else {
         statistics.non_finite_faces += 1;
-        return PolygonMasks { excluded: live_bits(lights.len()), ..masks };
+        masks.excluded = live_bits(lights.len());
+        return;
     };
-    for (bit, light) in lights.iter().enumerate() {
+    for (bit, light) in lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0) {
         let (seen, is_general) = outline.seen(light.to_array());
         statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(u32::from(is_general));
         statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Seen::InPlane));
@@ -68,5 +85,4 @@ fn of_polygon(
         masks.twisted |= u32::from(seen == Seen::Twisted) << bit;
         masks.excluded |= u32::from(matches!(seen, Seen::Twisted | Seen::InPlane)) << bit;
     }
-    masks
 }

@@ -735,4 +735,28 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         )],
         tests: POLYGONS,
     },
+    Mutation {
+        name: "polygons: crossings along an edge do not exchange the sides",
+        changes: &[(
+            "src/cpu/polygon/cut_edges.rs",
+            "((crossings.len() - piece) % 2 != 0)",
+            "(piece > crossings.len())",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: edges are cut by opposite directions",
+        changes: &[("src/cpu/polygon/cut_edges.rs", "|| sides[0] == ends[1])", "|| sides[0] * ends[1] != 0)")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: the left of an edge is its right",
+        changes: &[("src/cpu/polygon/cut_edges.rs", "{ 1 } else { -1 })", "{ -1 } else { 1 })")],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: directions at an end are those of the end",
+        changes: &[("src/cpu/polygon/cut_edges.rs", "turn(p, q, a, light)];", "0];")],
+        tests: POLYGONS,
+    },
 ];
