@@ -189,7 +189,9 @@ fn pieces_wind_once_around_what_is_dark() -> Outcome {
             }
         }
         if seed % 8 == 0 {
-            pieces.iter_mut().for_each(|piece| piece.is_turned = !piece.is_turned);
+            for piece in &mut pieces {
+                piece.is_turned = !piece.is_turned;
+            }
             let is_any = |points: &[[f32; 3]]| {
                 let depths = shadow_oracle::shadow_depth(&case.set.positions, &case.faces, points, &[case.light]);
                 (1..points.len()).any(|at| {

@@ -682,7 +682,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "polygons: convex outlines may go around twice",
-        changes: &[("src/cpu/polygon/convex.rs", "(3..count - 1).all(", "(count..count - 1).all(")],
+        changes: &[(
+            "src/cpu/polygon/convex.rs",
+            "(3..count.max(4) - 1).flat_map(",
+            "(count..count.max(4) - 1).flat_map(",
+        )],
         tests: POLYGONS,
     },
     Mutation {
