@@ -126,6 +126,8 @@ pub(crate) struct CasterEntry {
     pub(crate) in_depth: bool,
     /// Slots of faces that count nowhere, counted from the first of the caster, for a light each.
     pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
+    /// Slots of faces that other faces hide, likewise.
+    pub(crate) hidden: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.
     pub(crate) is_moved: bool,
@@ -141,6 +143,16 @@ pub(crate) struct CasterEntry {
 }
 
 impl CasterEntry {
+    /// Slots that count nowhere for a light, whoever says so.
+    pub(crate) fn all_excluded(&self) -> impl Iterator<Item = &(LightHandle, Arc<[u32]>)> {
+        self.excluded.iter().chain(&self.hidden)
+    }
+
+    /// Whether any face counts nowhere for a light.
+    pub(crate) fn is_excluding(&self) -> bool {
+        self.all_excluded().next().is_some()
+    }
+
     /// Whether its positions may change without a word.
     pub(crate) fn is_changing(&self) -> bool {
         matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()

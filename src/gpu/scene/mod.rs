@@ -7,6 +7,7 @@ mod encode;
 pub(crate) mod errors;
 pub(crate) mod frame;
 pub(crate) mod handles;
+pub(crate) mod hidden;
 pub(crate) mod layout;
 pub(crate) mod lights;
 pub(crate) mod mask;

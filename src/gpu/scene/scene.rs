@@ -8,6 +8,7 @@ use slotmap::{DefaultKey, SlotMap};
 use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
 use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
+use super::hidden::HiddenOfLight;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::options::SceneOptions;
@@ -62,6 +63,8 @@ pub struct Scene {
     pub(super) receiver_words: u64,
     /// The cameras of the last encode, with the encode that was the first to have each, and its receivers.
     pub(super) seen_views: Vec<(ShadowView, u32, SeenReceivers)>,
+    /// What was found of faces that other faces hide.
+    pub(super) hidden: Vec<HiddenOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -101,6 +104,7 @@ impl Scene {
             views: 0,
             receiver_words: 0,
             seen_views: Vec::new(),
+            hidden: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
         })
@@ -204,6 +208,7 @@ impl Scene {
             lights,
             in_depth,
             excluded: Vec::new(),
+            hidden: Vec::new(),
             placement,
             is_moved: false,
             version: 0,
