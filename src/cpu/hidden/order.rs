@@ -1,5 +1,7 @@
 //! The order in which faces are taken: about front to back. Any order is right.
 
+use glam::DVec3;
+
 use super::tree::Face;
 use crate::light::Light;
 
@@ -23,19 +25,32 @@ pub(crate) fn order(faces: &[Face], light: Light) -> Vec<usize> {
     keys.into_iter().map(|(.., number)| number).collect()
 }
 
-/// The distance of the corner next to the light, or a number that grows with it.
+/// The distance of the face from the light, or a number that grows with it. The corners alone would put a large wall behind
+/// what it hides.
 fn nearest(face: &Face, light: Light) -> f64 {
-    let w = f64::from(light.w);
-    let l = light.xyz.map(f64::from);
-    let distance = |corner: [f32; 3]| {
-        let corner = corner.map(f64::from);
-        if w > 0.0 {
-            (0..3).map(|axis| (corner[axis] - l[axis] / w).powi(2)).sum::<f64>().sqrt()
-        } else {
-            -(0..3).map(|axis| corner[axis] * l[axis]).sum::<f64>()
-        }
+    let (l, w) = (DVec3::from(light.xyz.map(f64::from)), f64::from(light.w));
+    let corners = face.corners.map(|corner| DVec3::from(corner.map(f64::from)));
+    if w > 0.0 {
+        distance(corners.map(|corner| corner - l / w))
+    } else {
+        let towards = corners.map(|corner| -corner.dot(l));
+        towards.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The distance of a triangle from the origin.
+fn distance([a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let is_within = [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| (to - from).cross(-from).dot(normal) >= 0.0);
+    if is_within {
+        return a.dot(normal.normalize_or_zero()).abs();
+    }
+    let to_edge = |(from, to): (DVec3, DVec3)| {
+        let along = to - from;
+        let part = (-from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        (from + part * along).length()
     };
-    face.corners.into_iter().map(distance).fold(f64::INFINITY, f64::min)
+    [(a, b), (b, c), (c, a)].into_iter().map(to_edge).fold(f64::INFINITY, f64::min)
 }
 
 /// The power of two of the largest extent.
