@@ -7,6 +7,7 @@ mod clusters;
 mod exact;
 mod found;
 mod frames;
+mod hidden;
 mod histories;
 mod kept;
 mod lists;
@@ -25,6 +26,7 @@ fn main() {
         exact::TESTS,
         stages::TESTS,
         frames::TESTS,
+        hidden::TESTS,
         histories::TESTS,
         kept::TESTS,
         refusals::TESTS,
