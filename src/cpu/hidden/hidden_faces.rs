@@ -150,7 +150,9 @@ impl HiddenFaces {
                 Found::Seen => statistics.without_room += usize::from(face.may_hide && tree.is_full()),
             }
         }
-        of_casters.iter_mut().for_each(|of_caster| of_caster.faces.sort_unstable());
+        for of_caster in &mut of_casters {
+            of_caster.faces.sort_unstable();
+        }
         statistics.nodes = tree.nodes();
         Ok(Self { light, casters: of_casters, statistics })
     }

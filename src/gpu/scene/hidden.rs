@@ -70,7 +70,9 @@ impl Scene {
         let Self { hidden: all, casters, structure, .. } = self;
         if let Some(at) = all.iter().position(|of| of.light.bit == light.bit) {
             all.swap_remove(at);
-            casters.values_mut().for_each(|entry| entry.hidden.retain(|(of, _)| of.bit != light.bit));
+            for entry in casters.values_mut() {
+                entry.hidden.retain(|(of, _)| of.bit != light.bit);
+            }
             *structure = None;
         }
         all.extend(made);

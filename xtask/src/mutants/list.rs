@@ -14,9 +14,24 @@ pub(super) struct Mutation {
 const DEFORM: &[&str] = &["--test deform_gpu", "--test deform_cpu"];
 const SCENES: &[&str] = &["--test scene_gpu", "--test shadow_gpu"];
 const CLUSTERS: &[&str] = &["--test mesh clusters", "--test rounding clusters"];
+const HIDDEN: &[&str] = &["--test hidden_cpu"];
 const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
+    Mutation {
+        name: "hidden faces: faces of closed casters that face the light hide others",
+        changes: &[("src/cpu/hidden/hidden_faces.rs", "may_hide: side < 0 || !is_closed", "may_hide: true")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: one corner behind the hider is enough",
+        changes: &[(
+            "src/cpu/hidden/tree.rs",
+            "face.corners.iter().all(|&corner| hider",
+            "face.corners.iter().any(|&corner| hider",
+        )],
+        tests: HIDDEN,
+    },
     Mutation {
         name: "deform: morph targets are ignored",
         changes: &[
