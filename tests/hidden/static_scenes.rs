@@ -72,10 +72,8 @@ impl StaticScene {
             let size = scale * [0.5, 1.0, 2.0, 4.0][random.below(4)];
             let size = if is_mixed { size * 10.0_f32.powi(random.below(13) as i32 - 6) } else { size };
             let is_whole = random.below(2) == 0;
-            let middle = [(); 3].map(|()| match is_whole {
-                true => random.below(5) as f32 - 2.0,
-                false => random.between(-2.0, 2.0),
-            });
+            let middle =
+                [(); 3].map(|()| if is_whole { random.below(5) as f32 - 2.0 } else { random.between(-2.0, 2.0) });
             let is_turned = random.below(2) == 0;
             let place = |[x, y, z]: [f32; 3]| {
                 let [x, y, z] = if is_turned { [z, x, y] } else { [x, y, z] };
@@ -84,7 +82,9 @@ impl StaticScene {
             let positions: Vec<[f32; 3]> = shape.positions.iter().map(|&at| place(at)).collect();
             let mut faces = shape.faces;
             if random.below(3) == 0 {
-                faces.iter_mut().for_each(|face| face.swap(1, 2));
+                for face in &mut faces {
+                    face.swap(1, 2);
+                }
             }
             let mesh = Mesh::new(&positions, &faces, Weld::Position).expect("a mesh");
             casters.push(Own { mesh, positions });

@@ -31,13 +31,13 @@ fn shapes() -> [Shape; 3] {
 }
 
 /// A scene of these shapes, the second of which reads its positions from a buffer.
-struct Casters {
+struct Placed {
     scene: Scene,
     lights: [LightHandle; 2],
     casters: Vec<CasterHandle>,
 }
 
-fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)]) -> Result<Casters, String> {
+fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)]) -> Result<Placed, String> {
     let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, roomy(40)).map_err(text)?;
     let lights = [scene.add_light(LIGHT).map_err(text)?, scene.add_light(Light::point([9.0; 3])).map_err(text)?];
     let mut casters = Vec::new();
@@ -51,7 +51,7 @@ fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)]) -> Result<Casters, String> {
         casters.push(scene.insert(caster).map_err(text)?);
     }
     scene.set_position_version(casters[1], Some(7)).map_err(text)?;
-    Ok(Casters { scene, lights, casters })
+    Ok(Placed { scene, lights, casters })
 }
 
 fn meshes() -> Result<Vec<(Shape, Mesh)>, String> {
@@ -81,6 +81,9 @@ fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
     Ok((excluded, found.groups.into_iter().map(|group| group.lists).collect(), frame.hidden()))
 }
 
+/// What changes something of what was searched, or changes it back.
+type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), SceneError>>;
+
 fn holds() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let meshes = meshes()?;
@@ -90,7 +93,7 @@ fn holds() -> Result<(), String> {
     if sphere != meshes[1].0.faces.len() || torus == 0 || torus == meshes[2].0.faces.len() {
         return Err(format!("{sphere} faces of the sphere and {torus} of the torus are hidden"));
     }
-    let Casters { mut scene, lights: [light, other], casters } = casters(gpu, &meshes)?;
+    let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes)?;
     let plain = seen(gpu, &mut scene)?;
     let mut by_caller = self::casters(gpu, &meshes)?;
     for (number, &caster) in by_caller.casters.iter().enumerate() {
@@ -113,10 +116,9 @@ fn holds() -> Result<(), String> {
     used(&mut scene, "set")?;
     used(&mut scene, "again")?;
     let moved = [[1.0, 0.0, 0.0, 1.0], IDENTITY[1], IDENTITY[2]];
-    type Change<'a> = (&'a str, Box<dyn Fn(&mut Scene, bool) -> Result<(), SceneError>>);
     let wall = casters[0];
     let ball = casters[1];
-    let changes: [Change<'_>; 5] = [
+    let changes: [(&str, Change); 5] = [
         ("light", Box::new(move |s, on| s.set_light(light, if on { Light::point([0.0, 0.0, 11.0]) } else { LIGHT }))),
         ("transform", Box::new(move |s, on| s.set_transform(wall, if on { moved } else { IDENTITY }))),
         ("version", Box::new(move |s, on| s.set_position_version(ball, Some(if on { 8 } else { 7 })))),
@@ -156,7 +158,7 @@ fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let meshes = meshes()?;
     let hidden = search(&meshes)?;
-    let Casters { mut scene, lights: [light, _], casters } = casters(gpu, &meshes)?;
+    let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes)?;
     let mut set = |casters: &[CasterHandle]| scene.set_hidden_faces(light, casters, Some(&hidden)).err();
     let [wall, ball, ring] = [casters[0], casters[1], casters[2]];
     let [sphere, torus] = [1, 2].map(|number| meshes[number].0.faces.len());

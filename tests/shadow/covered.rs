@@ -47,7 +47,9 @@ fn alike() -> Result<(), String> {
             let mut frame = (class.frame)(&mut random);
             frame.size = 64;
             frame.lights.truncate(1);
-            frame.bodies.iter_mut().for_each(|body| body.mirror = None);
+            for body in &mut frame.bodies {
+                body.mirror = None;
+            }
             // Each caster once more: farther away, or in the same place.
             let again: Vec<Body> = frame.bodies.iter().filter(|body| body.casts).take(2).cloned().collect();
             let by = [0.0, 0.25, 0.5][random.below(3)];
@@ -79,7 +81,9 @@ fn alike() -> Result<(), String> {
         }
     }
     println!("{hidden} hidden faces, {changed} pictures with other counts, {different} pixels differ");
-    failures.iter().for_each(|failure| println!("{failure}"));
+    for failure in &failures {
+        println!("{failure}");
+    }
     if hidden < 100 || changed < 20 {
         return Err("too few of a kind".to_owned());
     }
