@@ -6,6 +6,7 @@
 pub(crate) mod common;
 pub(crate) mod deform;
 pub(crate) mod extract;
+pub(crate) mod hidden;
 pub(crate) mod polygon;
 pub(crate) mod query;
 #[cfg(feature = "reference")]
@@ -18,4 +19,5 @@ pub use common::parallel::Threads;
 pub use deform::deform::{Displace, deform};
 pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
+pub use hidden::hidden_faces::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions, HiddenStatistics};
 pub use query::shadow_depth::shadow_depth;

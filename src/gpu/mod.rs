@@ -33,6 +33,7 @@ pub use scene::frame::SceneFrame;
 #[cfg(feature = "reference")]
 pub use scene::frame::{SceneGroupResults, SceneResults};
 pub use scene::handles::{CasterHandle, LightHandle, MeshHandle};
+pub use scene::hidden::HiddenCounts;
 pub use scene::mask::LightMask;
 pub use scene::needs::SceneNeeds;
 pub use scene::options::SceneOptions;

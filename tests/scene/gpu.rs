@@ -9,6 +9,7 @@ mod crowd;
 mod exact;
 mod found;
 mod frames;
+mod hidden;
 mod histories;
 mod kept;
 mod lists;
@@ -29,6 +30,7 @@ fn main() {
         exact::TESTS,
         stages::TESTS,
         frames::TESTS,
+        hidden::TESTS,
         histories::TESTS,
         kept::TESTS,
         needs::TESTS,

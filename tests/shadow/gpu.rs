@@ -6,6 +6,7 @@ mod chain;
 mod classes;
 mod clipped;
 mod compare;
+mod covered;
 mod dark_caps;
 mod hairlines;
 mod hidden;
@@ -40,6 +41,7 @@ fn main() {
     let mut all: Vec<_> = CLASSES.iter().map(|class| Trial::test(class.name, right(class)).with_kind("gpu")).collect();
     let tests = [
         trials::TESTS,
+        covered::TESTS,
         zp_plus_2005::TESTS,
         range::TESTS,
         nested::TESTS,

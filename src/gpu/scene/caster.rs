@@ -128,6 +128,8 @@ pub(crate) struct CasterEntry {
     pub(crate) excluded: Vec<(LightHandle, Arc<[u32]>)>,
     /// Polygons on its faces, in mesh space, behind which nothing else need throw shadows.
     pub(crate) occluders: Vec<Arc<[[f32; 3]]>>,
+    /// Slots of faces that other faces hide, likewise.
+    pub(crate) hidden: Vec<(LightHandle, Arc<[u32]>)>,
     pub(crate) placement: Placement,
     /// Whether it waits for its new transform to be written to the table.
     pub(crate) is_moved: bool,
@@ -145,6 +147,16 @@ pub(crate) struct CasterEntry {
 }
 
 impl CasterEntry {
+    /// Slots that count nowhere for a light, whoever says so.
+    pub(crate) fn all_excluded(&self) -> impl Iterator<Item = &(LightHandle, Arc<[u32]>)> {
+        self.excluded.iter().chain(&self.hidden)
+    }
+
+    /// Whether any face counts nowhere for a light.
+    pub(crate) fn is_excluding(&self) -> bool {
+        self.all_excluded().next().is_some()
+    }
+
     /// Whether its positions may change without a word.
     pub(crate) fn is_changing(&self) -> bool {
         matches!(self.placement, Placement::World { .. }) && self.positions_version.is_none()

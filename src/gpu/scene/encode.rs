@@ -128,8 +128,20 @@ impl Scene {
         let (encodes, lights) = (Arc::clone(&self.encodes), self.lights.listed());
         let views = cameras.iter().map(|camera| self.convention(camera)).collect();
         let count_batches = self.options.count_batches.max(1);
+        let hidden = self.count_hidden();
         let device = self.pipelines.device().clone();
-        Ok(SceneFrame { structure, volumes, views, count_batches, device, scene: self.id, lights, encodes, encode })
+        Ok(SceneFrame {
+            structure,
+            volumes,
+            views,
+            count_batches,
+            device,
+            scene: self.id,
+            lights,
+            hidden,
+            encodes,
+            encode,
+        })
     }
 
     /// The cameras as stages see them.
@@ -283,6 +295,7 @@ impl Scene {
 
     /// Brings the table up to date.
     fn prepare(&mut self) -> Result<Arc<Structure>, SceneError> {
+        self.renew_hidden();
         let structure = match &self.structure {
             Some(structure) => {
                 let structure = Arc::clone(structure);

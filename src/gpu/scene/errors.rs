@@ -73,6 +73,28 @@ pub enum SceneError {
         /// The number of casters.
         casters: usize,
     },
+    /// Hidden faces of a list of casters, and another number of casters.
+    #[error(
+        "the hidden faces are those of {found} casters, and {given} casters are given; give those that were searched"
+    )]
+    HiddenCasters {
+        /// Casters given.
+        given: usize,
+        /// Casters that were searched.
+        found: usize,
+    },
+    /// Hidden faces of another mesh, or of a caster given twice.
+    #[error(
+        "caster {caster} of the list has {faces} faces or stands in the list twice, and hidden faces are those of a mesh with {found} faces; give the casters once and in the order of the search"
+    )]
+    HiddenCaster {
+        /// Number of the caster in the list.
+        caster: usize,
+        /// Faces of its mesh.
+        faces: usize,
+        /// Faces of the mesh that was searched.
+        found: usize,
+    },
     /// A face that the mesh does not have was to be excluded.
     #[error("face {face} is to be excluded, and the mesh of the caster has {faces} faces; faces count from 0")]
     NoSuchFace {

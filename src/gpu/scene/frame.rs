@@ -7,6 +7,7 @@ use super::errors::SceneError;
 #[cfg(feature = "reference")]
 use super::handles::CasterHandle;
 use super::handles::{LightHandle, SceneId};
+use super::hidden::HiddenCounts;
 use super::structure::Structure;
 use super::volumes::Volumes;
 use crate::Light;
@@ -31,6 +32,7 @@ pub struct SceneFrame {
     pub(crate) device: wgpu::Device,
     pub(crate) scene: SceneId,
     pub(crate) lights: Arc<[(LightHandle, Light)]>,
+    pub(crate) hidden: HiddenCounts,
     pub(crate) encodes: Arc<AtomicU64>,
     pub(crate) encode: u64,
 }
@@ -107,6 +109,11 @@ impl SceneFrame {
     /// The lights, in the order of their bits.
     pub fn lights(&self) -> &[(LightHandle, Light)] {
         &self.lights
+    }
+
+    /// What [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces) came to in this encode.
+    pub fn hidden(&self) -> HiddenCounts {
+        self.hidden
     }
 
     /// The number of batches of 32 lights: as many as hold the highest bit.

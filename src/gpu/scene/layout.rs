@@ -123,6 +123,7 @@ impl Layout {
         // What was excluded for a light goes with it.
         for caster in casters.values_mut() {
             caster.excluded.retain(|(light, _)| lights.check(*light).is_ok());
+            caster.hidden.retain(|(light, _)| lights.check(*light).is_ok());
         }
         let mut by_source: SecondaryMap<DefaultKey, Vec<DefaultKey>> = SecondaryMap::new();
         let mut sources = Vec::new();
@@ -167,7 +168,7 @@ impl Layout {
 
     /// Marks the casters of groups in which the caller excludes faces.
     fn find_given(&mut self, casters: &SlotMap<DefaultKey, CasterEntry>, slots: &mut [Slots]) {
-        let excluding = |key: DefaultKey| casters.get(key).is_some_and(|caster| !caster.excluded.is_empty());
+        let excluding = |key: DefaultKey| casters.get(key).is_some_and(CasterEntry::is_excluding);
         for (slots, _) in slots.iter().zip(&self.order).filter(|(_, key)| excluding(**key)) {
             if let Some(group) = self.groups.get_mut(slots.group as usize) {
                 group.is_given = true;

@@ -89,7 +89,7 @@ impl OccluderPlaces {
             let places = in_world(corners, &rigid);
             for batch in 0..table.batches {
                 // Faces that are excluded for a light do not hide for it, and masks tell only of lights.
-                let allowed = if caster.excluded.is_empty() && rigid.space.is_some() {
+                let allowed = if !caster.is_excluding() && rigid.space.is_some() {
                     caster.lights.and(&lights.used).word(batch)
                 } else {
                     0

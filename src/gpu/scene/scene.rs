@@ -8,6 +8,7 @@ use slotmap::{DefaultKey, SlotMap};
 use super::caster::{Caster, CasterEntry, CasterPositions, MeshEntry, Placement, Rigid};
 use super::errors::SceneError;
 use super::handles::{CasterHandle, LightHandle, MeshHandle, SceneId};
+use super::hidden_of_light::HiddenOfLight;
 use super::lights::Lights;
 use super::mask::LightMask;
 use super::occluders;
@@ -66,6 +67,8 @@ pub struct Scene {
     /// Casters that the last encode took to be needed or not, and how often needs were found.
     pub(super) figures: Vec<DefaultKey>,
     pub(super) needs: u64,
+    /// What was found of faces that other faces hide.
+    pub(super) hidden: Vec<HiddenOfLight>,
     /// Structures so far.
     pub(super) structures: u32,
     pub(super) encodes: Arc<AtomicU64>,
@@ -111,6 +114,7 @@ impl Scene {
             seen_views: Vec::new(),
             figures: Vec::new(),
             needs: 0,
+            hidden: Vec::new(),
             structures: 0,
             encodes: Arc::default(),
         })
@@ -218,6 +222,7 @@ impl Scene {
             in_depth,
             excluded: Vec::new(),
             occluders: Vec::new(),
+            hidden: Vec::new(),
             placement,
             is_moved: false,
             version: 0,

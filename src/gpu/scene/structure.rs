@@ -170,10 +170,10 @@ fn given_masks(layout: &Layout, table: &Table, casters: &SlotMap<DefaultKey, Cas
     let batches = table.batches;
     let mut given = vec![None; layout.groups.len() * batches];
     for (&key, index) in layout.order.iter().zip(0_u32..) {
-        let Some(caster) = casters.get(key).filter(|caster| !caster.excluded.is_empty()) else { continue };
+        let Some(caster) = casters.get(key).filter(|caster| caster.is_excluding()) else { continue };
         let Some(number) = layout.groups.iter().rposition(|group| group.first <= index) else { continue };
         let room = layout.groups.get(number).map_or(0, Group::face_slots);
-        for (light, faces) in &caster.excluded {
+        for (light, faces) in caster.all_excluded() {
             let bit = light.bit as usize;
             let Some(masks) = given.get_mut(number * batches + bit / 32) else { continue };
             let masks = masks.get_or_insert_with(|| vec![0; room as usize]);

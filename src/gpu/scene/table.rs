@@ -114,7 +114,7 @@ impl Table {
                 | flag(rigid.is_some_and(|rigid| rigid.is_mirrored), MIRRORED)
                 | flag(rigid.is_some(), RIGID)
                 | flag(rigid.is_some() && mesh.is_holed, HOLED)
-                | flag(!entry.excluded.is_empty(), EXCLUDING)
+                | flag(entry.is_excluding(), EXCLUDING)
                 | flag(entry.is_changing(), CHANGING)
                 | flag(slots.is_given, GIVEN),
             first_face_slot: slots.first_face,

@@ -16,9 +16,24 @@ const SCENES: &[&str] = &["--test scene_gpu", "--test shadow_gpu"];
 const CLUSTERS: &[&str] = &["--test mesh clusters", "--test rounding clusters"];
 const POLYGON_MESHES: &[&str] = &["--test mesh polygons"];
 const POLYGONS: &[&str] = &["--test polygon_cpu"];
+const HIDDEN: &[&str] = &["--test hidden_cpu"];
 const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test shadow_gpu"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
+    Mutation {
+        name: "hidden faces: faces of closed casters that face the light hide others",
+        changes: &[("src/cpu/hidden/hidden_faces.rs", "may_hide: side < 0 || !is_closed", "may_hide: true")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: one corner behind the hider is enough",
+        changes: &[(
+            "src/cpu/hidden/tree.rs",
+            "face.corners.iter().all(|&corner| hider",
+            "face.corners.iter().any(|&corner| hider",
+        )],
+        tests: HIDDEN,
+    },
     Mutation {
         name: "deform: morph targets are ignored",
         changes: &[
@@ -442,7 +457,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "scenes: faces that callers exclude count",
-        changes: &[("src/gpu/scene/table.rs", "flag(!entry.excluded.is_empty(), EXCLUDING)", "flag(false, EXCLUDING)")],
+        changes: &[("src/gpu/scene/table.rs", "flag(entry.is_excluding(), EXCLUDING)", "flag(false, EXCLUDING)")],
         tests: &["--test shadow_gpu"],
     },
     Mutation {

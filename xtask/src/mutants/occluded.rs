@@ -50,7 +50,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "occluded: casters with excluded faces hide",
         changes: &[(
             "src/gpu/scene/occluders.rs",
-            "if caster.excluded.is_empty() && rigid.space.is_some() {",
+            "if !caster.is_excluding() && rigid.space.is_some() {",
             "if rigid.space.is_some() {",
         )],
         tests: TESTS,

@@ -1,0 +1,135 @@
+//! Faces that other faces hide from a light: whether what was found still holds, and which casters it excludes faces of.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use super::caster::Placement;
+use super::errors::SceneError;
+use super::handles::{CasterHandle, LightHandle};
+use super::hidden_of_light::{HiddenOfLight, HiddenSource};
+use super::scene::Scene;
+use crate::Matrix3x4;
+use crate::cpu::HiddenFaces;
+
+/// What a frame has of hidden faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HiddenCounts {
+    /// Faces left out, summed over lights.
+    pub faces: usize,
+    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed.
+    pub ignored: usize,
+}
+
+const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+
+impl Scene {
+    /// Leaves out faces of static casters that other faces hide from a light. `casters` are those that
+    /// [`HiddenFaces::find`] was given, in that order. `hidden` replaces what was set for the light before; `None` ends it.
+    /// Other casters of the scene do not matter.
+    ///
+    /// Each encode asks whether all of this holds, else it ignores all hidden faces of the light, and
+    /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts that. The light has the same bits. Each caster is there and
+    /// casts for the light. It is rigid with the identity for its transform, or its positions have the version that was searched.
+    /// [`Self::set_excluded`] excludes no face of it for the light. What was ignored is used again once it holds again. A
+    /// change lays the scene out anew.
+    ///
+    /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
+    ///
+    /// # Errors
+    /// [`SceneError::HiddenCasters`], [`SceneError::HiddenCaster`], or an error of a handle.
+    pub fn set_hidden_faces(
+        &mut self,
+        light: LightHandle,
+        casters: &[CasterHandle],
+        hidden: Option<&HiddenFaces>,
+    ) -> Result<(), SceneError> {
+        self.lights.check(light)?;
+        let made = hidden.map(|hidden| self.hidden_of_light(light, casters, hidden)).transpose()?;
+        let Self { hidden: all, casters, structure, .. } = self;
+        if let Some(at) = all.iter().position(|of| of.light.bit == light.bit) {
+            all.swap_remove(at);
+            for entry in casters.values_mut() {
+                entry.hidden.retain(|(of, _)| of.bit != light.bit);
+            }
+            *structure = None;
+        }
+        all.extend(made);
+        Ok(())
+    }
+
+    fn hidden_of_light(
+        &self,
+        light: LightHandle,
+        casters: &[CasterHandle],
+        hidden: &HiddenFaces,
+    ) -> Result<HiddenOfLight, SceneError> {
+        let (given, found) = (casters.len(), hidden.casters().len());
+        if given != found {
+            return Err(SceneError::HiddenCasters { given, found });
+        }
+        let mut keys = HashSet::new();
+        let mut sources = Vec::with_capacity(given);
+        for (number, (caster, of_caster)) in casters.iter().zip(hidden.casters()).enumerate() {
+            let key = caster.key_in(self.id)?;
+            let entry = self.casters.get(key).ok_or(SceneError::Stale { what: "caster" })?;
+            let mesh = self.meshes.get(entry.mesh);
+            let faces = mesh.map_or(0, |mesh| mesh.faces as usize);
+            if faces != of_caster.face_count || !keys.insert(key) {
+                return Err(SceneError::HiddenCaster { caster: number, faces, found: of_caster.face_count });
+            }
+            let order = mesh.and_then(|mesh| mesh.order.as_ref());
+            let own = of_caster.faces.as_slice();
+            let slots = order.map_or_else(|| own.into(), |order| order.slots(own).into());
+            sources.push(HiddenSource { key, version: of_caster.version, slots });
+        }
+        let count = sources.iter().map(|source| source.slots.len()).sum();
+        let bits = hidden.light().to_array().map(f32::to_bits);
+        Ok(HiddenOfLight { light, bits, casters: sources, count, is_used: false })
+    }
+
+    /// Asks for each light whether its hidden faces hold, and leaves out those that do.
+    pub(super) fn renew_hidden(&mut self) {
+        let mut all = std::mem::take(&mut self.hidden);
+        // What was found for a light goes with it.
+        all.retain(|of| self.lights.check(of.light).is_ok());
+        for of in &mut all {
+            let holds = self.holds(of);
+            if holds == of.is_used {
+                continue;
+            }
+            of.is_used = holds;
+            self.structure = None;
+            for source in of.casters.iter().filter(|source| !source.slots.is_empty()) {
+                let Some(entry) = self.casters.get_mut(source.key) else { continue };
+                entry.hidden.retain(|(light, _)| *light != of.light);
+                if holds {
+                    entry.hidden.push((of.light, Arc::clone(&source.slots)));
+                }
+            }
+        }
+        self.hidden = all;
+    }
+
+    /// Whether the light and all casters are as they were.
+    fn holds(&self, of: &HiddenOfLight) -> bool {
+        let light = self.lights.get(of.light.bit);
+        let is_same = |source: &HiddenSource| {
+            self.casters.get(source.key).is_some_and(|entry| {
+                let is_placed = match &entry.placement {
+                    Placement::Rigid(rigid) => source.version.is_none() && rigid.rows == IDENTITY,
+                    Placement::World { .. } => source.version.is_some() && entry.positions_version == source.version,
+                };
+                is_placed
+                    && entry.lights.has(of.light.bit)
+                    && entry.excluded.iter().all(|(light, _)| *light != of.light)
+            })
+        };
+        light.is_some_and(|light| light.to_array().map(f32::to_bits) == of.bits) && of.casters.iter().all(is_same)
+    }
+
+    pub(super) fn count_hidden(&self) -> HiddenCounts {
+        let used = self.hidden.iter().filter(|of| of.is_used);
+        let faces = used.map(|of| of.count).sum();
+        HiddenCounts { faces, ignored: self.hidden.iter().filter(|of| !of.is_used).count() }
+    }
+}

@@ -1,0 +1,171 @@
+//! Hidden faces are hidden, place by place; and what must be found is found.
+
+use std::ops::ControlFlow;
+
+use rimline::cpu::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions};
+use rimline::mesh::Weld;
+use rimline::{Light, LightError, Mesh};
+use rimline_measure::random::Random;
+use rimline_measure::shapes;
+
+use crate::oracle::{Place, between, corner, hides, light, sign};
+use crate::static_scenes::{Own, StaticScene};
+
+fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
+    HiddenFaces::find(scene.light, &casters(scene), options, |_, _| ControlFlow::Continue(())).expect("found")
+}
+
+fn casters(scene: &StaticScene) -> Vec<HiddenCaster<'_>> {
+    let casters = scene.casters.iter();
+    casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect()
+}
+
+/// Asks for each hidden face whether places in it are hidden by faces that stay and that cast in any case.
+fn check(scene: &StaticScene, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
+    let from = light(scene.light);
+    let (mut hiders, mut hidden_faces): (Vec<[Place; 3]>, Vec<_>) = Default::default();
+    for (number, own) in scene.casters.iter().enumerate() {
+        for (face, &[a, b, c]) in (0_u32..).zip(own.mesh.faces()) {
+            let corners = [a, b, c].map(|vertex| corner(own.positions[vertex as usize]));
+            let [a, b, c] = &corners;
+            let side = sign([a, b, c, &from]);
+            if hidden[number].contains(&face) {
+                hidden_faces.push((number, face, corners));
+            } else if side != 0 && !(own.mesh.is_closed() && faces_light(own, face as usize, scene.light)) {
+                hiders.push(corners);
+            }
+        }
+    }
+    for (number, face, corners) in &hidden_faces {
+        let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
+        weights.extend((0..5).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
+        for weights in weights {
+            let place = between(corners, weights);
+            if !hiders.iter().any(|hider| hides(hider, &from, &place)) {
+                return Err(format!("caster {number}, face {face}: the place {weights:?} is not hidden"));
+            }
+        }
+    }
+    Ok(hidden_faces.len())
+}
+
+/// By the measure's oracle, whose sign convention is that of facing.
+fn faces_light(own: &Own, face: usize, light: Light) -> bool {
+    rimline_measure::oracle::ExactFace::new(&own.positions, own.mesh.faces()[face])
+        .is_some_and(|face| face.sign(light) > 0)
+}
+
+fn lists(scene: &StaticScene, found: &HiddenFaces) -> Vec<Vec<u32>> {
+    (0..scene.casters.len()).map(|number| found.faces(number).to_vec()).collect()
+}
+
+#[test]
+fn hidden_faces_are_hidden_in_random_scenes() {
+    let (mut all, mut scenes, mut refuted, mut bounded) = (0, 0, 0, 0);
+    for seed in 5000..5400 {
+        let scene = StaticScene::random(seed);
+        let mut random = Random::new(seed);
+        let found = find(&scene, HiddenOptions::default());
+        let lists = lists(&scene, &found);
+        let count = check(&scene, &lists, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(count, found.statistics().hidden, "seed {seed}");
+        all += count;
+        scenes += usize::from(count > 0);
+        // Small bounds leave faces, and are right.
+        let options = HiddenOptions { max_nodes: random.below(40), max_steps: random.below(30) };
+        let less = find(&scene, options);
+        let of_less = self::lists(&scene, &less);
+        check(&scene, &of_less, &mut random).unwrap_or_else(|error| panic!("seed {seed}, {options:?}: {error}"));
+        let statistics = less.statistics();
+        assert!(statistics.nodes <= options.max_nodes, "seed {seed}: {statistics:?}");
+        bounded += usize::from(statistics.undecided + statistics.without_room > 0);
+        // A face that stays is added: then the comparison must fail, as a rule.
+        let mut wrong = lists;
+        let number = random.below(wrong.len());
+        let face = random.below(scene.casters[number].mesh.faces().len()) as u32;
+        if !wrong[number].contains(&face) {
+            wrong[number].push(face);
+            refuted += usize::from(check(&scene, &wrong, &mut random).is_err());
+        }
+    }
+    println!("{all} hidden faces in {scenes} scenes; {bounded} searches met a bound; {refuted} wrong faces refuted");
+    assert!(all > 2000 && scenes > 200 && bounded > 100 && refuted > 100, "{all} {scenes} {bounded} {refuted}");
+}
+
+fn wall_before(bodies: &[shapes::Shape], at: f32) -> StaticScene {
+    let wall = vec![[-40.0, -40.0, at], [40.0, -40.0, at], [0.0, 60.0, at]];
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+        mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
+        positions,
+    };
+    let mut casters = vec![of(wall, &[[0, 1, 2]])];
+    casters.extend(bodies.iter().map(|body| of(body.positions.clone(), &body.faces)));
+    StaticScene { casters, light: Light::point([0.0, 0.0, 10.0]) }
+}
+
+#[test]
+fn all_behind_a_wall_is_hidden_and_nothing_before_it() {
+    let bodies = [shapes::sphere(4), shapes::torus(9, 7, 2.0, 0.5), shapes::cube()];
+    let behind = wall_before(&bodies, 5.0);
+    let found = find(&behind, HiddenOptions::default());
+    for (number, body) in bodies.iter().enumerate() {
+        assert_eq!(found.faces(number + 1).len(), body.faces.len(), "body {number}");
+    }
+    assert!(found.faces(0).is_empty());
+    // The wall is behind the bodies, and no body covers it.
+    let before = wall_before(&bodies[..1], -5.0);
+    let found = find(&before, HiddenOptions::default());
+    assert!(found.faces(0).is_empty());
+    // Of a sphere alone the faces that face the light are before the others, so no face is hidden.
+    assert!(found.faces(1).is_empty());
+}
+
+#[test]
+fn two_faces_that_share_an_edge_hide_what_straddles_it() {
+    let quad = vec![[-9.0, -9.0, 5.0], [9.0, -9.0, 5.0], [9.0, 9.0, 5.0], [-9.0, 9.0, 5.0]];
+    let mesh =
+        |positions: &[[f32; 3]], faces: &[[u32; 3]]| Mesh::new(positions, faces, Weld::Position).expect("a mesh");
+    let small = vec![[-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]];
+    let casters = vec![
+        Own { mesh: mesh(&quad, &[[0, 1, 2], [0, 2, 3]]), positions: quad },
+        Own { mesh: mesh(&small, &[[0, 1, 2]]), positions: small },
+    ];
+    let scene = StaticScene { casters, light: Light::point([0.25, 0.0, 10.0]) };
+    let found = find(&scene, HiddenOptions::default());
+    assert_eq!(lists(&scene, &found), [vec![], vec![0]]);
+}
+
+#[test]
+fn one_of_two_casters_in_one_place_stays() {
+    let mut scene = wall_before(&[], 5.0);
+    let again = Own { mesh: scene.casters[0].mesh.clone(), positions: scene.casters[0].positions.clone() };
+    scene.casters.push(again);
+    let found = find(&scene, HiddenOptions::default());
+    assert_eq!(found.statistics().hidden, 1);
+}
+
+#[test]
+fn searches_can_be_cancelled_and_say_what_is_wrong() {
+    let scene = wall_before(&[shapes::sphere(16)], 5.0);
+    let (options, mut calls) = (HiddenOptions::default(), Vec::new());
+    let ended = HiddenFaces::find(scene.light, &casters(&scene), options, |done, all| {
+        calls.push((done, all));
+        if done == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    assert_eq!(ended, Err(HiddenError::Cancelled));
+    assert_eq!(calls.iter().map(|call| call.0).collect::<Vec<_>>(), [0, 256]);
+    let go_on = |_, _| ControlFlow::Continue(());
+    let own = &scene.casters[1];
+    let short = [HiddenCaster { mesh: &own.mesh, positions: &own.positions[1..], version: None }];
+    let (given, needed) = (own.positions.len() - 1, own.mesh.vertex_count());
+    let error = HiddenFaces::find(scene.light, &short, options, go_on);
+    assert_eq!(error, Err(HiddenError::TooFewPositions { caster: 0, given, needed }));
+    let error = HiddenFaces::find(Light::homogeneous([1.0, 0.0, 0.0, -1.0]), &[], options, go_on);
+    assert_eq!(error, Err(HiddenError::Light(LightError::NegativeWeight { index: 0, w: -1.0 })));
+    // Places that are none take no part.
+    let mut holed = own.positions.clone();
+    holed[0] = [f32::NAN; 3];
+    let holed = [HiddenCaster { mesh: &own.mesh, positions: &holed, version: None }];
+    let found = HiddenFaces::find(scene.light, &holed, options, go_on).expect("found");
+    assert!(found.statistics().tried < own.mesh.faces().len());
+}

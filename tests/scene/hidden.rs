@@ -1,0 +1,168 @@
+//! Faces hidden by faces, in scenes: left out as excluded faces are, and only while all that was searched holds.
+
+use std::ops::ControlFlow;
+
+use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::gpu::{Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneError};
+use rimline::{Light, Mesh};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::shapes::{self, Shape};
+use rimline_measure::{must_fail, same};
+
+use crate::found::Found;
+use crate::scenes::roomy;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("hidden_faces_are_left_out_while_all_holds", holds),
+    ("hidden_faces_of_other_casters_are_typed_errors", refused),
+];
+
+const IDENTITY: rimline::Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+const LIGHT: Light = Light::point([0.0, 0.0, 10.0]);
+
+fn shapes() -> [Shape; 3] {
+    let wall = vec![[-40.0, -40.0, 5.0], [40.0, -40.0, 5.0], [0.0, 60.0, 5.0]];
+    // Half of the last is beside the wall's shadow.
+    let mut torus = shapes::torus(9, 7, 30.0, 4.0);
+    torus.positions.iter_mut().for_each(|place| *place = [place[0] + 60.0, place[1], place[2] - 20.0]);
+    [Shape { positions: wall, faces: vec![[0, 1, 2]] }, shapes::sphere(8), torus]
+}
+
+/// A scene of these shapes, the second of which reads its positions from a buffer.
+struct Placed {
+    scene: Scene,
+    lights: [LightHandle; 2],
+    casters: Vec<CasterHandle>,
+}
+
+fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)]) -> Result<Placed, String> {
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, roomy(40)).map_err(text)?;
+    let lights = [scene.add_light(LIGHT).map_err(text)?, scene.add_light(Light::point([9.0; 3])).map_err(text)?];
+    let mut casters = Vec::new();
+    for (number, (shape, mesh)) in meshes.iter().enumerate() {
+        let handle = scene.add_mesh(mesh, &shape.positions).map_err(text)?;
+        let mut caster = Caster::rigid(handle, IDENTITY);
+        if number == 1 {
+            let buffer = gpu.storage(&shape.positions);
+            caster.positions = CasterPositions::Buffer { buffer, offset: 0, stride: 12 };
+        }
+        casters.push(scene.insert(caster).map_err(text)?);
+    }
+    scene.set_position_version(casters[1], Some(7)).map_err(text)?;
+    Ok(Placed { scene, lights, casters })
+}
+
+fn meshes() -> Result<Vec<(Shape, Mesh)>, String> {
+    shapes().into_iter().map(|shape| shape.mesh().map(|mesh| (shape, mesh)).map_err(text)).collect()
+}
+
+fn search(meshes: &[(Shape, Mesh)]) -> Result<HiddenFaces, String> {
+    let all: Vec<HiddenCaster<'_>> = meshes
+        .iter()
+        .enumerate()
+        .map(|(number, (shape, mesh))| HiddenCaster {
+            mesh,
+            positions: &shape.positions,
+            version: (number == 1).then_some(7),
+        })
+        .collect();
+    HiddenFaces::find(LIGHT, &all, HiddenOptions::default(), |_, _| ControlFlow::Continue(())).map_err(text)
+}
+
+/// The masks of excluded faces and the lists of a new frame, and what it counts.
+type Seen = (Vec<Vec<u32>>, Vec<Vec<Vec<u32>>>, HiddenCounts);
+
+fn seen(gpu: &Gpu, scene: &mut Scene) -> Result<Seen, String> {
+    let frame = gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text))?;
+    let found = Found::read(gpu, &frame)?;
+    let excluded = found.groups.iter().map(|group| group.excluded.clone()).collect();
+    Ok((excluded, found.groups.into_iter().map(|group| group.lists).collect(), frame.hidden()))
+}
+
+/// What changes something of what was searched, or changes it back.
+type Change = Box<dyn Fn(&mut Scene, bool) -> Result<(), SceneError>>;
+
+fn holds() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let meshes = meshes()?;
+    let hidden = search(&meshes)?;
+    let count: usize = (0..3).map(|number| hidden.faces(number).len()).sum();
+    let [sphere, torus] = [1, 2].map(|number| hidden.faces(number).len());
+    if sphere != meshes[1].0.faces.len() || torus == 0 || torus == meshes[2].0.faces.len() {
+        return Err(format!("{sphere} faces of the sphere and {torus} of the torus are hidden"));
+    }
+    let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes)?;
+    let plain = seen(gpu, &mut scene)?;
+    let mut by_caller = self::casters(gpu, &meshes)?;
+    for (number, &caster) in by_caller.casters.iter().enumerate() {
+        by_caller.scene.set_excluded(caster, by_caller.lights[0], hidden.faces(number)).map_err(text)?;
+    }
+    let expected = seen(gpu, &mut by_caller.scene)?;
+    must_fail("nothing left out", &same("excluded", &plain.0, &expected.0))?;
+
+    scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
+    let used = |scene: &mut Scene, what: &str| {
+        let (excluded, lists, counts) = seen(gpu, scene)?;
+        same(what, &excluded, &expected.0)?;
+        same(what, &lists, &expected.1)?;
+        same(what, &[counts], &[HiddenCounts { faces: count, ignored: 0 }])
+    };
+    let ignored = |scene: &mut Scene, what: &str| {
+        let counts = seen(gpu, scene)?.2;
+        same(what, &[counts], &[HiddenCounts { faces: 0, ignored: 1 }])
+    };
+    used(&mut scene, "set")?;
+    used(&mut scene, "again")?;
+    let moved = [[1.0, 0.0, 0.0, 1.0], IDENTITY[1], IDENTITY[2]];
+    let wall = casters[0];
+    let ball = casters[1];
+    let changes: [(&str, Change); 5] = [
+        ("light", Box::new(move |s, on| s.set_light(light, if on { Light::point([0.0, 0.0, 11.0]) } else { LIGHT }))),
+        ("transform", Box::new(move |s, on| s.set_transform(wall, if on { moved } else { IDENTITY }))),
+        ("version", Box::new(move |s, on| s.set_position_version(ball, Some(if on { 8 } else { 7 })))),
+        (
+            "lights",
+            Box::new(move |s, on| s.set_lights(wall, if on { LightMask::ALL.without(light) } else { LightMask::ALL })),
+        ),
+        ("excluded", Box::new(move |s, on| s.set_excluded(wall, light, if on { &[0] } else { &[] }))),
+    ];
+    for (what, change) in &changes {
+        change(&mut scene, true).map_err(text)?;
+        ignored(&mut scene, what)?;
+        change(&mut scene, false).map_err(text)?;
+        used(&mut scene, what)?;
+    }
+    // What is of another light, or of no account for hidden faces, changes nothing.
+    scene.set_light(other, Light::point([8.0; 3])).map_err(text)?;
+    scene.set_light(other, Light::point([9.0; 3])).map_err(text)?;
+    scene.set_light(light, LIGHT.with_range(1e4)).map_err(text)?;
+    used(&mut scene, "others")?;
+    scene.set_light(light, LIGHT).map_err(text)?;
+    scene.set_hidden_faces(light, &[], None).map_err(text)?;
+    let ended = seen(gpu, &mut scene)?;
+    same("ended", &ended.0, &plain.0)?;
+    same("ended", &[ended.2], &[HiddenCounts::default()])?;
+    // A caster that is gone, then a light.
+    scene.set_hidden_faces(light, &casters, Some(&hidden)).map_err(text)?;
+    used(&mut scene, "set anew")?;
+    scene.remove(wall).map_err(text)?;
+    ignored(&mut scene, "removed")?;
+    scene.remove_light(light).map_err(text)?;
+    let counts = seen(gpu, &mut scene)?.2;
+    same("without its light", &[counts], &[HiddenCounts::default()])
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let meshes = meshes()?;
+    let hidden = search(&meshes)?;
+    let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes)?;
+    let mut set = |casters: &[CasterHandle]| scene.set_hidden_faces(light, casters, Some(&hidden)).err();
+    let [wall, ball, ring] = [casters[0], casters[1], casters[2]];
+    let [sphere, torus] = [1, 2].map(|number| meshes[number].0.faces.len());
+    same("too few", &[set(&[wall, ball])], &[Some(SceneError::HiddenCasters { given: 2, found: 3 })])?;
+    let swapped = SceneError::HiddenCaster { caster: 1, faces: torus, found: sphere };
+    same("swapped", &[set(&[wall, ring, ball])], &[Some(swapped)])
+}
