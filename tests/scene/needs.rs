@@ -318,6 +318,9 @@ fn off() -> Result<(), String> {
     Ok(())
 }
 
+/// What is done to a scene after its needs were found.
+type Change = fn(&mut Stage) -> Result<(), SceneError>;
+
 fn refusals() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(4501);
@@ -347,7 +350,7 @@ fn refusals() -> Result<(), String> {
     let part = own.part(1..4).ok_or("no part")?;
     same("a part", &[encode(&mut stage, &part, &cameras)], &stale)?;
     same("too large a part", &[own.part(1..5).map(|part| part.len())], &[None])?;
-    let changes: [fn(&mut Stage) -> Result<(), SceneError>; 4] = [
+    let changes: [Change; 4] = [
         |stage| stage.scene.set_light(stage.lights[1], Light::point([1.0; 3])),
         |stage| stage.scene.set_bounds(stage.casters[1], Some([[0.0; 3], [1.0; 3]])),
         |stage| stage.scene.set_lights(stage.casters[1], LightMask::NONE),

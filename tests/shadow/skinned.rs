@@ -85,7 +85,9 @@ fn unneeded() -> Result<(), String> {
             let bent = bend(number as f32 * 0.4);
             let mut palette = bent.instances()[0].palette().to_vec();
             let at = [random.between(-10.0, 10.0), random.between(-1.5, 1.0), random.between(-10.0, 10.0)];
-            palette.iter_mut().for_each(|rows| rows.iter_mut().zip(at).for_each(|(row, c)| row[3] += c));
+            for rows in &mut palette {
+                rows.iter_mut().zip(at).for_each(|(row, c)| row[3] += c);
+            }
             InstancePose::new(palette, Vec::new()).map_err(|error| text(&error))
         };
         let pose = Pose::new((0..FIGURES).map(pose).collect::<Result<_, _>>()?);
