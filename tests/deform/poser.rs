@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use libtest_mimic::{Failed, Trial};
-use rimline::Model;
 use rimline::gltf::Asset;
 use rimline::gpu::{Deformer, DeformerOptions};
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{self, Threads};
+use rimline::{Model, ModelBounds, Pose};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::files::GOOD_FILES;
@@ -66,6 +66,7 @@ fn random_models() -> Result<(), String> {
             let cpu_error = poser::compare(&format!("seed {seed}, CPU"), &twin, &expected)?;
             println!("seed {seed}: {gpu_error:.3} and {cpu_error:.3} of the tolerance");
             control(&on_gpu, &expected)?;
+            within_boxes(&model, &pose, &on_gpu)?;
         }
     }
     Ok(())
@@ -101,16 +102,39 @@ fn size_and_error(found: &[[f32; 3]], expected: &[Posed]) -> (f64, f64) {
     (size, error)
 }
 
+/// Fails where a vertex is outside of the box of its instance; returns the largest length of a box over that of its vertices.
+fn within_boxes(model: &Model, pose: &Pose, positions: &[[f32; 3]]) -> Result<f32, String> {
+    let boxes = ModelBounds::new(model).boxes(pose, 0.0).map_err(text)?;
+    let (mut rest, mut most) = (positions, 0.0_f32);
+    for (instance, (geometry, own)) in model.placed_geometries().zip(boxes).enumerate() {
+        let (own_positions, others) = rest.split_at(geometry.positions().len());
+        let [low, high] = own.ok_or_else(|| format!("instance {instance} has no box"))?;
+        let ends = [f32::MAX, f32::MIN].map(|end| [end; 3]);
+        let [least, greatest] = own_positions.iter().fold(ends, |[least, greatest], p| {
+            [[0, 1, 2].map(|axis| least[axis].min(p[axis])), [0, 1, 2].map(|axis| greatest[axis].max(p[axis]))]
+        });
+        if let Some(axis) = (0..3).find(|&axis| least[axis] < low[axis] || greatest[axis] > high[axis]) {
+            return Err(format!("instance {instance}, axis {axis}: {least:?} {greatest:?} in {low:?} {high:?}"));
+        }
+        let largest = |[low, high]: [[f32; 3]; 2]| (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f32::max);
+        most = most.max(largest([low, high]) / largest([least, greatest]));
+        rest = others;
+    }
+    Ok(most)
+}
+
 fn check(path: &Path) -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let asset = Asset::open(path, Weld::Data).map_err(text)?;
     let (model, file) = (asset.model(), File::open(path)?);
     let deformer = Deformer::new(&gpu.pipelines, model, DeformerOptions::default()).map_err(text)?;
-    let (mut most, mut relative) = (0.0_f64, 0.0_f64);
+    let (mut most, mut relative, mut boxes) = (0.0_f64, 0.0_f64, 0.0_f32);
     for (moment, (animation, time_s)) in moments(&asset).into_iter().enumerate() {
         let pose = asset.pose(animation, time_s).map_err(text)?;
         let expected = file.corners(animation, time_s);
-        let on_gpu = corners(model, &deformed(gpu, &deformer, model, &pose)?);
+        let positions = deformed(gpu, &deformer, model, &pose)?;
+        boxes = boxes.max(within_boxes(model, &pose, &positions)?);
+        let on_gpu = corners(model, &positions);
         let twin = corners(model, &cpu::deform(model, &pose, 0.0, None, Threads::all()).map_err(text)?);
         for (device, found) in [("GPU", &on_gpu), ("CPU", &twin)] {
             let what = format!("animation {animation:?} at {time_s} s, {device}");
@@ -123,5 +147,6 @@ fn check(path: &Path) -> Result<(), String> {
         }
     }
     println!("{}: {most:.3} of the tolerance, {relative:.1e} of the size", path.display());
+    println!("boxes of instances are up to {boxes:.2} times as long as what they hold");
     Ok(())
 }

@@ -318,7 +318,7 @@ fn off() -> Result<(), String> {
     Ok(())
 }
 
-/// A change of a scene.
+/// What is done to a scene after its needs were found.
 type Change = fn(&mut Stage) -> Result<(), SceneError>;
 
 fn refusals() -> Result<(), String> {

@@ -166,7 +166,8 @@ fn bounds() -> Result<(), String> {
             let shape = uniform(gpu, &shape(&mesh, 1));
             let table = gpu.storage(&table(&mesh, place, &[], &[]));
             let choices = gpu.storage(&[0_u32; 8]);
-            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found, &choices];
+            let lit = gpu.storage(&[0_u32; 8]);
+            let buffers = [&shape, &table, &placed(gpu, &positions, place), &faces, &found, &choices, &lit];
             stage.run(gpu, &buffers, [1, 3, 50][random.below(3)])?;
             let mut found: Vec<u32> = gpu.read(&found, 7)?;
             let twin = cpu::bounds(&positions, mesh.faces());

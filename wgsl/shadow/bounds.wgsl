@@ -9,6 +9,8 @@
 // has a corner that is not finite.
 @group(0) @binding(4) var<storage, read_write> boxes: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> choices: array<u32>;
+// For each batch and caster of a scene the lights that matter. A single caster has none.
+@group(0) @binding(6) var<storage, read> lit: array<u32>;
 
 // Whether any box of the group is read.
 fn is_needed() -> bool {
@@ -17,6 +19,15 @@ fn is_needed() -> bool {
     fresh |= choices[CHOICE_WORDS * (place * shape.casters + shape.first_caster) + FRESH];
   }
   return fresh != 0u;
+}
+
+// Whether any light matters to a caster of a scene. If not, nothing reads its box.
+fn has_light(caster: u32) -> bool {
+  var matter = 0u;
+  for (var batch = 0u; batch < shape.batches; batch++) {
+    matter |= lit[batch * shape.casters + caster];
+  }
+  return matter != 0u;
 }
 
 // The bits of a float as an integer with the same order as the floats.
@@ -66,7 +77,7 @@ fn bounds(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     let caster = caster_of(shape.face_chunks_at, chunk * CHUNK);
     let run = face_run(caster);
     let first = chunk * CHUNK - run.x;
-    if ((caster_flags(caster) & RIGID) == 0u && first < run.y) {
+    if ((caster_flags(caster) & RIGID) == 0u && first < run.y && has_light(caster)) {
       bound_faces(caster, run.z + first, run.z + min(first + CHUNK, run.y), 1u);
     }
   }

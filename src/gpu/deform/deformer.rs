@@ -89,6 +89,9 @@ const MOST_TERMS: u32 = 60_000;
 
 /// Deforms a model every frame into its own position buffer. The buffer holds all instances in the vertex order of
 /// [`Model::mesh`]: three tightly packed `f32` for each vertex, in world space.
+///
+/// [`ModelBounds`](crate::ModelBounds) tells where instances will be, and [`Self::encode_needed`] leaves out those that a frame does
+/// not need.
 #[derive(Debug)]
 pub struct Deformer {
     device: wgpu::Device,

@@ -21,8 +21,8 @@ use crate::stages::NEEDS;
 
 /// Invocations of a workgroup, which take a figure each.
 const WORKGROUP: u64 = 64;
-/// The most boxes that an invocation may look at, with eight corners each: software devices silently end longer loops.
-const MOST_BOXES: usize = 6000;
+/// The most boxes that an invocation may look at, with up to 17 turns of loops each: software devices silently end longer loops.
+const MOST_BOXES: usize = 3500;
 
 /// Which casters a frame needs, once the encoder was submitted: the result of [`Scene::encode_needs`].
 ///
@@ -75,9 +75,31 @@ impl Scene {
     /// its shadow from a light that may reach it, by the box that [`Self::set_bounds`] states. It is needed, too, if it has no box,
     /// if there is no camera, or with [`SceneOptions::skip_unneeded`](crate::gpu::SceneOptions::skip_unneeded) off.
     ///
-    /// In each frame, in one encoder: call this, then [`Deformer::encode_needed`](crate::gpu::Deformer::encode_needed), draw what
-    /// is seen, and call [`Self::encode_needed`]. A caller who deforms by shaders of its own reads [`SceneNeeds::buffer`]. Positions
-    /// of a caster that isn't needed must show nothing: a `Deformer` makes them a point.
+    /// `cameras` are all that see the casters or their shadows in the frame. A caller who deforms by shaders of its own reads
+    /// [`SceneNeeds::buffer`]. Positions of a caster that isn't needed must show nothing: a `Deformer` makes them a point.
+    ///
+    /// In each frame, in one encoder:
+    ///
+    /// ```no_run
+    /// use rimline::gpu::{CasterHandle, Deformer, Scene, SceneFrame};
+    /// use rimline::{ModelBounds, Pose, ShadowCamera, wgpu};
+    ///
+    /// /// `figures` are the casters of the deformer's instances, in order. `bounds` are those of its model.
+    /// fn frame(
+    ///     (scene, figures): (&mut Scene, &[CasterHandle]),
+    ///     (deformer, bounds, pose): (&Deformer, &ModelBounds, &Pose),
+    ///     encoder: &mut wgpu::CommandEncoder,
+    ///     camera: ShadowCamera,
+    /// ) -> Result<SceneFrame, Box<dyn std::error::Error>> {
+    ///     for (&figure, own) in figures.iter().zip(bounds.boxes(pose, 0.0)?) {
+    ///         scene.set_bounds(figure, own)?;
+    ///     }
+    ///     let needs = scene.encode_needs(encoder, figures, &[camera], None)?;
+    ///     deformer.encode_needed(encoder, pose, 0.0, None, &needs, None)?;
+    ///     // Draw the figures, and all else that is seen; then:
+    ///     Ok(scene.encode_needed(encoder, &[camera], &[], &needs, None)?)
+    /// }
+    /// ```
     ///
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::ListedTwice`], or as [`Self::encode`].

@@ -22,7 +22,7 @@ pub struct SceneOptions {
     pub counting: Counting,
     /// Every face casts, always; see [`ShadowOptions::every_face`](crate::gpu::ShadowOptions::every_face).
     pub every_face: bool,
-    /// Compute nothing of a caster for a light whose range does not reach it: the box of a rigid caster, or the one that
+    /// Compute nothing of a caster for a light whose range or cone does not reach it: the box of a rigid caster, or the one that
     /// [`Scene::set_bounds`](crate::gpu::Scene::set_bounds) states. And draw no volume of a caster whose own box it does not
     /// reach.
     pub skip_unreached: bool,

@@ -271,11 +271,12 @@ impl Scene {
     }
 
     /// States a box, its lowest and its highest corner in world space, in which all positions of a caster's buffer are from the
-    /// next encode on. For lights whose range does not reach the box nothing is computed of the caster. `None`, as after
+    /// next encode on. For lights whose range or cone does not reach the box nothing is computed of the caster. `None`, as after
     /// [`Self::insert`] and [`Self::set_positions`]: they may be anywhere, and their own box tells only which volumes are
     /// drawn.
     ///
-    /// Positions outside the box, which are finite, may lack shadows. The box of a model at rest does not hold for a pose.
+    /// Positions outside the box, which are finite, may lack shadows. The box of a model at rest does not hold for a pose;
+    /// [`ModelBounds`](crate::ModelBounds) computes those of poses.
     ///
     /// # Errors
     /// [`SceneError::NoBuffer`] for a rigid caster, [`SceneError::Bounds`] for a box that is none, or an error of the handle.

@@ -189,7 +189,7 @@ impl<'a> Binder<'a> {
             "receivers" => whole(&buffers.receivers),
             "listed" => whole(&buffers.listed),
             "kept" => whole(source.kept?),
-            "lit" => whole(source.lit.unwrap_or(&buffers.boxes)),
+            "lit" => whole(source.lit.unwrap_or(source.table)),
             "shadow_statistics" => whole(&buffers.statistics),
             "shadow_draws" => whole(buffers.draws.get(at.group)?),
             "sides" => whole(&lists()?.sides),

@@ -143,6 +143,121 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: MARGINS,
     },
     Mutation {
+        name: "bounds: all joints are where the first one is",
+        changes: &[("src/model/bounds.rs", "pose.palette().get(*joint)?", "pose.palette().get(0 * *joint)?")],
+        tests: &["--test deform_cpu bounds"],
+    },
+    Mutation {
+        name: "bounds: rounding is forgotten",
+        changes: &[(
+            "src/model/bounds.rs",
+            "relative * absolute * placed_size",
+            "0.0 * relative * absolute * placed_size",
+        )],
+        tests: &["--test deform_cpu bounds"],
+    },
+    Mutation {
+        name: "bounds: negative weights are forgotten",
+        changes: &[("src/model/bounds.rs", "widened(negative * placed", "widened(0.0 * negative * placed")],
+        tests: &["--test deform_cpu bounds"],
+    },
+    Mutation {
+        name: "bounds: weights sum to one",
+        changes: &[("src/model/bounds.rs", "placed[axis].times_span(sums)", "placed[axis].plus(sums.times(0.0))")],
+        tests: &["--test deform_cpu bounds"],
+    },
+    Mutation {
+        name: "deform: what is not needed stays where it was",
+        changes: &[("wgsl/deform/deform.wgsl", "if (pose[chunk.before] == 0u) {", "if (pose[chunk.before] == 7u) {")],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "deform: a frame that deforms all does not note it",
+        changes: &[(
+            "src/gpu/deform/deformer.rs",
+            "encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes);",
+            "if needs.is_some() { encoder.copy_buffer_to_buffer(&self.pose, 4 * self.before + bytes, &self.held, 0, bytes); }",
+        )],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "needs: the first light has no shadow",
+        changes: &[
+            ("wgsl/scene/needs.wgsl", "if (has_light && may_shade(", "if (has_light && number > 0u && may_shade("),
+            ("src/cpu/scene/needs.rs", "has_light(*number)", "*number > 0 && has_light(*number)"),
+        ],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "needs: figures in sight are not looked at",
+        changes: &[
+            ("wgsl/scene/needs.wgsl", "if (!box_is_unseen(", "if (frame.figures == 0u && !box_is_unseen("),
+            ("src/cpu/scene/needs.rs", "!box_is_unseen(", "frame.figures == 0 && !box_is_unseen("),
+        ],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "reach: lights matter to figures that are not needed",
+        changes: &[(
+            "wgsl/scene/reach.wgsl",
+            "select(lights_that_matter(caster, batch), 0u, unneeded)",
+            "select(lights_that_matter(caster, batch), 0u, unneeded && batch > 100u)",
+        )],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "reach: figures are told from others at the first frame alone",
+        changes: &[("src/gpu/scene/needs.rs", "self.note_change(key);", "let _ = key;")],
+        tests: &["--test scene_gpu need"],
+    },
+    Mutation {
+        name: "cones: rounding is forgotten",
+        changes: &[
+            ("wgsl/common/cone.wgsl", "const CONE_SLACK: f32 = 0x1p-14;", "const CONE_SLACK: f32 = 0.0;"),
+            (
+                "src/cpu/common/cone.rs",
+                "const SLACK: f32 = f32::from_bits((127 - 14) << 23);",
+                "const SLACK: f32 = 0.0;",
+            ),
+        ],
+        tests: &["--test scene_gpu cone"],
+    },
+    Mutation {
+        name: "cones: those of more than a right angle are as others",
+        changes: &[
+            ("wgsl/common/cone.wgsl", "if (cosine < 0.0) {", "if (cosine < -2.0) {"),
+            ("src/cpu/common/cone.rs", "if cosine < 0.0 {", "if cosine < -2.0 {"),
+        ],
+        tests: &["--test scene_gpu cone"],
+    },
+    Mutation {
+        name: "cones: a plane across the middle separates beside the cone, too",
+        changes: &[
+            ("wgsl/common/cone.wgsl", "along < -sine * distance", "along < 0.5 * distance"),
+            ("src/cpu/common/cone.rs", "along < -sine * distance", "along < 0.5 * distance"),
+        ],
+        tests: &["--test scene_gpu cone"],
+    },
+    Mutation {
+        name: "cones: boxes of rigid casters are not moved",
+        changes: &[
+            ("wgsl/scene/reach.wgsl", "begin.x + begin.y + begin.z + row.w", "begin.x + begin.y + begin.z"),
+            ("wgsl/scene/reach.wgsl", "end.x + end.y + end.z + row.w", "end.x + end.y + end.z"),
+            ("src/cpu/scene/reach.rs", "begin[0] + begin[1] + begin[2] + row[3]", "begin[0] + begin[1] + begin[2]"),
+            ("src/cpu/scene/reach.rs", "end[0] + end[1] + end[2] + row[3]", "end[0] + end[1] + end[2]"),
+        ],
+        tests: &["--test scene_gpu cone"],
+    },
+    Mutation {
+        name: "lights: another cone is no change",
+        changes: &[(
+            "src/gpu/scene/lights.rs",
+            "light.cone.map(cone_bits)",
+            "light.cone.map(cone_bits).and(None::<u8>)",
+        )],
+        tests: &["--test scene_gpu cone"],
+    },
+    Mutation {
         name: "reach: bits of lights that moved are kept",
         changes: &[
             (
