@@ -141,11 +141,13 @@ fn ring(random: &mut Random, corners: usize, least: f32, most: f32, bump: f32) -
 fn with_holes(random: &mut Random, corners: usize, bump: f32) -> Vec<Vec<[f32; 3]>> {
     let outer = ring(random, corners.max(5), 0.9, 1.1, bump);
     let mut loops = vec![outer];
-    for hole in 0..1 + random.below(3) {
+    for hole in 0..=random.below(3) {
         let count = 3 + random.below(6);
         let mut points = ring(random, count, 0.1, 0.2, bump);
         let angle = hole as f32 / 3.0 * std::f32::consts::TAU;
-        points.iter_mut().for_each(|p| *p = [p[0] + 0.4 * angle.cos(), p[1] + 0.4 * angle.sin(), p[2]]);
+        for p in &mut points {
+            *p = [p[0] + 0.4 * angle.cos(), p[1] + 0.4 * angle.sin(), p[2]];
+        }
         // Now and then one that is wound as the outer loop is.
         if random.below(8) > 0 {
             points.reverse();

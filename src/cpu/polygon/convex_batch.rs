@@ -67,12 +67,12 @@ pub(crate) fn convex_batch(
     }
     decide(&mut waiting, &mut turns);
     let live = light_batch.live;
-    turns.into_iter().map(move |turns| match turns.are_certain {
-        true => Convex {
-            facing: live & turns.are_all_positive,
-            undecided: live & turns.is_any_positive & !turns.are_all_positive,
-        },
-        false => Convex { facing: 0, undecided: live },
+    turns.into_iter().map(move |turns| {
+        if !turns.are_certain {
+            return Convex { facing: 0, undecided: live };
+        }
+        let facing = live & turns.are_all_positive;
+        Convex { facing, undecided: live & turns.is_any_positive & !turns.are_all_positive }
     })
 }
 

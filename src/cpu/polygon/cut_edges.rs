@@ -51,7 +51,7 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
         let is_odd_at_end =
             triangles.iter().filter(|triangle| holds_left_of_end(triangle, edge, light)).count() % 2 != 0;
         for (piece, ends) in ends.windows(2).enumerate() {
-            let is_odd = is_odd_at_end != ((crossings.len() - piece) % 2 != 0);
+            let is_odd = is_odd_at_end == (crossings.len() - piece).is_multiple_of(2);
             pieces.push(Piece { edge: index, ends: [ends[0], ends[1]], is_turned: !is_odd });
         }
     }

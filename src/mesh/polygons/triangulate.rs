@@ -42,9 +42,11 @@ impl Triangulator {
         let first = triangles.len();
         self.cut_ears(triangles, positions, loops);
         self.open.clear();
-        outline.iter().for_each(|&edge| self.open.add(edge));
-        for &[a, b, c] in &triangles[first..] {
-            [[b, a], [c, b], [a, c]].into_iter().for_each(|edge| self.open.add(edge));
+        for &edge in outline {
+            self.open.add(edge);
+        }
+        for edge in triangles[first..].iter().flat_map(|&[a, b, c]| [[b, a], [c, b], [a, c]]) {
+            self.open.add(edge);
         }
         self.open.append_fans(triangles);
     }

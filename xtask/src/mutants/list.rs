@@ -721,8 +721,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygons: crossings along an edge do not exchange the sides",
         changes: &[(
             "src/cpu/polygon/cut_edges.rs",
-            "((crossings.len() - piece) % 2 != 0)",
-            "(piece > crossings.len())",
+            "(crossings.len() - piece).is_multiple_of(2)",
+            "(piece <= crossings.len())",
         )],
         tests: POLYGONS,
     },

@@ -93,7 +93,12 @@ impl<'a> Uploaded<'a> {
                 undecided_pairs: statistics.undecided_pairs,
                 exact_zeros: statistics.exact_zeros,
             });
-            Ok(cpu::Extraction { facing, masks, statistics: facing_statistics.unwrap_or_default() })
+            Ok(cpu::Extraction {
+                facing,
+                masks,
+                statistics: facing_statistics.unwrap_or_default(),
+                ..Default::default()
+            })
         };
         let found = read().map_err(|error| error.on(gpu))?;
         gpu.check()?;
