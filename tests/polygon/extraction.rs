@@ -155,6 +155,50 @@ fn sums_change(mesh: &Mesh, found: &Extraction, at: usize, lowest: u32) -> bool 
     counts(edge.face_0) || edge.face_1.is_some_and(counts)
 }
 
+/// What is decided for many polygons and lights together is what is decided for each by itself.
+#[test]
+fn masks_are_those_of_each_outline() -> Outcome {
+    let mut seen = [0; 4];
+    for seed in 0..60 {
+        let mut random = Random::new(seed);
+        let mut set = if seed % 3 == 0 { quad_torus(&mut random, 9, 7, 0.1) } else { PolygonSet::default() };
+        for _ in 0..40 {
+            let (_, one) = random_polygon(&mut random, 12);
+            let first = set.positions.len() as u32;
+            set.positions.extend(&one.positions);
+            for loops in one.polygons() {
+                let moved = |corners: Vec<u32>| corners.into_iter().map(|corner| first + corner).collect();
+                set.push(&loops.into_iter().map(moved).collect::<Vec<_>>());
+            }
+        }
+        let mesh = set.mesh(Weld::Keep).map_err(|error| error.to_string())?;
+        let count = [1, 2, 35][random.below(3)];
+        let lights = lights_for(&mut random, &set, count);
+        let (masks, _) = polygon_masks(&set, &mesh, &lights);
+        let polygons = mesh.polygons().ok_or("polygons")?;
+        for (light, l) in lights.iter().enumerate() {
+            for polygon in 0..polygons.len() {
+                let outline = Outline::new(polygons.outline(polygon), &set.positions).ok_or("finite")?;
+                let masks = masks[light / 32 * polygons.len() + polygon];
+                let found = [masks.facing, masks.twisted, masks.excluded].map(|mask| mask >> (light % 32) & 1 != 0);
+                let right = outline.seen_by_pairs(l.to_array());
+                seen[right as usize] += 1;
+                let expected = match right {
+                    Seen::Facing => [true, false, false],
+                    Seen::Averted => [false; 3],
+                    // No outline, no plane.
+                    Seen::InPlane => [false, false, !polygons.outline(polygon).is_empty()],
+                    Seen::Twisted => [false, true, true],
+                };
+                if found != expected {
+                    return Err(format!("seed {seed}, polygon {polygon}, {l:?}: {found:?}, but {right:?}"));
+                }
+            }
+        }
+    }
+    if seen.iter().all(|&count| count > 200) { Ok(()) } else { Err(format!("too few of a kind: {seen:?}")) }
+}
+
 /// Squares of whole numbers are planar exactly. So masks are those of their triangles, whose diagonals are no silhouettes.
 #[test]
 fn planar_quadrilaterals_have_the_masks_of_their_triangles() -> Outcome {

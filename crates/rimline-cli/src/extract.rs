@@ -28,6 +28,8 @@ use report::Report;
 pub(crate) struct Found<'a> {
     positions: std::borrow::Cow<'a, [[f32; 3]]>,
     facing: Vec<u32>,
+    /// Of polygons; otherwise empty.
+    twisted: Vec<u32>,
     masks: Vec<EdgeMasks>,
     statistics: FacingStatistics,
 }

@@ -89,6 +89,8 @@ pub(crate) enum InputError {
     PosedMesh(#[from] rimline::PosedMeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
+    #[error("it has polygons, whose vertices cannot be displaced so far; write its triangles as `faces`")]
+    PolygonsDisplaced,
     #[error(transparent)]
     Displacement(#[from] rimline::DisplaceError),
     #[error(

@@ -58,7 +58,10 @@ impl GpuError {
             Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
-            Self::Deform(DeformError::TooManyTerms { .. }) => return self.too_small(gpu),
+            // The CPU would do.
+            Self::Deform(DeformError::TooManyTerms { .. }) | Self::Extractor(ExtractorError::Polygons) => {
+                return self.too_small(gpu);
+            }
             _ => {}
         }
         match (self.memory(), self.lights()) {

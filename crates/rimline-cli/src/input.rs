@@ -36,6 +36,8 @@ pub(crate) enum Source {
     Npz {
         model: Model,
         weld: WeldCounts,
+        /// The mesh, if the file has polygons. The model has their triangles.
+        polygons: Option<Box<Mesh>>,
     },
 }
 
@@ -129,6 +131,7 @@ impl Input {
     pub(crate) fn shape(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         let pose = match &self.source {
             Source::Gltf(asset) => asset.pose(animation, time_s).map_err(InputError::from),
+            Source::Npz { polygons: Some(_), .. } if displaced => Err(InputError::PolygonsDisplaced),
             Source::Npz { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
             Source::Npz { .. } => resting().map_err(InputError::from),
         };
@@ -138,6 +141,9 @@ impl Input {
 
     /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
+        if let (Source::Npz { polygons: Some(mesh), .. }, Shape::World(_)) = (&self.source, shape) {
+            return Ok(Mesh::clone(mesh));
+        }
         let mesh = match shape {
             Shape::Posed { model, pose } => model.mesh(pose).map_err(InputError::from),
             Shape::World(_) => resting().map_err(InputError::from).and_then(|pose| Ok(self.model().mesh(&pose)?)),
@@ -274,10 +280,17 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
     let arrays = npz::read(reader, options.memory_limit)?;
+    if let Some(polygons) = arrays.polygons {
+        let mesh = Mesh::from_polygons(&arrays.positions, polygons.loops(), options.weld)?;
+        drop(polygons);
+        let geometry = Geometry::new(arrays.positions, mesh.faces().to_vec(), GeometryOptions::default())?;
+        let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
+        return Ok(Source::Npz { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) });
+    }
     let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
     let (geometry, weld) = geometry.welded(options.weld);
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok(Source::Npz { model, weld })
+    Ok(Source::Npz { model, weld, polygons: None })
 }
 
 /// Everything where it is.

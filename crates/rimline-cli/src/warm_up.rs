@@ -41,7 +41,10 @@ pub(crate) fn shadow_stages(
     lights: &[Light],
 ) -> Result<(), Failure> {
     let Some(model) = triangle() else { return Ok(()) };
-    let input = Input { file: PathBuf::from("triangle"), source: Source::Npz { model, weld: WeldCounts::default() } };
+    let input = Input {
+        file: PathBuf::from("triangle"),
+        source: Source::Npz { model, weld: WeldCounts::default(), polygons: None },
+    };
     let body = [PosedModel::new(gpu, &input, None, 0.0, None)?];
     let mut shadows = Shadows::new(gpu, pipelines, lights.len()).map_err(|error| error.on(gpu))?;
     shadows.place(gpu, &body)?;

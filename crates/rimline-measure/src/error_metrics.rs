@@ -89,7 +89,7 @@ impl Score {
                 differing.map(|(right, found)| count(right.silhouette ^ found.silhouette)).sum::<usize>();
         }
         score.unclosed_vertices =
-            light_counts(mesh, candidate.masks, lights).iter().map(|of| of.unclosed_vertices).sum();
+            light_counts(mesh, candidate.masks, &[], lights).iter().map(|of| of.unclosed_vertices).sum();
         Ok(score)
     }
 }
@@ -126,20 +126,23 @@ pub struct LightCounts {
     pub unclosed_vertices: usize,
 }
 
-/// [`LightCounts`] of each light, from ⌈N/32⌉ planes of masks an edge record. Masks that are missing count as zeros.
-pub fn light_counts(mesh: &Mesh, masks: &[EdgeMasks], lights: usize) -> Vec<LightCounts> {
+/// [`LightCounts`] of each light, from ⌈N/32⌉ planes of masks an edge record, and of masks of twisted polygons, if the mesh
+/// has polygons. Masks that are missing count as zeros.
+pub fn light_counts(mesh: &Mesh, masks: &[EdgeMasks], twisted: &[u32], lights: usize) -> Vec<LightCounts> {
     let mut sums = vec![0_i32; mesh.vertex_count() as usize];
     let mut counts = Vec::with_capacity(lights);
     for light in 0..lights {
         let bit = light % 32;
         let mut silhouette_edges = 0;
+        let twisted = plane(twisted, light / 32, mesh.face_count());
+        let counts_once = |face: u32| i32::from(twisted.get(face as usize).is_none_or(|mask| mask >> bit & 1 == 0));
         for (edge, masks) in mesh.edges().iter().zip(plane(masks, light / 32, mesh.edges().len())) {
             if masks.silhouette >> bit & 1 == 0 {
                 continue;
             }
             silhouette_edges += 1;
-            // Where it is a silhouette, both terms of the multiplicity have face 0's sign.
-            let weight = if edge.kind == EdgeKind::Boundary { 1 } else { 2 };
+            // Where it is a silhouette, both terms of the multiplicity have one sign.
+            let weight = counts_once(edge.face_0) + edge.face_1.map_or(0, counts_once);
             let multiplicity = if masks.winding >> bit & 1 == 1 { weight } else { -weight };
             let [a, b] = edge.vertices.map(|v| v as usize);
             for (vertex, signed) in [(a, multiplicity), (b, -multiplicity)] {

@@ -222,11 +222,11 @@ fn loops_of_a_closed_and_of_an_open_mesh_close_and_a_flipped_bit_opens_them() {
         let mesh = Mesh::from_faces(4, faces).expect("a mesh");
         let facing = cpu::facing(&positions, mesh.faces(), &lights, Predicate::Exact, Threads::ONE);
         let mut masks = cpu::edges(mesh.edges(), &facing, mesh.faces().len(), 2, Threads::ONE);
-        let counts = light_counts(&mesh, &masks, 2);
+        let counts = light_counts(&mesh, &masks, &[], 2);
         assert_eq!(counts.iter().map(|of| of.silhouette_edges).collect::<Vec<_>>(), expected);
         assert!(counts.iter().all(|of| of.unclosed_vertices == 0), "{counts:?}");
         masks[0].silhouette ^= 1;
-        let counts = light_counts(&mesh, &masks, 2);
+        let counts = light_counts(&mesh, &masks, &[], 2);
         assert_eq!(counts.iter().map(|of| of.unclosed_vertices).collect::<Vec<_>>(), [2, 0]);
     }
 }

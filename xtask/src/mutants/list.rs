@@ -893,4 +893,22 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[("src/cpu/polygon/cut_edges.rs", "turn(p, q, a, light)];", "0];")],
         tests: POLYGONS,
     },
+    Mutation {
+        name: "polygons: signs that are not certain decide",
+        changes: &[(
+            "src/cpu/polygon/convex_batch.rs",
+            "self.are_certain &= is_certain;",
+            "self.are_certain &= is_certain | true;",
+        )],
+        tests: POLYGONS,
+    },
+    Mutation {
+        name: "polygons: turns of both senses are convex",
+        changes: &[(
+            "src/cpu/polygon/convex_batch.rs",
+            "undecided: live & turns.is_any_positive & !turns.are_all_positive",
+            "undecided: 0 & turns.is_any_positive & !turns.are_all_positive",
+        )],
+        tests: POLYGONS,
+    },
 ];

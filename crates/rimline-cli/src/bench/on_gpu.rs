@@ -96,8 +96,8 @@ impl<'a> Uploaded<'a> {
             Ok(cpu::Extraction {
                 facing,
                 masks,
-                twisted: Vec::new(),
                 statistics: facing_statistics.unwrap_or_default(),
+                ..Default::default()
             })
         };
         let found = read().map_err(|error| error.on(gpu))?;

@@ -17,10 +17,26 @@ pub(crate) fn components(lights: &[Light]) -> Vec<[f32; 4]> {
 
 /// Writes all arrays. Nothing is copied whole: what needs another form is converted piece by piece.
 pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], found: &Found<'_>) -> io::Result<()> {
-    let (faces, edges, words) = (mesh.faces().len(), mesh.edges().len(), batches(lights.len()));
+    let (faces, edges, words) = (mesh.face_count(), mesh.edges().len(), batches(lights.len()));
     let mut npz = NpzWriter::new(file);
     npz.array("positions", ElementType::F32, &[found.positions.len(), 3], slice(&found.positions))?;
-    npz.array("faces", ElementType::U32, &[faces, 3], slice(mesh.faces()))?;
+    npz.array("faces", ElementType::U32, &[mesh.faces().len(), 3], slice(mesh.faces()))?;
+    if let Some(polygons) = mesh.polygons() {
+        let of_triangles = polygons.triangle_polygons();
+        npz.array("triangle_polygons", ElementType::U32, &[of_triangles.len()], slice(&of_triangles))?;
+        let each = || 0..polygons.len();
+        let all_loops = || each().flat_map(|polygon| polygons.loops(polygon));
+        npz.array("polygon_loops", ElementType::U32, &[polygons.len()], |to| {
+            pieces(to, each(), |polygon| polygons.loops(polygon).len() as u32)
+        })?;
+        npz.array("loop_sizes", ElementType::U32, &[all_loops().count()], |to| {
+            pieces(to, all_loops(), |corners| corners.len() as u32)
+        })?;
+        let corners = all_loops().map(<[u32]>::len).sum();
+        npz.array("loop_corners", ElementType::U32, &[corners], |to| {
+            pieces(to, all_loops().flatten(), |&corner| corner)
+        })?;
+    }
     npz.array("lights", ElementType::F32, &[lights.len(), 4], slice(&components(lights)))?;
     npz.array("edges", ElementType::U32, &[edges, 2], slice(mesh.edges().vertices()))?;
     npz.array("edge_faces", ElementType::U32, &[edges, 2], |to| {
@@ -35,6 +51,9 @@ pub(crate) fn write(file: impl Write + Seek, mesh: &Mesh, lights: &[Light], foun
         })
     })?;
     npz.array("facing", ElementType::U32, &[faces, words], planes(&found.facing, faces, words, |&mask| mask))?;
+    if mesh.polygons().is_some() {
+        npz.array("twisted", ElementType::U32, &[faces, words], planes(&found.twisted, faces, words, |&mask| mask))?;
+    }
     let silhouette = |masks: &EdgeMasks| masks.silhouette;
     npz.array("silhouette", ElementType::U32, &[edges, words], planes(&found.masks, edges, words, silhouette))?;
     let winding = |masks: &EdgeMasks| masks.winding;

@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use rimline::reference::Method;
-use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, PoseMismatch, Predicate};
+use rimline::reference::cpu::{self, Extraction, Threads};
+use rimline::{Light, Predicate};
 
 use super::Found;
+use crate::failure::{Failure, UsageError};
 use crate::input::{Scene, Shape};
 use crate::times::Times;
 
@@ -16,7 +17,7 @@ pub(super) fn extract<'a>(
     method: Method,
     predicate: Predicate,
     times: &mut Times,
-) -> Result<Found<'a>, PoseMismatch> {
+) -> Result<Found<'a>, Failure> {
     let (mesh, threads) = (&scene.mesh, Threads::all());
     let positions: Cow<'a, [[f32; 3]]> = match &scene.shape {
         Shape::World(positions) => Cow::Borrowed(positions),
@@ -24,6 +25,18 @@ pub(super) fn extract<'a>(
             Cow::Owned(times.measure("deform", || cpu::deform(model, pose, 0.0, None, threads))?)
         }
     };
+    if mesh.polygons().is_some() {
+        let extract = |method| {
+            let found = cpu::extract_by(&positions, mesh, lights, method, predicate, threads);
+            found.map_err(|error| Failure::from(UsageError::Lights(error)))
+        };
+        let Extraction { facing, twisted, mut masks, statistics } =
+            times.measure("facing", || extract(Method::FaceMask))?;
+        if method == Method::PerEdge {
+            masks = times.measure("per_edge", || extract(method))?.masks;
+        }
+        return Ok(Found { positions, facing, twisted, masks, statistics });
+    }
     let faces = mesh.faces();
     let mut facing = Vec::new();
     // The per-edge method has no face bits, so the file gets the exact ones.
@@ -36,5 +49,5 @@ pub(super) fn extract<'a>(
         }
         Method::PerEdge => times.measure("per_edge", || cpu::per_edge(&positions, mesh, lights, predicate, threads)),
     };
-    Ok(Found { positions, facing, masks, statistics })
+    Ok(Found { positions, facing, twisted: Vec::new(), masks, statistics })
 }

@@ -130,6 +130,7 @@ impl<'s> Job<'_, 's> {
         Ok(Found {
             positions,
             facing: read_planes(gpu, first.results().facing, mesh.faces().len())?,
+            twisted: Vec::new(),
             masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
             statistics: facing_statistics.unwrap_or_default(),
         })

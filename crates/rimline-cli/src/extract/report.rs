@@ -18,6 +18,8 @@ use crate::times::Times;
 pub(super) struct Report {
     vertices: usize,
     faces: usize,
+    /// The number of twisted polygons for each light, if the mesh has polygons.
+    polygons: Option<Vec<usize>>,
     degenerate_faces: usize,
     statistics: FacingStatistics,
     edges: EdgeCounts,
@@ -39,12 +41,13 @@ impl Report {
         adapter: String,
         times: Times,
     ) -> Self {
-        let counts = light_counts(mesh, &found.masks, lights.len()).into_iter();
+        let counts = light_counts(mesh, &found.masks, &found.twisted, lights.len()).into_iter();
         let (silhouette_edges, unclosed_vertices) =
             counts.map(|light| (light.silhouette_edges, light.unclosed_vertices)).unzip();
         Self {
             vertices: found.positions.len(),
-            faces: mesh.faces().len(),
+            faces: mesh.face_count(),
+            polygons: mesh.polygons().map(|_| twisted(mesh, &found.twisted, lights.len())),
             degenerate_faces: mesh.degenerate_faces(),
             statistics: found.statistics,
             edges: mesh.edges().counts(),
@@ -91,6 +94,7 @@ impl Report {
             "lights": self.silhouette_edges.len(),
             "silhouette_edges": self.silhouette_edges,
             "unclosed_vertices": self.unclosed_vertices,
+            "twisted_polygons": self.polygons,
             "milliseconds": self.times.json(),
             "set_up_milliseconds": set_up,
             "work_milliseconds": work,
@@ -115,6 +119,9 @@ impl Report {
             let decided = format!("{undecided_pairs} pairs of face and light, {exact_zeros} of them in one plane");
             line("decided exactly", &decided);
         }
+        if let Some(twisted) = &self.polygons {
+            line("twisted polygons", &per_light(twisted));
+        }
         line("edge records", &format!("{consistent} consistent, {inconsistent} inconsistent, {boundary} boundary"));
         line("silhouette edges", &per_light(&self.silhouette_edges));
         line("unclosed vertices", &per_light(&self.unclosed_vertices));
@@ -123,6 +130,11 @@ impl Report {
         let _ = writeln!(text, "wrote {}", Line(out.display()));
         text
     }
+}
+
+fn twisted(mesh: &Mesh, masks: &[u32], lights: usize) -> Vec<usize> {
+    let plane = |light: usize| masks.iter().skip(light / 32 * mesh.face_count()).take(mesh.face_count());
+    (0..lights).map(|light| plane(light).filter(|&&mask| mask >> (light % 32) & 1 != 0).count()).collect()
 }
 
 /// A number a light; many lights are summed up.

@@ -7,5 +7,5 @@ mod write;
 
 pub use compare::{Difference, compare};
 pub use header::ElementType;
-pub use read::{Arrays, NpzError, read, read_points, read_with_lights};
+pub use read::{Arrays, NpzError, PolygonArrays, read, read_points, read_with_lights};
 pub use write::NpzWriter;

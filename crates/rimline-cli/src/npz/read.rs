@@ -2,16 +2,37 @@
 
 use std::io::{self, Read, Seek};
 
+use rimline::mesh::PolygonLoops;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::header::{ElementType, Header, HeaderError};
 
-/// Positions, as they lie in the file bit for bit, and faces whose indices are below their number.
+/// Positions, as they lie in the file bit for bit, and triangles whose indices are below their number, or polygons.
 #[derive(Debug, Default, PartialEq)]
 pub struct Arrays {
     pub positions: Vec<[f32; 3]>,
+    /// Empty if there are polygons.
     pub faces: Vec<[u32; 3]>,
+    pub polygons: Option<PolygonArrays>,
+}
+
+/// Polygons, unchecked: `rimline::Mesh::from_polygons` checks them.
+#[derive(Debug, Default, PartialEq)]
+pub struct PolygonArrays {
+    polygon_loops: Vec<[u32; 1]>,
+    loop_sizes: Vec<[u32; 1]>,
+    loop_corners: Vec<[u32; 1]>,
+}
+
+impl PolygonArrays {
+    pub fn loops(&self) -> PolygonLoops<'_> {
+        PolygonLoops {
+            polygon_loops: self.polygon_loops.as_flattened(),
+            loop_sizes: self.loop_sizes.as_flattened(),
+            loop_corners: self.loop_corners.as_flattened(),
+        }
+    }
 }
 
 /// Why an archive is refused.
@@ -40,10 +61,15 @@ pub enum NpzError {
          {limit}; if it is meant to be that large, give a larger --memory-limit"
     )]
     TooLarge { array: &'static str, rows: u64, needed: u64, limit: u64 },
-    #[error("array `{array}`, row {row}, names vertex {index}, which no mesh can have")]
+    #[error("array `{array}`, row {row}, has the number {index}, which no mesh can have")]
     Index { array: &'static str, row: usize, index: i128 },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
     OutOfRange { row: usize, index: u32, vertices: usize },
+    #[error(
+        "it has the array `polygon_loops`, and here only meshes of triangles are compared; write one that has `faces` and no \
+         such array"
+    )]
+    Polygons,
     #[error("array `{entry}`: its ZIP entry cannot be read: {source}")]
     Unreadable { entry: String, source: io::Error },
     #[error("array `{entry}`: {source}")]
@@ -72,6 +98,11 @@ const GROWTH: u64 = 3;
 /// those of a glTF.
 const VERTEX: u64 = 12 * GROWTH + 128;
 const FACE: u64 = 12 * GROWTH + 144;
+/// Bytes for a polygon, for a loop, and for a corner: two copies of all arrays, an edge of the outline, a triangle and its
+/// edge records.
+const POLYGON: u64 = 4 * GROWTH + 48;
+const LOOP: u64 = 4 * GROWTH + 32;
+const CORNER: u64 = 4 * GROWTH + 240;
 
 /// The memory that reading one archive may take. What is charged is never given back.
 struct Budget {
@@ -79,8 +110,8 @@ struct Budget {
     used: u64,
 }
 
-/// Reads the two arrays: `positions` (V,3) float32, `faces` (F,3) integers; either byte order, either array order. What
-/// takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is read.
+/// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
+/// there may be `polygon_loops`, `loop_sizes` and `loop_corners`, of one dimension each. What takes more than `memory_limit` bytes, with the mesh that is made of it, is refused before it is read.
 pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzError> {
     let mut budget = Budget { limit: memory_limit, used: 0 };
     read_arrays(&mut ZipArchive::new(reader).map_err(NpzError::Archive)?, &mut budget)
@@ -90,6 +121,9 @@ pub fn read(reader: impl Read + Seek, memory_limit: u64) -> Result<Arrays, NpzEr
 pub fn read_with_lights(reader: impl Read + Seek, memory_limit: u64) -> Result<(Arrays, Vec<[f32; 4]>), NpzError> {
     let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
     let mut budget = Budget { limit: memory_limit, used: 0 };
+    if archive.index_for_name("polygon_loops.npy").is_some() {
+        return Err(NpzError::Polygons);
+    }
     let arrays = read_arrays(&mut archive, &mut budget)?;
     let lights = Entry {
         array: "lights",
@@ -117,9 +151,13 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
         limit: rimline::mesh::MAX_FACES as u64,
         row_bytes: FACE,
         wanted: "an integer type of 8 to 64 bits is needed (NumPy: `faces.astype('u4')`)",
-        accepts: |element| matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8)),
+        accepts: is_integer,
     };
     let positions = positions.rows(archive, budget, float)?;
+    if archive.index_for_name("polygon_loops.npy").is_some() {
+        let polygons = Some(read_polygons(archive, budget)?);
+        return Ok(Arrays { positions, faces: Vec::new(), polygons });
+    }
     let faces: Vec<[u32; 3]> = faces.rows(archive, budget, index)?;
     let vertices = positions.len();
     for (row, face) in faces.iter().enumerate() {
@@ -127,7 +165,23 @@ fn read_arrays(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) 
             return Err(NpzError::OutOfRange { row, index, vertices });
         }
     }
-    Ok(Arrays { positions, faces })
+    Ok(Arrays { positions, faces, polygons: None })
+}
+
+fn read_polygons(archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<PolygonArrays, NpzError> {
+    let array = |array: &'static str, shape: &'static str, row_bytes: u64| Entry {
+        array,
+        shape,
+        limit: 3 * rimline::mesh::MAX_FACES as u64,
+        row_bytes,
+        wanted: "an integer type of 8 to 64 bits is needed (NumPy: `.astype('u4')`)",
+        accepts: is_integer,
+    };
+    Ok(PolygonArrays {
+        polygon_loops: array("polygon_loops", "(P,)", POLYGON).rows(archive, budget, index)?,
+        loop_sizes: array("loop_sizes", "(L,)", LOOP).rows(archive, budget, index)?,
+        loop_corners: array("loop_corners", "(C,)", CORNER).rows(archive, budget, index)?,
+    })
 }
 
 /// Reads the array `points` (P,3) float32, bit for bit; either byte order, either array order. More than `memory_limit`
@@ -147,6 +201,10 @@ pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Vec<[f
 
 fn is_float(element: ElementType) -> bool {
     element.kind == 'f' && element.size == 4
+}
+
+fn is_integer(element: ElementType) -> bool {
+    matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8))
 }
 
 /// What one of the arrays must be.
@@ -186,7 +244,8 @@ impl Entry {
             wanted: self.wanted,
         })?;
         let rows = match header.shape[..] {
-            [rows, columns] if columns == C as u64 => rows,
+            [rows] if C == 1 => rows,
+            [rows, columns] if C > 1 && columns == C as u64 => rows,
             _ => return Err(NpzError::Shape { array, shape: header.shape, wanted: self.shape }),
         };
         let limit = self.limit;

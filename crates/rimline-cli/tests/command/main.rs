@@ -17,6 +17,7 @@ mod load;
 mod models;
 mod npz_bounds;
 mod npz_input;
+mod npz_polygons;
 mod outlines;
 mod outputs;
 #[cfg(unix)]
@@ -58,6 +59,7 @@ fn main() {
         usage::TESTS,
         npz_bounds::TESTS,
         npz_input::TESTS,
+        npz_polygons::TESTS,
         contract::TESTS,
         draw::TESTS,
         outlines::TESTS,

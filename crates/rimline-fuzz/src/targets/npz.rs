@@ -1,7 +1,11 @@
-//! `NumPy` archives: as models, with lights, as points, and compared with another archive.
+//! `NumPy` archives: as models, with polygons, with lights, as points, and compared with another archive.
 
+use std::collections::BTreeMap;
 use std::io::{Cursor, Write as _};
 
+use rimline::cpu::{self, Threads};
+use rimline::mesh::{PolygonLoops, Weld};
+use rimline::{Light, Mesh, Predicate};
 use rimline_cli::npz;
 use rimline_measure::random::Random;
 use zip::write::SimpleFileOptions;
@@ -30,6 +34,17 @@ pub(crate) struct Seeds {
 const POSITIONS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, f32::NAN, f32::INFINITY]];
 const FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
+/// A quadrilateral and a triangle with a hole, of the positions.
+fn polygons(positions: &Array) -> Vec<Array> {
+    let row = |name, values: &[u8]| array(name, "|u1", "False", &format!("({},)", values.len()), values);
+    vec![
+        positions.clone(),
+        row("polygon_loops", &[1, 2]),
+        row("loop_sizes", &[4, 3, 3]),
+        row("loop_corners", &[0, 1, 2, 3, 0, 2, 1, 3, 1, 2]),
+    ]
+}
+
 impl Seeds {
     pub(crate) fn new() -> Result<Self, String> {
         let little: Vec<u8> = POSITIONS.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
@@ -45,6 +60,7 @@ impl Seeds {
             vec![positions.clone(), faces("<u4", 4, "False"), lights.clone()],
             vec![packed(positions.clone()), packed(faces("|u1", 1, "True")), lights.clone()],
             vec![array("positions", ">f4", "True", "(4,3)", &big), faces("<i8", 8, "False"), lights],
+            polygons(&positions),
             vec![faces("<i2", 2, "False"), array("extra", "<c8", "False", "()", &[0; 8]), positions],
             vec![points.clone()],
             vec![packed(points)],
@@ -98,6 +114,9 @@ impl Seeds {
         if model.as_ref().is_ok_and(is_outside) {
             return Err("a face names a vertex that is not there".to_owned());
         }
+        if let Ok(npz::Arrays { positions, polygons: Some(polygons), .. }) = &model {
+            check_polygons(positions, polygons.loops(), [Weld::Position, Weld::Keep][bytes.len() % 2])?;
+        }
         let with_lights = npz::read_with_lights(Cursor::new(bytes), MEMORY_LIMIT);
         let points = npz::read_points(Cursor::new(bytes), MEMORY_LIMIT);
         let is_equal = bytes == self.sound;
@@ -111,6 +130,35 @@ impl Seeds {
         }
         Ok(model.is_ok() || with_lights.is_ok() || points.is_ok())
     }
+}
+
+/// Polygons make a mesh or are refused. The boundary of their triangles is their outline, and silhouettes can be extracted.
+fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -> Result<(), String> {
+    let Ok(mesh) = Mesh::from_polygons(positions, loops, weld) else { return Ok(()) };
+    if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= positions.len()) {
+        return Err("a triangle names a vertex that is not there".to_owned());
+    }
+    let Some(polygons) = mesh.polygons() else { return Ok(()) };
+    let sum = |edges: &mut dyn Iterator<Item = [u32; 2]>| {
+        let mut sums = BTreeMap::new();
+        edges.for_each(|[a, b]| *sums.entry([a.min(b), a.max(b)]).or_insert(0) += if a < b { 1 } else { -1 });
+        sums.retain(|_, sum| *sum != 0);
+        sums
+    };
+    for polygon in 0..polygons.len() {
+        let triangles = &mesh.faces()[polygons.triangles(polygon)];
+        let edges = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        if sum(&mut { edges }) != sum(&mut polygons.outline(polygon).iter().copied()) {
+            return Err(format!("the triangles of polygon {polygon} have another boundary"));
+        }
+    }
+    let lights = [Light::point([0.5, 0.25, 2.0]), Light::directional([0.0, 1.0, 0.0])];
+    let found = cpu::extract(positions, &mesh, &lights, Predicate::Exact, Threads::ONE);
+    let found = found.map_err(|error| error.to_string())?;
+    if found.facing.iter().zip(&found.twisted).any(|(facing, twisted)| facing & twisted != 0) {
+        return Err("a polygon faces a light for which it is twisted".to_owned());
+    }
+    Ok(())
 }
 
 fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Array {
