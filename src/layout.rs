@@ -155,6 +155,8 @@ shared_structs! {
         undecided_pairs: u32,
         /// The undecided pairs whose determinant is exactly zero.
         exact_zeros: u32,
+        /// A bit for each light for which a polygon is L-twisted. Lights whose numbers differ by 32 share a bit.
+        twisted_lights: u32,
     }
 
     /// The arguments that wgpu's `draw_indirect` reads.

@@ -102,7 +102,8 @@ pub mod cpu {
     pub use crate::cpu::polygon::edge_pair::{EdgePair, edge_pair};
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::outline::{Outline, Seen};
-    pub use crate::cpu::polygon::polygon_facing::{PolygonMasks, polygon_facing};
+    pub use crate::cpu::polygon::polygon_facing::polygon_facing;
+    pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;

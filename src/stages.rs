@@ -60,6 +60,62 @@ pub const EDGES: Stage = Stage {
     ],
     entry_points: &["edges"],
 };
+/// Computes facing masks of polygons whose outlines are convex, and lists the others.
+pub const POLYGON_FACING: Stage = Stage {
+    name: "polygon_facing",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "common/filter",
+        "polygon/outlines",
+        "polygon/polygon_facing"
+    ],
+    entry_points: &["polygon_facing"],
+};
+/// Finds how lights see the outlines that are left, by all pairs of their edges.
+pub const OUTLINE: Stage = Stage {
+    name: "outline",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "common/filter",
+        "common/exact_sign",
+        "common/fixed_sign",
+        "polygon/outlines",
+        "polygon/turn",
+        "polygon/work",
+        "polygon/outline"
+    ],
+    entry_points: &["outline"],
+};
+/// Decides the masks of these polygons.
+pub const POLYGON_MASKS: Stage = Stage {
+    name: "polygon_masks",
+    files: files!["common/common", "extract/one_caster", "polygon/outlines", "polygon/polygon_masks"],
+    entry_points: &["polygon_masks"],
+};
+/// Finds the border of what L-twisted polygons darken.
+pub const CUT_EDGES: Stage = Stage {
+    name: "cut_edges",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "common/filter",
+        "common/exact_sign",
+        "common/fixed_sign",
+        "polygon/outlines",
+        "polygon/turn",
+        "polygon/work",
+        "polygon/cut_edges"
+    ],
+    entry_points: &["cut_edges"],
+};
 /// Computes the same from positions, as published in 2003.
 pub const PER_EDGE: Stage = Stage {
     name: "per_edge",
@@ -336,12 +392,16 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 31] = [
+pub const STAGES: [Stage; 35] = [
     NEEDS,
     DEFORM,
     FACING,
     EXACT_FACING,
+    POLYGON_FACING,
+    OUTLINE,
+    POLYGON_MASKS,
     EDGES,
+    CUT_EDGES,
     PER_EDGE,
     COMPACT,
     ARGUMENTS,

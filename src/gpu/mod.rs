@@ -22,7 +22,7 @@ pub use extract::errors::{
 pub use extract::extraction::Extraction;
 pub use extract::extractor::Extractor;
 pub use extract::include::{include_wgsl, results_bind_group_layout};
-pub use extract::options::{ExtractorOptions, ListOptions};
+pub use extract::options::{ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES};
 pub use extract::results::ExtractionResults;
 pub use query::errors::{ShadowQueryEncodeError, ShadowQueryError};
 pub use query::options::ShadowQueryOptions;

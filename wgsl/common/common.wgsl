@@ -72,6 +72,8 @@ struct ExtractionStatistics {
   // Pairs of face and light that the filter left to exact arithmetic, and those of them whose determinant is zero.
   undecided_pairs: atomic<u32>,
   exact_zeros: atomic<u32>,
+  // A bit for each light for which a polygon is L-twisted. Lights of all batches share the bits.
+  twisted_lights: atomic<u32>,
 }
 
 // Statistics, and the list of undecided faces beside them: together they take one of a stage's few bindings.

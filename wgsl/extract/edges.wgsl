@@ -4,10 +4,17 @@
 // scene/scene_lists.wgsl.
 
 @group(0) @binding(6) var<storage, read> edge_faces: array<vec2<u32>>;
+// Where the twisted masks lie behind the facing masks, for polygons. 0: no face is twisted.
+override TWISTED_AT: u32 = 0u;
 
 // Decides an edge record. `slot` is its place in masks and lists, `index` that in the topology.
 fn take_item(slot: u32, index: u32) {
   let faces = edge_faces[index];
+  if (TWISTED_AT != 0u) {
+    let masks = masks_beside_twisted(faces);
+    emit(slot, masks.silhouette, masks.winding);
+    return;
+  }
   let winding = facing_mask(faces.x & ~INCONSISTENT);
   var silhouette = live_lights();
   if (faces.y != NO_FACE) {
@@ -18,6 +25,26 @@ fn take_item(slot: u32, index: u32) {
     silhouette &= live_lights();
   }
   emit(slot, silhouette, winding);
+}
+
+// The masks of a record where faces may be twisted: these have the sign 0. What is left of a record with one other face is the
+// boundary of that face.
+fn masks_beside_twisted(faces: vec2<u32>) -> EdgeMasks {
+  let first = faces.x & ~INCONSISTENT;
+  let counts_0 = live_lights() & ~facing_mask(TWISTED_AT + first);
+  let facing_0 = facing_mask(first);
+  var counts_1 = 0u;
+  // As face 0 would have it: face 1 runs against it, or alike.
+  var turned_1 = 0u;
+  if (faces.y != NO_FACE) {
+    counts_1 = live_lights() & ~facing_mask(TWISTED_AT + faces.y);
+    turned_1 = ~facing_mask(faces.y);
+    if ((faces.x & INCONSISTENT) != 0u) {
+      turned_1 = ~turned_1;
+    }
+  }
+  let silhouette = (counts_0 ^ counts_1) | (counts_0 & counts_1 & ~(facing_0 ^ turned_1));
+  return EdgeMasks(silhouette, (counts_0 & facing_0) | (~counts_0 & counts_1 & turned_1));
 }
 
 @compute @workgroup_size(256)

@@ -6,7 +6,7 @@
 @group(0) @binding(2) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> boxes: array<u32>;
 // `ExtractionStatistics` of the extraction. The last tells how many lights lie in planes of faces.
-@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 4>;
+@group(0) @binding(4) var<storage, read> extraction_statistics: array<u32, 5>;
 // Choices of all casters, then measures.
 @group(0) @binding(5) var<storage, read_write> choices: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> shadow_statistics: ShadowStatistics;

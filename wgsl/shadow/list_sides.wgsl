@@ -13,7 +13,7 @@
 // For each light of the batch the numbers of plain and of clipped sides; then the lists.
 @group(0) @binding(8) var<storage, read_write> sides: array<atomic<u32>>;
 // `ExtractionStatistics` of the same silhouettes.
-@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 4>;
+@group(0) @binding(9) var<storage, read> extraction_statistics: array<u32, 5>;
 
 fn list_edge(slot: u32, bit: u32) {
   let caster = caster_of(shape.edge_chunks_at, slot);

@@ -129,8 +129,8 @@ Arrays written, V vertices, F faces, E edge records, N lights, W = N / 32 rounde
 const EXTRACT_KEYS: &str = "\
 Keys of --json: adapter, method, predicate, vertices, faces, degenerate_faces, non_finite_faces, edges (consistent, \
 inconsistent, boundary), lights, silhouette_edges and unclosed_vertices (a number a light), \
-undecided_pairs and exact_zeros (pairs of face and light that integers decided), milliseconds (by stage), \
-set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds (all other stages).";
+undecided_pairs and exact_zeros (pairs of face and light that integers decided), twisted_polygons (a number a light, \
+for polygons), milliseconds (by stage), set_up_milliseconds (opening the device, buffers, compiling shaders), work_milliseconds (all other stages).";
 
 #[derive(Args, Debug)]
 #[command(help_template = verbatim(DRAW_EXAMPLES), after_help = DRAW_REMARKS, mut_arg("device", drawing_device))]

@@ -12,7 +12,10 @@ use crate::shapes::{self, Shape};
 
 /// What one extraction left in its buffers.
 pub struct Found {
+    /// Of triangles. Those of a polygon have the same bits.
     pub facing: Vec<u32>,
+    /// Empty without polygons.
+    pub twisted: Vec<u32>,
     /// Empty without lists.
     pub excluded: Vec<u32>,
     pub masks: Vec<EdgeMasks>,
@@ -42,6 +45,7 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
     let results = extractor.results();
     let mut found = Found {
         facing: Vec::new(),
+        twisted: Vec::new(),
         excluded: Vec::new(),
         masks: Vec::new(),
         lists: Vec::new(),
@@ -50,7 +54,12 @@ pub fn read(gpu: &Gpu, extractor: &Extractor, mesh: &Mesh, max_lights: usize) ->
         statistics: gpu.read(results.statistics, 1)?[0],
     };
     for plane in results.facing {
-        found.facing.extend(gpu.read::<u32>(plane, mesh.faces().len())?);
+        let words = gpu.read::<u32>(plane, usize::MAX)?;
+        let faces = mesh.faces().len();
+        found.facing.extend(&words[..faces]);
+        if mesh.polygons().is_some() {
+            found.twisted.extend(&words[faces..2 * faces]);
+        }
     }
     for plane in extractor.excluded_masks() {
         found.excluded.extend(gpu.read::<u32>(plane, mesh.faces().len())?);

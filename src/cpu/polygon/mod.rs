@@ -8,4 +8,5 @@ pub(crate) mod edge_pair;
 pub(crate) mod half_space;
 pub(crate) mod outline;
 pub(crate) mod polygon_facing;
+pub(crate) mod polygon_masks;
 pub(crate) mod turn;

@@ -3,9 +3,8 @@
 use super::convex::convex;
 use super::edge_pair::{Edge, edge_pair};
 use super::half_space::fits_half_space;
-use super::turn::{are_in_line, turn_as_given};
+use super::turn::turn_as_given;
 use crate::cpu::common::positions::{is_finite, position};
-use crate::cpu::extract::exact_facing::exact_facing;
 
 /// How a light sees an outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +13,7 @@ pub enum Seen {
     Facing,
     /// It is simple and clockwise.
     Averted,
-    /// All of its corners are in one plane with the light, or it has no edge.
+    /// Each of its edges is in one plane with the light and each corner. So it has no extent as seen from the light.
     InPlane,
     /// Anything else: it crosses itself, or goes around the light, or has a hole that is not in its outer loop.
     Twisted,
@@ -89,17 +88,8 @@ impl Outline {
         }
     }
 
-    /// Whether all corners are in one plane with the light.
+    /// Whether each edge is in one plane with the light and each corner.
     fn is_in_plane(&self, light: [f32; 4]) -> bool {
-        let Some((a, b, c)) = self.triangle() else { return true };
-        let is_in_plane_of_triangle = |&[x, y, z]: &[f32; 3]| exact_facing(a, b, c, [x, y, z, 1.0]) == 0;
-        turn_as_given(a, b, c, light) == 0 && self.corners.iter().all(is_in_plane_of_triangle)
-    }
-
-    /// Three corners that are not in line.
-    fn triangle(&self) -> Option<([f32; 3], [f32; 3], [f32; 3])> {
-        let [a, b] = *self.edges.first()?;
-        let c = self.corners.iter().copied().find(|&c| !are_in_line(a, b, c))?;
-        Some((a, b, c))
+        self.edges.iter().all(|&[a, b]| self.corners.iter().all(|&c| turn_as_given(a, b, c, light) == 0))
     }
 }

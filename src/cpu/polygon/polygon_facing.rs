@@ -2,24 +2,13 @@
 
 use super::convex_batch::convex_batch;
 use super::outline::{Outline, Seen};
+use super::polygon_masks::{PolygonMasks, polygon_masks};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::extract::facing::{FacingStatistics, largest_magnitude};
 use crate::layout::{LightBatch, live_bits};
 use crate::light;
 use crate::mesh::Polygons;
-
-/// Masks of one polygon for 32 lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PolygonMasks {
-    /// The lights that it faces.
-    pub facing: u32,
-    /// The lights for which it is twisted.
-    pub twisted: u32,
-    /// The lights for which it counts nowhere: those for which it is twisted, those in a plane with all its corners, and
-    /// all lights if a corner is not finite.
-    pub excluded: u32,
-}
 
 /// Masks of polygons for `lights`: ⌈N/32⌉ planes with one [`PolygonMasks`] for each polygon. A vertex that `positions`
 /// lacks counts as non-finite. `undecided_pairs` counts what the cheap way for convex outlines left to all pairs of
@@ -77,12 +66,12 @@ fn decide(
         masks.excluded = live_bits(lights.len());
         return;
     };
-    for (bit, light) in lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0) {
+    let asked = lights.iter().enumerate().filter(|(bit, _)| undecided >> bit & 1 != 0);
+    let found = polygon_masks(asked.map(|(bit, light)| {
         let (seen, is_general) = outline.seen(light.to_array());
         statistics.undecided_pairs = statistics.undecided_pairs.wrapping_add(u32::from(is_general));
         statistics.exact_zeros = statistics.exact_zeros.wrapping_add(u32::from(seen == Seen::InPlane));
-        masks.facing |= u32::from(seen == Seen::Facing) << bit;
-        masks.twisted |= u32::from(seen == Seen::Twisted) << bit;
-        masks.excluded |= u32::from(matches!(seen, Seen::Twisted | Seen::InPlane)) << bit;
-    }
+        (bit, seen)
+    }));
+    *masks = PolygonMasks { facing: masks.facing | found.facing, ..found };
 }

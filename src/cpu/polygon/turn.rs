@@ -29,8 +29,3 @@ pub(crate) fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], light: [f32; 4]) -> i3
         sign => sign,
     }
 }
-
-/// Whether three points lie on a line.
-pub(crate) fn are_in_line(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
-    AXES.into_iter().all(|axis| turn_as_given(a, b, c, axis) == 0)
-}

@@ -29,18 +29,23 @@ pub(crate) struct Dispatch {
     pub(crate) workgroups: u32,
     /// Workgroups along y.
     pub(crate) rows: u32,
+    /// If the GPU decides how many workgroups there are: where it wrote that.
+    pub(crate) indirect: Option<wgpu::Buffer>,
 }
 
 impl Dispatch {
     /// A dispatch with one invocation for each item, not bound yet.
     pub(crate) fn over(batch: usize, items: Range<usize>, chunk_offset: u32) -> Self {
         let workgroups = (items.len() as u32).div_ceil(WORKGROUP);
-        Self { batch, items, chunk_offset, group: None, offsets: Vec::new(), workgroups, rows: 1 }
+        Self { batch, items, chunk_offset, group: None, offsets: Vec::new(), workgroups, rows: 1, indirect: None }
     }
 
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
-        pass.dispatch_workgroups(self.workgroups, self.rows, 1);
+        match &self.indirect {
+            Some(arguments) => pass.dispatch_workgroups_indirect(arguments, 0),
+            None => pass.dispatch_workgroups(self.workgroups, self.rows, 1),
+        }
     }
 
     /// The bytes of this chunk in an array of `bytes_per_item`.

@@ -23,7 +23,7 @@ pub(crate) struct BindGroupBuilder<'a> {
     pub(crate) light_batches: &'a wgpu::Buffer,
 }
 
-impl BindGroupBuilder<'_> {
+impl<'a> BindGroupBuilder<'a> {
     /// The pipeline that reads positions: facing, or the per-edge method.
     pub(crate) fn positions_pipeline(&self, options: &ExtractorOptions, window_words: u32) -> Pipeline {
         let windows = ("WINDOW_WORDS", f64::from(window_words));
@@ -44,7 +44,7 @@ impl BindGroupBuilder<'_> {
     }
 
     /// Statistics and the list of undecided faces; its length tells the shaders its capacity.
-    fn record(&self) -> BindingResource<'_> {
+    pub(super) fn record(&self) -> BindingResource<'a> {
         binding(&self.buffers.record, 0..RECORD_HEAD + 4 * self.shape.undecided.max(1) as u64)
     }
 
@@ -78,7 +78,9 @@ impl BindGroupBuilder<'_> {
     /// The edges stage, which reads facing masks.
     pub(crate) fn edges(&self, options: &ExtractorOptions, mut dispatches: Vec<Dispatch>, windows: &Windows) -> Pass {
         let [masks, append] = emit_constants(options);
-        let constants = [("WINDOW_WORDS", f64::from(windows.words)), masks, append];
+        let twisted_at = if self.shape.polygons.is_some() { self.shape.faces } else { 0 };
+        let constants =
+            [("WINDOW_WORDS", f64::from(windows.words)), masks, append, ("TWISTED_AT", twisted_at as f64)];
         let pipeline = self.pipelines.compute(&EDGES, "edges", &constants);
         for dispatch in &mut dispatches {
             let facing = &self.buffers.facing[dispatch.batch];

@@ -2,7 +2,9 @@
 
 use wgpu::BufferUsages;
 
+use super::errors::ExtractorError;
 use super::options::ExtractorOptions;
+use super::polygon_buffers::{PolygonBuffers, PolygonShape, faces_of_records};
 use crate::cpu::extract::per_edge::edge_corners;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
@@ -24,10 +26,13 @@ pub(crate) struct Shape {
     pub(crate) blocks: u32,
     /// Faces that the list of undecided faces has room for. It is 0 without exact facing.
     pub(crate) undecided: usize,
+    /// Facing masks, and twisted masks if there are polygons.
+    pub(crate) face_words: usize,
+    pub(crate) polygons: Option<PolygonShape>,
 }
 
 impl Shape {
-    pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> Result<Self, MemoryError> {
+    pub(crate) fn new(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> Result<Self, ExtractorError> {
         let edges = mesh.edges().len();
         let batch = options.max_lights.min(32) as u64;
         let fitting = u32::try_from(split.binding / (4 * batch)).unwrap_or(u32::MAX);
@@ -41,8 +46,12 @@ impl Shape {
         };
         if capacity > fitting {
             let bytes = u64::from(capacity) * 4 * batch;
-            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding });
+            return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding }.into());
         }
+        let polygons = mesh.polygons().map(|polygons| {
+            PolygonShape::new(polygons, options.max_lights, options.lists.is_some())
+        });
+        let polygons = polygons.transpose()?;
         Ok(Self {
             vertices: mesh.vertex_count(),
             faces: mesh.faces().len(),
@@ -51,6 +60,8 @@ impl Shape {
             capacity,
             blocks: edges.div_ceil(crate::gpu::common::dispatch_limits::WORKGROUP as usize) as u32,
             undecided: undecided_capacity(mesh, options, split),
+            face_words: mesh.faces().len() * if polygons.is_some() { 2 } else { 1 },
+            polygons,
         })
     }
 
@@ -80,7 +91,7 @@ pub(crate) const RECORD_HEAD: u64 = size_of::<ExtractionStatistics>() as u64 + 4
 
 /// Room for all faces of one dispatch, unless the options ask for less.
 fn undecided_capacity(mesh: &Mesh, options: &ExtractorOptions, split: &DispatchLimits) -> usize {
-    if options.method().predicate(options.predicate) != Predicate::Exact {
+    if mesh.polygons().is_some() || options.method().predicate(options.predicate) != Predicate::Exact {
         return 0;
     }
     let fitting = ((split.binding - RECORD_HEAD) / 4) as usize;
@@ -108,6 +119,7 @@ pub(crate) struct Buffers {
     pub(crate) statistics: wgpu::Buffer,
     /// A `FacingRecord`: the statistics while they are counted, and the undecided faces of exact facing.
     pub(crate) record: wgpu::Buffer,
+    pub(crate) polygons: Option<PolygonBuffers>,
     /// A buffer for bindings that a stage does not use.
     pub(crate) unused: wgpu::Buffer,
 }
@@ -128,25 +140,32 @@ impl Buffers {
         let mask_planes = if options.masks { batches } else { usize::from(ordered) };
         let list_bytes = |batch: usize| u64::from(shape.capacity) * 4 * shape.batch_lights(batch) as u64;
         let lists = if options.lists.is_some() { batches } else { 0 };
-        let [edges, faces] = [shape.edges as u64, shape.faces as u64];
+        let [edges, faces, face_words] = [shape.edges, shape.faces, shape.face_words].map(|count| count as u64);
         let lights = shape.max_lights as u64;
         let places_bytes = if ordered { u64::from(shape.blocks) * 32 * 4 } else { 0 };
         let record_bytes = RECORD_HEAD + 4 * shape.undecided.max(1) as u64;
         let excluded = if lists > 0 && !per_edge { batches } else { 0 };
         // These buffers are bound whole. All others are bound in chunks or windows.
-        let bound_whole = [
+        let mut bound_whole = vec![
             ("places", places_bytes),
             ("counts", lights * 4),
             ("draw arguments", lights * size_of::<DrawArguments>() as u64),
         ];
-        if let Some(&(what, bytes)) = bound_whole.iter().find(|&&(_, bytes)| padded(bytes) > split.binding) {
+        if let Some(polygons) = &shape.polygons {
+            bound_whole.extend(polygons.bound_whole());
+            bound_whole.extend((0..batches).filter_map(|batch| polygons.pieces(shape.batch_lights(batch))));
+        }
+        // `wanted` has these, too.
+        let of_polygons = [("facing masks", face_words * 4), ("faces", faces * 12)];
+        let of_polygons = of_polygons.iter().filter(|_| shape.polygons.is_some());
+        if let Some(&(what, bytes)) = bound_whole.iter().chain(of_polygons).find(|&&(_, bytes)| padded(bytes) > split.binding) {
             let limit = split.binding;
             return Err(MemoryError::Binding { what, bytes, limit });
         }
 
         let mut wanted = vec![("faces", faces * 12), ("edge vertices", edges * 8), ("edge faces", edges * 8)];
         wanted.extend(per_edge.then_some(("edge corners", edges * 16)));
-        wanted.extend((0..if per_edge { 0 } else { batches }).map(|_| ("facing masks", faces * 4)));
+        wanted.extend((0..if per_edge { 0 } else { batches }).map(|_| ("facing masks", face_words * 4)));
         wanted.extend((0..mask_planes).map(|_| ("edge masks", edges * size_of::<EdgeMasks>() as u64)));
         wanted.extend((0..lists).map(|batch| ("edge lists", list_bytes(batch))));
         wanted.extend((0..excluded).map(|_| ("excluded masks", faces * 4)));
@@ -163,11 +182,16 @@ impl Buffers {
         guarded(device, bytes, || Self {
             faces: filled(device, "faces", bytemuck::cast_slice(mesh.faces()), storage),
             edge_vertices: filled(device, "edge vertices", bytemuck::cast_slice(mesh.edges().vertices()), storage),
-            edge_faces: filled(device, "edge faces", bytemuck::cast_slice(mesh.edges().packed_faces()), storage),
+            edge_faces: filled(
+                device,
+                "edge faces",
+                bytemuck::cast_slice(faces_of_records(mesh).as_deref().unwrap_or(mesh.edges().packed_faces())),
+                storage,
+            ),
             edge_corners: per_edge
                 .then(|| filled(device, "edge corners", bytemuck::cast_slice(&edge_corners(mesh)), storage)),
             facing: (0..if per_edge { 0 } else { batches })
-                .map(|_| buffer(device, "facing masks", faces * 4, result))
+                .map(|_| buffer(device, "facing masks", face_words * 4, result))
                 .collect(),
             excluded: (0..excluded).map(|_| buffer(device, "excluded masks", faces * 4, result)).collect(),
             masks: (0..mask_planes)
@@ -184,6 +208,9 @@ impl Buffers {
             ),
             statistics: buffer(device, "statistics", size_of::<ExtractionStatistics>() as u64, result),
             record: buffer(device, "undecided faces", record_bytes, result),
+            polygons: mesh.polygons().zip(shape.polygons).map(|(polygons, polygon_shape)| {
+                PolygonBuffers::new(device, polygons, polygon_shape, (0..batches).map(|batch| shape.batch_lights(batch)))
+            }),
             unused: buffer(device, "unused", 64, result),
         })
     }

@@ -1,5 +1,6 @@
 //! Why extractions cannot be made, recorded, read or drawn.
 
+use super::options::MAX_OUTLINE_EDGES;
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
@@ -33,12 +34,23 @@ pub enum ExtractorError {
     /// The mesh does not fit the device.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// The mesh has polygons, which only the CPU extracts so far.
+    /// The mesh has polygons, and the options ask for something else than exact facing masks.
     #[error(
-        "the mesh has faces of more than three corners, which only `cpu::extract` takes; make a mesh of its triangles, \
-         `Mesh::faces`"
+        "the mesh has faces of more than three corners, which only `Predicate::Exact` decides, by face masks; ask for \
+         that, or make a mesh of its triangles, `Mesh::faces`"
     )]
     Polygons,
+    /// A polygon has too many edges.
+    #[error(
+        "polygon {polygon} has an outline of {edges} edges, more than {}; cut it, or extract it by `cpu::extract`",
+        MAX_OUTLINE_EDGES
+    )]
+    OutlineTooLarge {
+        /// The polygon.
+        polygon: usize,
+        /// The number of edges of its outline.
+        edges: usize,
+    },
 }
 
 /// The results of an extraction were overwritten, because its extractor was encoded again.

@@ -8,6 +8,7 @@ use super::buffers::{Buffers, RECORD_HEAD, Shape};
 use super::errors::{ExtractionEncodeError, ExtractorError};
 use super::extraction::{Extraction, Place, Shared};
 use super::options::ExtractorOptions;
+use super::polygon_passes::PolygonPasses;
 #[cfg(feature = "reference")]
 use super::results::ExtractionResults;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
@@ -34,6 +35,9 @@ pub struct Extractor {
     from_positions: Pass,
     /// Exact facing, if the options ask for it. It has the dispatches of facing, with fewer workgroups.
     exact: Option<Pass>,
+    /// What takes the place of facing and exact facing for a mesh of polygons.
+    polygons: Option<PolygonPasses>,
+    polygon_dispatches: Vec<Dispatch>,
     /// Edges, compaction and arguments, as the options ask for them, in order.
     from_facing: Vec<Pass>,
     options: ExtractorOptions,
@@ -69,20 +73,21 @@ impl Extractor {
     fn with(pipelines: Pipelines, mesh: &Mesh, options: ExtractorOptions) -> Result<Self, ExtractorError> {
         let device = pipelines.device();
         light::check_room(options.max_lights)?;
-        if mesh.polygons().is_some() {
+        let per_edge = options.method().is_per_edge();
+        if mesh.polygons().is_some() && (per_edge || options.predicate != Predicate::Exact) {
             return Err(ExtractorError::Polygons);
         }
         let split = DispatchLimits::new(&device.limits());
         let shape = Shape::new(mesh, &options, &split)?;
-        let per_edge = options.method().is_per_edge();
         let face_chunks = split.chunks("faces", shape.faces, 12)?;
         let edge_chunks = split.chunks("edge records", shape.edges, if per_edge { 16 } else { 8 })?;
-        let facing_windows = split.windows("facing masks", 4 * shape.faces as u64)?;
-        let buffers = Buffers::new(device, mesh, &shape, &options, &split, face_chunks.len() + edge_chunks.len())?;
+        let facing_windows = split.windows("facing masks", 4 * shape.face_words as u64)?;
+        let buffers = Buffers::new(device, mesh, &shape, &options, &split, face_chunks.len() + edge_chunks.len() + 1)?;
 
         let mut chunk_table = UniformTable::default();
         let face_dispatches = plan(&shape, &face_chunks, &mut chunk_table);
         let edge_dispatches = plan(&shape, &edge_chunks, &mut chunk_table);
+        let polygon_dispatches = plan_polygons(&shape, &mut chunk_table);
         let chunks = chunk_table.into_buffer(device, "chunks");
         let mut light_table = UniformTable::default();
         (0..shape.batches()).for_each(|_| _ = light_table.push(&LightBatch::new(&[], 0, 3)));
@@ -100,7 +105,8 @@ impl Extractor {
             pipeline: binder.positions_pipeline(&options, 0),
             dispatches: if per_edge { edge_dispatches.clone() } else { face_dispatches.clone() },
         };
-        let is_exact = options.method().predicate(options.predicate) == Predicate::Exact;
+        let polygons = PolygonPasses::new(&binder, &polygon_dispatches, 0);
+        let is_exact = options.method().predicate(options.predicate) == Predicate::Exact && polygons.is_none();
         let exact = is_exact.then(|| {
             let turns = exact_turns(device);
             let fewer = |dispatch: Dispatch| Dispatch {
@@ -121,7 +127,18 @@ impl Extractor {
             from_facing.push(binder.arguments(lists.vertices_per_edge));
         }
         let shared = Arc::new(Shared::new(pipelines, split, shape, buffers, mesh, options.masks));
-        Ok(Self { shared, light_batches, chunks, from_positions, exact, from_facing, options, bound_to: None })
+        Ok(Self {
+            shared,
+            light_batches,
+            chunks,
+            from_positions,
+            exact,
+            polygons,
+            from_facing,
+            polygon_dispatches,
+            options,
+            bound_to: None,
+        })
     }
 
     /// Records the extraction for `lights` and returns what was extracted. Lights are in the space of the positions. No
@@ -161,7 +178,7 @@ impl Extractor {
         }
         // Compaction counts in one buffer that all batches share, and so do the masks if nobody asked for them. Each
         // batch of lights then goes through all stages alone.
-        let by_batch = self.options.lists.is_some_and(|lists| lists.ordered);
+        let by_batch = self.options.lists.is_some_and(|lists| lists.ordered) || self.polygons.is_some();
         let runs: Vec<Range<usize>> = if by_batch {
             (0..used).map(|batch| batch..batch + 1).collect()
         } else {
@@ -169,7 +186,11 @@ impl Extractor {
         };
         let (per_light, at_last): (Vec<_>, Vec<_>) =
             self.from_facing.iter().partition(|pass| pass.pipeline.label != ARGUMENTS.name);
-        let is_whole = runs.len() <= 1 && self.dispatches_of(0..used) <= 1;
+        for facing in buffers.facing.iter().take(used).filter(|_| self.polygons.is_some()) {
+            // Most polygons are not twisted.
+            encoder.clear_buffer(facing, 4 * self.shared.shape.faces as u64, None);
+        }
+        let is_whole = self.polygons.is_none() && runs.len() <= 1 && self.dispatches_of(0..used) <= 1;
         if is_whole && used > 0 {
             // Nothing comes between the stages.
             let passes = [&self.from_positions].into_iter().chain(&self.exact).chain(per_light).chain(at_last);
@@ -177,9 +198,12 @@ impl Extractor {
             return Ok(self.finish(encoder, place, lights));
         }
         for run in runs {
-            match &self.exact {
-                None => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
-                Some(exact) => self.record_exactly(encoder, exact, run.clone(), timer.as_deref_mut()),
+            match (&self.exact, self.polygons.as_ref().zip(buffers.polygons.as_ref())) {
+                (_, Some((passes, polygons))) => {
+                    passes.record(encoder, polygons, run.start, timer.as_deref_mut());
+                }
+                (None, None) => self.from_positions.record(encoder, run.clone(), timer.as_deref_mut()),
+                (Some(exact), None) => self.record_exactly(encoder, exact, run.clone(), timer.as_deref_mut()),
             }
             for pass in &per_light {
                 pass.record(encoder, run.clone(), timer.as_deref_mut());
@@ -239,6 +263,15 @@ impl Extractor {
         let Self { shared, chunks, light_batches, .. } = self;
         let Shared { pipelines, shape, buffers, .. } = &**shared;
         let binder = BindGroupBuilder { pipelines, device: pipelines.device(), shape, buffers, chunks, light_batches };
+        if let Some(passes) = &mut self.polygons {
+            if passes.window_words() != bound.windows.words
+                && let Some(made) = PolygonPasses::new(&binder, &self.polygon_dispatches, bound.windows.words)
+            {
+                *passes = made;
+            }
+            passes.bind_positions(&binder, &place.buffer, bound);
+            return;
+        }
         if self.from_positions.pipeline.window_words != bound.windows.words {
             self.from_positions.pipeline = binder.positions_pipeline(&self.options, bound.windows.words);
         }
@@ -266,10 +299,40 @@ impl Extractor {
         &self.shared.buffers.excluded
     }
 
+    /// For each batch of lights the pieces of L-twisted polygons, of the last encode once submitted: the number of pieces of
+    /// each of 32 lights, then for each light as many pieces as there is room for, of nine words: where it begins, where
+    /// it ends, and the first corner of its polygon. Empty without polygons or lists.
+    #[cfg(feature = "reference")]
+    pub fn pieces(&self) -> &[wgpu::Buffer] {
+        self.shared.buffers.polygons.as_ref().map_or(&[], |polygons| &polygons.pieces)
+    }
+
+    /// The number of pieces of each light that there is room for.
+    #[cfg(feature = "reference")]
+    pub fn piece_capacity(&self) -> u32 {
+        self.shared.buffers.polygons.as_ref().map_or(0, |polygons| polygons.shape.pieces)
+    }
+
     /// The state that extractions share.
     pub(crate) fn shared(&self) -> &Arc<Shared> {
         &self.shared
     }
+}
+
+/// A dispatch for each batch of lights over all polygons.
+fn plan_polygons(shape: &Shape, table: &mut UniformTable) -> Vec<Dispatch> {
+    let Some(polygons) = &shape.polygons else { return Vec::new() };
+    let dispatch = |batch: usize| {
+        let chunk = Chunk {
+            first: 0,
+            count: polygons.polygons as u32,
+            first_light: 32 * batch as u32,
+            capacity: polygons.pieces,
+            blocks: 0,
+        };
+        Dispatch::over(batch, 0..polygons.polygons, table.push(&chunk))
+    };
+    (0..shape.batches()).map(dispatch).collect()
 }
 
 /// A dispatch for each batch of lights and chunk of items.

@@ -7,4 +7,6 @@ pub(crate) mod extraction;
 pub(crate) mod extractor;
 pub(crate) mod include;
 pub(crate) mod options;
+pub(crate) mod polygon_buffers;
+mod polygon_passes;
 pub(crate) mod results;

@@ -2,6 +2,9 @@
 
 use crate::method::{Method, Predicate};
 
+/// The largest number of edges of a polygon's outline that extractors take. The work grows with its square.
+pub const MAX_OUTLINE_EDGES: usize = 1024;
+
 /// The size of an [`Extractor`](crate::gpu::Extractor), and the results that it finds and keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct ExtractorOptions {

@@ -26,6 +26,9 @@ pub(crate) struct BoundBuffers {
     pub(crate) crossings: wgpu::Buffer,
 }
 
+/// Statistics that say that lights may lie in planes of faces, and that no polygon is twisted.
+const ANY_ZEROS: [u32; 5] = [1, 1, 1, 1, 0];
+
 /// The buffers that stages and draws share.
 #[derive(Debug)]
 pub(crate) struct VolumeBuffers {
@@ -101,7 +104,7 @@ impl VolumeBuffers {
             choices: stored("choices", choices),
             listed: stored("versions of lists", sizes.listed_bytes()),
             receivers: stored("receivers", sizes.receiver_bytes()),
-            any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&[1_u32; 4]), storage),
+            any_zeros: filled(device, "any zeros", bytemuck::cast_slice(&ANY_ZEROS), storage),
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
             lists: sizes.rooms.iter().map(lists).collect(),
             draws: sizes.groups.iter().map(draws).collect(),

@@ -1,0 +1,144 @@
+//! The buffers of a mesh of polygons: their outlines, those that are undecided, and the pieces of those that are L-twisted.
+
+use wgpu::BufferUsages;
+
+use super::errors::ExtractorError;
+use super::options::MAX_OUTLINE_EDGES;
+use crate::Mesh;
+use crate::gpu::common::memory::{buffer, filled};
+use crate::mesh::Polygons;
+
+/// The largest number of edges of an outline that is decided by an invocation for each edge and light, as in
+/// `outlines.wgsl`. The other constants are there, too.
+const SMALL_OUTLINE: usize = 32;
+const ENTRY_EDGES: usize = 4;
+const ENTRY_LIGHTS: usize = 16;
+pub(super) const HEAD_WORDS: u64 = 8;
+const RECORD_WORDS: u64 = 8;
+const ONE_LOOP: u32 = 1 << 31;
+/// Bytes of the arguments of an indirect dispatch, with which the head begins.
+pub(super) const ARGUMENTS: u64 = 12;
+/// Counts before the lists of pieces, and words of a piece.
+pub(crate) const PIECE_COUNTS: u64 = 32;
+pub(crate) const PIECE_WORDS: u64 = 9;
+/// Pieces of a light for which there is room in any case, if there can be so many.
+const FEW_PIECES: u64 = 1 << 15;
+
+/// Numbers that sizes of polygons follow from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PolygonShape {
+    pub(super) polygons: usize,
+    /// Directed edges of all outlines.
+    outline_edges: usize,
+    /// Entries of all polygons for a batch of lights.
+    entries: u64,
+    /// Pieces of a light that there is room for. It is 0 without lists.
+    pub(crate) pieces: u32,
+}
+
+impl PolygonShape {
+    pub(crate) fn new(polygons: &Polygons, max_lights: usize, has_lists: bool) -> Result<Self, ExtractorError> {
+        let lights = max_lights.min(32);
+        let (mut outline_edges, mut entries, mut pieces) = (0, 0, 0);
+        for polygon in 0..polygons.len() {
+            let edges = polygons.outline(polygon).len();
+            if edges > MAX_OUTLINE_EDGES {
+                return Err(ExtractorError::OutlineTooLarge { polygon, edges });
+            }
+            outline_edges += edges;
+            let small = edges.div_ceil(ENTRY_EDGES) * lights.div_ceil(ENTRY_LIGHTS);
+            entries += if edges <= SMALL_OUTLINE { small } else { edges * lights } as u64;
+            // Every edge but its two neighbours may cut an edge.
+            pieces += (edges * edges.saturating_sub(2)) as u64;
+        }
+        let room = pieces.min(FEW_PIECES.max(2 * outline_edges as u64)).min(u64::from(u32::MAX)) as u32;
+        let pieces = if has_lists { room.max(1) } else { 0 };
+        Ok(Self { polygons: polygons.len(), outline_edges, entries, pieces })
+    }
+
+    fn outline_bytes(&self) -> u64 {
+        8 * (self.polygons + 1 + self.outline_edges) as u64
+    }
+
+    fn undecided_bytes(&self) -> u64 {
+        4 * (HEAD_WORDS + RECORD_WORDS * self.polygons as u64 + 2 * self.entries)
+    }
+
+    fn piece_bytes(&self, lights: usize) -> u64 {
+        4 * (PIECE_COUNTS + PIECE_WORDS * u64::from(self.pieces) * lights as u64)
+    }
+
+    /// The buffers that are bound whole, but pieces, of which each batch has some.
+    pub(crate) fn bound_whole(&self) -> [(&'static str, u64); 2] {
+        [("outlines", self.outline_bytes()), ("undecided outlines", self.undecided_bytes())]
+    }
+
+    /// The pieces of a batch of lights.
+    pub(crate) fn pieces(&self, lights: usize) -> Option<(&'static str, u64)> {
+        (self.pieces > 0).then(|| ("pieces", self.piece_bytes(lights)))
+    }
+}
+
+/// The buffers of the polygons of a mesh.
+#[derive(Debug)]
+pub(crate) struct PolygonBuffers {
+    pub(crate) shape: PolygonShape,
+    pub(super) outlines: wgpu::Buffer,
+    pub(super) undecided: wgpu::Buffer,
+    /// The workgroups of `outline` and `cut_edges`.
+    pub(super) arguments: wgpu::Buffer,
+    /// For each batch of lights, with lists.
+    pub(crate) pieces: Vec<wgpu::Buffer>,
+}
+
+impl PolygonBuffers {
+    /// `batch_lights` has the number of lights of each batch.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        polygons: &Polygons,
+        shape: PolygonShape,
+        batch_lights: impl Iterator<Item = usize>,
+    ) -> Self {
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        let pieces = batch_lights.filter_map(|lights| shape.pieces(lights));
+        let mut head = vec![0_u32; shape.undecided_bytes() as usize / 4];
+        // The third number of workgroups.
+        head[2] = 1;
+        Self {
+            shape,
+            outlines: filled(device, "outlines", bytemuck::cast_slice(&outlines(polygons)), storage),
+            undecided: filled(device, "undecided outlines", bytemuck::cast_slice(&head), storage),
+            arguments: buffer(device, "outline dispatch", ARGUMENTS, storage | BufferUsages::INDIRECT),
+            pieces: pieces.map(|(label, bytes)| buffer(device, label, bytes, storage)).collect(),
+        }
+    }
+}
+
+/// The table of polygons and their outlines, as `outlines.wgsl` has them.
+fn outlines(polygons: &Polygons) -> Vec<[u32; 2]> {
+    let mut table = Vec::with_capacity(polygons.len() + 1);
+    let mut edges = Vec::new();
+    for polygon in 0..polygons.len() {
+        let outline = polygons.outline(polygon);
+        let ends = outline.iter().skip(1).chain(outline.first());
+        let is_loop = outline.len() >= 3 && outline.iter().zip(ends).all(|([_, end], [start, _])| end == start);
+        let first = edges.len() as u32 | if is_loop { ONE_LOOP } else { 0 };
+        table.push([first, polygons.triangles(polygon).start as u32]);
+        edges.extend(outline);
+    }
+    let triangles = polygons.len().checked_sub(1).map_or(0, |last| polygons.triangles(last).end);
+    table.push([edges.len() as u32, triangles as u32]);
+    table.append(&mut edges);
+    table
+}
+
+/// The first triangle of each polygon: where edge records find the masks of the polygon.
+pub(crate) fn faces_of_records(mesh: &Mesh) -> Option<Vec<[u32; 2]>> {
+    let polygons = mesh.polygons()?;
+    let first = |face: u32| {
+        let inconsistent = face & crate::mesh::INCONSISTENT_BIT;
+        polygons.triangles((face & !crate::mesh::INCONSISTENT_BIT) as usize).start as u32 | inconsistent
+    };
+    let second = |face: u32| if face == crate::mesh::NO_FACE { face } else { first(face) };
+    Some(mesh.edges().packed_faces().iter().map(|&[face_0, face_1]| [first(face_0), second(face_1)]).collect())
+}

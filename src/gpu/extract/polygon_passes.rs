@@ -1,0 +1,119 @@
+//! The stages of polygons: facing of convex outlines, the outlines that are left, their masks, and the pieces of those that
+//! are L-twisted.
+
+use super::bind_groups::BindGroupBuilder;
+use super::polygon_buffers::{ARGUMENTS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers};
+use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
+use crate::gpu::common::pass::{Dispatch, Pass};
+use crate::gpu::common::pipelines::Pipeline;
+use crate::gpu::common::positions::BoundPositions;
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::{UniformTable, entry};
+use crate::layout::{Chunk, LightBatch};
+use crate::stages::{CUT_EDGES, OUTLINE, POLYGON_FACING, POLYGON_MASKS, Stage};
+
+/// The stages, in order.
+#[derive(Debug)]
+pub(super) struct PolygonPasses {
+    facing: Pass,
+    outline: Pass,
+    masks: Pass,
+    /// With lists.
+    cut: Option<Pass>,
+}
+
+impl PolygonPasses {
+    /// `dispatches` has one for each batch, over all polygons.
+    pub(super) fn new(binder: &BindGroupBuilder<'_>, dispatches: &[Dispatch], window_words: u32) -> Option<Self> {
+        let buffers = binder.buffers.polygons.as_ref()?;
+        let windows = [("WINDOW_WORDS", f64::from(window_words))];
+        let pass = |pipeline: Pipeline, workgroups: u32, indirect: Option<&wgpu::Buffer>| {
+            let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.cloned(), ..dispatch.clone() };
+            Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
+        };
+        let compute = |stage: &Stage, constants: &[(&'static str, f64)]| {
+            binder.pipelines.compute(stage, stage.entry_points.first().copied().unwrap_or(stage.name), constants)
+        };
+        let polygons = buffers.shape.polygons as u32;
+        let few = loops(binder.device, polygons) * (WORKGROUP / 64);
+        let mut masks = pass(compute(&POLYGON_MASKS, &[]), few, None);
+        for dispatch in &mut masks.dispatches {
+            let resources = resources(binder, &masks.pipeline, dispatch);
+            dispatch.group = Some(masks.pipeline.bind(binder.device, &resources));
+        }
+        let has_pieces = !buffers.pieces.is_empty();
+        Some(Self {
+            facing: pass(compute(&POLYGON_FACING, &windows), polygons.div_ceil(WORKGROUP), None),
+            outline: pass(compute(&OUTLINE, &windows), 0, Some(&buffers.arguments)),
+            masks,
+            cut: has_pieces.then(|| pass(compute(&CUT_EDGES, &windows), 0, Some(&buffers.arguments))),
+        })
+    }
+
+    /// The number of words in a window of positions that the pipelines are for.
+    pub(super) fn window_words(&self) -> u32 {
+        self.facing.pipeline.window_words
+    }
+
+    pub(super) fn bind_positions(
+        &mut self,
+        binder: &BindGroupBuilder<'_>,
+        positions: &wgpu::Buffer,
+        bound: &BoundPositions,
+    ) {
+        for pass in [&mut self.facing, &mut self.outline].into_iter().chain(&mut self.cut) {
+            for dispatch in &mut pass.dispatches {
+                let mut resources = resources(binder, &pass.pipeline, dispatch);
+                resources.extend(bound.bindings(positions));
+                dispatch.group = Some(pass.pipeline.bind(binder.device, &resources));
+            }
+        }
+    }
+
+    /// Records the stages of a batch of lights: up to the masks.
+    pub(super) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &PolygonBuffers,
+        batch: usize,
+        mut timer: Option<&mut StageTimer>,
+    ) {
+        let PolygonBuffers { undecided, arguments, .. } = buffers;
+        // All counts but the third number of workgroups.
+        encoder.clear_buffer(undecided, 0, Some(8));
+        encoder.clear_buffer(undecided, ARGUMENTS, Some(4 * HEAD_WORDS - ARGUMENTS));
+        self.facing.record(encoder, batch..batch + 1, timer.as_deref_mut());
+        encoder.copy_buffer_to_buffer(undecided, 0, arguments, 0, ARGUMENTS);
+        self.outline.record(encoder, batch..batch + 1, timer.as_deref_mut());
+        self.masks.record(encoder, batch..batch + 1, timer.as_deref_mut());
+        if let (Some(cut), Some(pieces)) = (&self.cut, buffers.pieces.get(batch)) {
+            encoder.clear_buffer(pieces, 0, Some(4 * PIECE_COUNTS));
+            cut.record(encoder, batch..batch + 1, timer);
+        }
+    }
+}
+
+/// What a stage binds besides positions.
+fn resources<'a>(
+    binder: &BindGroupBuilder<'a>,
+    pipeline: &Pipeline,
+    dispatch: &mut Dispatch,
+) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+    dispatch.offsets =
+        vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset];
+    let Some(polygons) = &binder.buffers.polygons else { return Vec::new() };
+    let unused = &binder.buffers.unused;
+    let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(dispatch.batch).unwrap_or(unused).as_entire_binding();
+    let all = [
+        ("batch", entry::<LightBatch>(binder.light_batches)),
+        ("chunk", entry::<Chunk>(binder.chunks)),
+        ("outlines", polygons.outlines.as_entire_binding()),
+        ("undecided", polygons.undecided.as_entire_binding()),
+        ("facing_masks", of_batch(&binder.buffers.facing)),
+        ("excluded_masks", of_batch(&binder.buffers.excluded)),
+        ("record", binder.record()),
+        ("faces", binder.buffers.faces.as_entire_binding()),
+        ("pieces", of_batch(&polygons.pieces)),
+    ];
+    all.into_iter().filter(|(name, _)| pipeline.names().iter().any(|own| own == name)).collect()
+}

@@ -1,0 +1,183 @@
+// Outline: how lights see the outlines that polygon_facing.wgsl left undecided: by all pairs of their edges. A workgroup takes an
+// entry. It has some edges and lights of a small outline, an invocation for each, or one edge and light of a large one, which
+// all invocations share. NUMERICS.md, "Outlines".
+
+// What is found for an edge and a light. A small outline has one for each invocation, a large one the first.
+var<workgroup> windings: array<atomic<i32>, 64>;
+var<workgroup> found: array<atomic<u32>, 64>;
+// The rightmost corner that each invocation saw, as seen from the edge's first corner, and whether it saw any.
+var<workgroup> rightmost: array<vec4<u32>, 64>;
+
+// Bits of `found`.
+const MEETS: u32 = 1u;
+const LEAVES_PLANE: u32 = 2u;
+const IS_ANY_LEFT: u32 = 4u;
+const IS_ANY_RIGHT: u32 = 8u;
+
+// What an edge (c, d) adds to the winding number on the left of an edge (a, b). `sides` are the turns from (a, b) to c and d, and
+// `b_of_f` that from (c, d) to b.
+fn passes(sides: vec2<i32>, b_of_f: i32) -> i32 {
+  if (sides.x <= 0 && sides.y > 0) {
+    return select(0, 1, b_of_f >= 0);
+  }
+  if (sides.x > 0 && sides.y <= 0) {
+    return select(0, -1, b_of_f <= 0);
+  }
+  return 0;
+}
+
+// Whether two edges cross, or touch elsewhere than at an end that they share.
+fn meets(e: Edge, f: Edge, of_e: vec2<i32>, of_f: vec2<i32>) -> bool {
+  let in_line = all(of_e == vec2<i32>(0)) && all(of_f == vec2<i32>(0));
+  let shares = vec4<bool>(all(e.a == f.a), all(e.a == f.b), all(e.b == f.a), all(e.b == f.b));
+  if (any(shares)) {
+    let shares_a = shares.x || shares.y;
+    let end = select(e.a, e.b, shares_a);
+    let from_end = select(e.b, e.a, shares_a);
+    let other = select(f.a, f.b, select(shares.z, shares.x, shares_a));
+    return in_line && !is_between(end, from_end, other);
+  }
+  if (in_line) {
+    return is_between(e.a, f.a, e.b) || is_between(e.a, f.b, e.b) || is_between(f.a, e.a, f.b);
+  }
+  let apart_from_e = of_e.x * of_e.y;
+  let apart_from_f = of_f.x * of_f.y;
+  if (apart_from_e < 0 && apart_from_f < 0) {
+    return of_e.x == of_f.y;
+  }
+  return (apart_from_e == 0 && apart_from_f < 0) || (apart_from_e < 0 && apart_from_f == 0);
+}
+
+// Takes the pairs of the invocation's edge. There are eight phases, so that turns are compiled once: all pairs, and the rightmost
+// corner among the invocation's own; in six steps the rightmost of all; and whether all corners are on its left.
+fn seen_by_pairs(outline: OutlineRange, work: Work, lane: u32) {
+  let slot = select(lane, 0u, work.is_large);
+  let step = select(1u, OUTLINE_LANES, work.is_large);
+  var best = vec4<u32>(0u);
+  for (var phase = 0u; phase < 8u; phase++) {
+    let is_pairs = phase == 0u;
+    let is_check = phase == 7u;
+    let half = OUTLINE_LANES >> phase;
+    if (is_check && work.is_large) {
+      best = rightmost[0];
+    }
+    var first = select(0u, lane, work.is_large);
+    var end = outline.count;
+    if (!is_pairs && !is_check) {
+      first = 0u;
+      end = select(0u, 1u, work.is_large && lane < half);
+    }
+    end = select(0u, end, work.exists);
+    for (var other = first; other < end; other += step) {
+      var f: Edge;
+      var is_corner = true;
+      if (is_pairs || is_check) {
+        f = edge_at(outline.first + other);
+        is_corner = f.has_length && other != work.index;
+      } else {
+        let theirs = rightmost[lane + half];
+        f.a = theirs.xyz;
+        is_corner = theirs.w != 0u;
+      }
+      if (!is_corner) {
+        continue;
+      }
+      var of_e = vec2<i32>(0);
+      var of_f = vec2<i32>(0);
+      for (var test = select(4u, 0u, is_pairs); test < 5u; test++) {
+        var p = work.edge.a;
+        var q = work.edge.b;
+        var r = f.a;
+        switch (test) {
+          case 0u: {}
+          case 1u: { r = f.b; }
+          case 2u: { p = f.a; q = f.b; r = work.edge.a; }
+          case 3u: { p = f.a; q = f.b; r = work.edge.b; }
+          default: { q = best.xyz; }
+        }
+        // Corners at the place of the edge's own do not count.
+        if (test == 4u && (best.w == 0u || all(r == p))) {
+          if (best.w == 0u && any(r != p) && !is_check) {
+            best = vec4<u32>(r, 1u);
+          }
+          continue;
+        }
+        let found_turn = turn(p, q, r, work.place);
+        let sign = found_turn.moved;
+        switch (test) {
+          case 0u: { of_e.x = sign; }
+          case 1u: { of_e.y = sign; }
+          case 2u: { of_f.x = sign; }
+          case 3u: { of_f.y = sign; }
+          default: {}
+        }
+        if (test < 4u && found_turn.given != 0) {
+          atomicOr(&found[slot], LEAVES_PLANE);
+        }
+        if (test == 4u) {
+          if (is_check) {
+            atomicOr(&found[slot], select(0u, IS_ANY_LEFT, sign > 0) | select(0u, IS_ANY_RIGHT, sign < 0));
+          } else if (sign < 0) {
+            best = vec4<u32>(r, 1u);
+          }
+        }
+      }
+      if (is_pairs) {
+        atomicAdd(&windings[slot], passes(of_e, of_f.y));
+        if (meets(work.edge, f, of_e, of_f)) {
+          atomicOr(&found[slot], MEETS);
+        }
+      }
+    }
+    // Each step reads what the half behind it left.
+    if (is_pairs || (!is_check && lane < half)) {
+      rightmost[lane] = best;
+    }
+    workgroupBarrier();
+  }
+}
+
+// Adds what was found for an edge to the record of its polygon.
+fn note(record: u32, slot: u32, place: u32) {
+  let bit = 1u << place;
+  let winding = atomicLoad(&windings[slot]);
+  let seen = atomicLoad(&found[slot]);
+  if ((seen & IS_ANY_LEFT) != 0u && (seen & IS_ANY_RIGHT) == 0u) {
+    atomicOr(&undecided[record + FITS], bit);
+  }
+  if ((seen & MEETS) != 0u || (winding != 0 && winding != 1)) {
+    atomicOr(&undecided[record + IS_NOT_SIMPLE], bit);
+  }
+  if (winding == 1) {
+    atomicOr(&undecided[record + WINDS_ONCE], bit);
+  }
+  if (winding == 0) {
+    atomicOr(&undecided[record + WINDS_NEVER], bit);
+  }
+  if ((seen & LEAVES_PLANE) != 0u) {
+    atomicOr(&undecided[record + OFF_PLANE], bit);
+  }
+}
+
+@compute @workgroup_size(64)
+fn outline(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(local_invocation_index) lane: u32,
+) {
+  let number = group.y * ENTRY_ROW + group.x;
+  // The last row is not full.
+  let exists = number < atomicLoad(&undecided[ENTRY_COUNT]);
+  var record = UNDECIDED_HEAD;
+  var work: Work;
+  var own: OutlineRange;
+  if (exists) {
+    record = record_at(atomicLoad(&undecided[entry_at(number)]));
+    own = outline_of(atomicLoad(&undecided[record + POLYGON]));
+    let part = atomicLoad(&undecided[entry_at(number) + 1u]);
+    work = work_of(own, part, atomicLoad(&undecided[record + LIGHTS]), lane);
+  }
+  seen_by_pairs(own, work, lane);
+  if (work.exists && (!work.is_large || lane == 0u)) {
+    note(record, select(lane, 0u, work.is_large), work.place);
+  }
+}
