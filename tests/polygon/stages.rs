@@ -1,23 +1,25 @@
 //! The stages of polygons against their twins.
 
-use rimline::gpu::{ExtractorOptions, ListOptions};
+use std::collections::BTreeMap;
+
+use rimline::gpu::{Extractor, ExtractorOptions, ListOptions, PositionBuffer};
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{self, PolygonMasks, Threads};
+use rimline::reference::cpu::{self, Outline, Piece, PieceEnd, PolygonMasks, Seen, Threads, cut_edges};
 use rimline::{Light, Mesh, Predicate};
 
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
-use rimline_measure::on_gpu::{Found, extract};
+use rimline_measure::on_gpu::{Found, extract, text};
 use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
 use rimline_measure::random::Random;
-use rimline_measure::{is_long, must_fail, same};
+use rimline_measure::{is_long, must_fail, polygon_oracle, same};
 
 use crate::lights::light_for;
 
-pub(crate) const TESTS: &[Test] = &[("masks_equal_their_twin", masks)];
+pub(crate) const TESTS: &[Test] = &[("masks_equal_their_twin", masks), ("pieces_are_those_of_their_twin", pieces)];
 
 /// Many random polygons together, and bodies of quadrilaterals.
-fn random_set(random: &mut Random) -> PolygonSet {
+fn random_set(random: &mut Random, most: usize) -> PolygonSet {
     let mut set = match random.below(4) {
         0 => {
             let bump = [0.0, 0.01, 0.1, 0.3][random.below(4)];
@@ -26,7 +28,6 @@ fn random_set(random: &mut Random) -> PolygonSet {
         1 => quad_box(1 + random.below(3) as u32),
         _ => PolygonSet::default(),
     };
-    let most = [6, 12, 33, 64, 100][random.below(5)];
     for _ in 0..5 + random.below(30) {
         let (_, one) = random_polygon(random, most);
         let first = set.positions.len() as u32;
@@ -65,7 +66,8 @@ fn masks() -> Result<(), String> {
     let (mut twisted, mut large, mut not_finite) = (0, 0, 0);
     for seed in first..first + if is_long() { 600 } else { 40 } {
         let mut random = Random::new(seed);
-        let mut set = random_set(&mut random);
+        let most = [6, 12, 33, 64, 100][random.below(5)];
+        let mut set = random_set(&mut random, most);
         let count = [1, 2, 16, 17, 32, 35][random.below(6)];
         let lights = random_lights(&mut random, &set, count);
         if seed % 5 == 0 {
@@ -105,4 +107,208 @@ fn masks() -> Result<(), String> {
     }
     println!("{twisted} twisted pairs, {large} large outlines, {not_finite} not finite");
     if twisted > 1000 && large > 50 && not_finite > 0 { Ok(()) } else { Err("too few of a kind".to_owned()) }
+}
+
+/// A piece as the GPU lists it: where it begins and ends, and the first corner of its polygon.
+type Listed = [[f32; 3]; 3];
+
+fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Vec<Listed>>, String> {
+    let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+    let buffer = gpu.storage(&set.positions);
+    let mut extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(text)?;
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(text))?;
+    let capacity = extractor.piece_capacity() as usize;
+    let mut lists = Vec::new();
+    for (batch, buffer) in extractor.pieces().iter().enumerate() {
+        let words: Vec<u32> = gpu.read(buffer, usize::MAX)?;
+        for light in 0..(lights.len() - 32 * batch).min(32) {
+            let count = words[light] as usize;
+            if count > capacity {
+                return Err(format!("{count} pieces, and room for {capacity}"));
+            }
+            let words = &words[32 + 9 * light * capacity..][..9 * count];
+            let point = |at: &[u32]| [0, 1, 2].map(|axis| f32::from_bits(at[axis]));
+            lists.push(words.chunks(9).map(|at| [point(&at[..3]), point(&at[3..6]), point(&at[6..])]).collect());
+        }
+    }
+    Ok(lists)
+}
+
+/// As many pieces begin at each point, bit for bit, as end there.
+fn check_closed(pieces: &[Listed]) -> Result<(), String> {
+    let mut balance = BTreeMap::<[u32; 3], i32>::new();
+    for [from, to, _] in pieces {
+        *balance.entry(from.map(|c| (c + 0.0).to_bits())).or_default() += 1;
+        *balance.entry(to.map(|c| (c + 0.0).to_bits())).or_default() -= 1;
+    }
+    match balance.into_iter().find(|&(_, sum)| sum != 0) {
+        None => Ok(()),
+        Some((point, sum)) => Err(format!("{sum} pieces too many begin at {:?}", point.map(f32::from_bits))),
+    }
+}
+
+/// How far a point is from where an end of the twin's piece is. At a crossing it is on the earlier of both edges, and in the
+/// plane through the light and the other. How far along depends on rounding where edges are seen as nearly parallel.
+fn distance_from(outline: &Outline, piece: &Piece, end: usize, light: Light, point: [f32; 3]) -> f64 {
+    let edge = |index: usize| outline.edges()[index].map(|p| p.map(f64::from));
+    let p = point.map(f64::from);
+    let PieceEnd::Crossing { edge: other, .. } = piece.ends[end] else {
+        let corner = edge(piece.edge)[end];
+        return if corner == p { 0.0 } else { length(difference(p, corner)) };
+    };
+    let [a, b] = edge(piece.edge.min(other));
+    let [c, d] = edge(piece.edge.max(other));
+    let height = dot(plane_of([c, d].map(|p| p.map(|c| c as f32)), light), difference(p, c)).abs();
+    let along = difference(b, a);
+    let part = (dot(along, difference(p, a)) / dot(along, along)).clamp(0.0, 1.0);
+    let on_edge = [0, 1, 2].map(|axis| a[axis] + part * along[axis]);
+    height.max(length(difference(p, on_edge)))
+}
+
+fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| p[axis] - q[axis])
+}
+
+fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
+    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+/// The pieces of the twin are there, each once and no other, within rounding.
+fn check_listed(found: &[Listed], expected: &[Piece], outline: &Outline, light: Light) -> Result<(), String> {
+    if found.len() != expected.len() {
+        return Err(format!("{} pieces, expected {}", found.len(), expected.len()));
+    }
+    let mut left = found.to_vec();
+    for piece in expected {
+        let distance = |listed: &Listed| {
+            let from = usize::from(piece.is_turned);
+            let of_end = |end: usize, point| distance_from(outline, piece, end, light, point);
+            of_end(from, listed[0]).max(of_end(1 - from, listed[1]))
+        };
+        let nearest = (0..left.len()).min_by(|&p, &q| distance(&left[p]).total_cmp(&distance(&left[q])));
+        let nearest = nearest.ok_or("none is left")?;
+        if distance(&left[nearest]) > 1e-4 {
+            return Err(format!("{piece:?} is not there; {} from {:?}", distance(&left[nearest]), left[nearest]));
+        }
+        left.swap_remove(nearest);
+    }
+    Ok(())
+}
+
+/// Whether the light is on the polygon or next to it, where rounding tells what it sees.
+fn is_lit_from_within(triangles: &[[[f32; 3]; 3]], light: Light) -> bool {
+    let [x, y, z, w] = light.to_array().map(f64::from);
+    let at = [x / w, y / w, z / w];
+    let is_near = |triangle: &[[f32; 3]; 3]| {
+        let [a, b, c] = triangle.map(|p| p.map(f64::from));
+        let normal = cross(difference(b, a), difference(c, a));
+        let area = length(normal);
+        let is_within = |p, q| dot(cross(difference(q, p), difference(at, p)), normal) > -1e-3 * area * area;
+        let height = dot(normal, difference(at, a)).abs();
+        area < 1e-6 || height < 1e-3 * area && is_within(a, b) && is_within(b, c) && is_within(c, a)
+    };
+    w != 0.0 && triangles.iter().any(is_near)
+}
+
+/// The normal of the plane through an edge and the light. It has no length if the edge is seen end-on.
+fn plane_of([a, b]: [[f32; 3]; 2], light: Light) -> [f64; 3] {
+    let [a, b] = [a, b].map(|p| p.map(f64::from));
+    let [x, y, z, w] = light.to_array().map(f64::from);
+    let towards = [x - w * a[0], y - w * a[1], z - w * a[2]];
+    let normal = cross(difference(b, a), towards);
+    let size = length(normal);
+    if size < 1e-3 * length(difference(b, a)) * length(towards) { [0.0; 3] } else { normal.map(|c| c / size) }
+}
+
+/// Whether two cuts of an edge are nearly one, or an edge is cut by one that is seen as nearly parallel.
+fn has_near_cuts(pieces: &[Piece], outline: &Outline, light: Light) -> bool {
+    pieces.iter().any(|piece| {
+        let is_flat = |end| match end {
+            PieceEnd::Crossing { edge, .. } => {
+                let [p, q] = [piece.edge, edge].map(|edge| plane_of(outline.edges()[edge], light));
+                length(cross(p, q)) < 1e-3
+            }
+            PieceEnd::Corner => false,
+        };
+        let is_short = match piece.ends {
+            [PieceEnd::Crossing { at: from, .. }, PieceEnd::Crossing { at: to, .. }] => to - from < 1e-4,
+            _ => false,
+        };
+        is_short || piece.ends.into_iter().any(is_flat)
+    })
+}
+
+fn pieces() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let first = 57_000;
+    println!("seeds from {first}");
+    let (mut count, mut large, mut near) = (0, 0, 0);
+    for seed in first..first + if is_long() { 400 } else { 24 } {
+        let mut random = Random::new(seed);
+        let most = [6, 8, 12, 24, 36][random.below(5)];
+        let set = random_set(&mut random, most);
+        let mesh = set.mesh(Weld::Position).map_err(text)?;
+        let Some(polygons) = mesh.polygons() else { continue };
+        let light_count = [2, 17, 33][random.below(3)];
+        let lights = random_lights(&mut random, &set, light_count);
+        let lists = listed(gpu, &set, &mesh, &lights)?;
+        for (light, list) in lights.iter().zip(&lists) {
+            let mut expected = 0;
+            for polygon in 0..polygons.len() {
+                let edges = polygons.outline(polygon);
+                let outline = Outline::new(edges, &set.positions).ok_or("not finite")?;
+                if edges.is_empty() || outline.seen(light.to_array()).0 != Seen::Twisted {
+                    continue;
+                }
+                let triangles = mesh.faces()[polygons.triangles(polygon)].iter();
+                let triangles: Vec<_> = triangles.map(|face| face.map(|v| set.positions[v as usize])).collect();
+                let cut = cut_edges(&outline, &triangles, light.to_array());
+                expected += cut.len();
+                large += usize::from(edges.len() > 32);
+                // Edges that overlap in space are not treated.
+                let places: Vec<_> = edges.iter().map(|edge| edge.map(|v| set.positions[v as usize])).collect();
+                if polygon_oracle::find(&places, *light).touches || is_lit_from_within(&triangles, *light) {
+                    continue;
+                }
+                let apex = set.positions[edges[0][0] as usize];
+                let of_polygon: Vec<_> = list.iter().copied().filter(|piece| piece[2] == apex).collect();
+                // Others may begin at the same vertex.
+                if of_polygon.len() != cut.len() {
+                    continue;
+                }
+                let what = format!("seed {seed}, polygon {polygon}, {light:?}");
+                check_closed(&of_polygon).map_err(|error| format!("{what}: {error}"))?;
+                count += cut.len();
+                // Which of two cuts that are nearly one comes first is known to the exact twin only.
+                if has_near_cuts(&cut, &outline, *light) {
+                    near += 1;
+                    continue;
+                }
+                check_listed(&of_polygon, &cut, &outline, *light).map_err(|error| format!("{what}: {error}"))?;
+                if count % 16 == 0 {
+                    let mut wrong = of_polygon.clone();
+                    let size = |piece: &Listed| {
+                        let [from, to, _] = piece.map(|p| p.map(f64::from));
+                        length(difference(to, from))
+                    };
+                    let longest = wrong.iter_mut().max_by(|p, q| size(p).total_cmp(&size(q))).ok_or("no piece")?;
+                    longest.swap(0, 1);
+                    must_fail("a turned piece", &check_closed(&wrong))?;
+                    must_fail("a turned piece", &check_listed(&wrong, &cut, &outline, *light))?;
+                }
+            }
+            same(&format!("seed {seed}, {light:?}, pieces"), &[list.len()], &[expected])?;
+        }
+    }
+    println!("{count} pieces, {large} large outlines, {near} with cuts that are nearly one");
+    if count > 5000 && large > 50 { Ok(()) } else { Err("too few".to_owned()) }
 }

@@ -40,11 +40,10 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
     for (index, &edge) in edges.iter().enumerate() {
         let others = edges.iter().enumerate().filter(|&(other, _)| other != index);
         let cutting = others.filter(|&(_, &other)| cuts(other, edge, light));
-        let mut crossings: Vec<(usize, f64)> =
-            cutting.map(|(place, &other)| (place, cut_at(other, edge, light))).collect();
-        crossings.sort_by(|(edge, at), (other, other_at)| at.total_cmp(other_at).then(edge.cmp(other)));
+        let crossings = in_order(edges, index, cutting.map(|(other, _)| other).collect(), light);
+        let crossing = |&other: &usize| PieceEnd::Crossing { edge: other, at: cut_at(edges[other], edge, light) };
         let ends: Vec<PieceEnd> = std::iter::once(PieceEnd::Corner)
-            .chain(crossings.iter().map(|&(edge, at)| PieceEnd::Crossing { edge, at }))
+            .chain(crossings.iter().map(crossing))
             .chain(std::iter::once(PieceEnd::Corner))
             .collect();
         // The last piece ends at the end of the edge, and each crossing exchanges the sides.
@@ -69,6 +68,55 @@ fn cuts([c, d]: Edge, [a, b]: Edge, light: [f32; 4]) -> bool {
     let sides = [turn(a, b, c, light), turn(a, b, d, light)];
     // Not where it crosses the opposite directions. An end that lies on the other edge is no opposite.
     (sides[0] > 0) != (sides[1] > 0) && (sides.contains(&0) || sides[0] == ends[1])
+}
+
+/// With more cuts, those of an edge are ordered by how far along they are, which is rounded.
+const MOST_ORDERED: usize = 256;
+
+/// What cuts edge `e`, in order along it. By turns if their answers fit together, and else by rounded places.
+fn in_order(edges: &[Edge], e: usize, cuts: Vec<usize>, light: [f32; 4]) -> Vec<usize> {
+    let ranked = |is_before: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
+        let rank = |i: usize| cuts.iter().filter(|&&j| j != i && is_before(j, i)).count();
+        let mut ranked: Vec<_> = cuts.iter().map(|&i| (rank(i), i)).collect();
+        ranked.sort_unstable();
+        ranked
+    };
+    let at = |i: usize| cut_at(edges[i], edges[e], light);
+    let mut found = if cuts.len() <= MOST_ORDERED {
+        ranked(&|j, i| is_before(edges, [e, j, i], light))
+    } else {
+        Vec::new()
+    };
+    if found.len() < cuts.len() || found.windows(2).any(|pair| pair[0].0 == pair[1].0) {
+        found = ranked(&|j, i| at(j) < at(i) || at(j) == at(i) && j < i);
+    }
+    found.into_iter().map(|(_, i)| i).collect()
+}
+
+/// Whether edge `j` cuts edge `e` before edge `i` does. Turns decide where the one cut is on one side of the other edge.
+/// Otherwise all three may cross each other. How far along the earliest of the three the others cut it decides for all
+/// three.
+fn is_before(edges: &[Edge], [e, j, i]: [usize; 3], light: [f32; 4]) -> bool {
+    let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
+    let sides = |of: usize, edge: usize| edges[edge].map(|end| side(of, end));
+    let common = |[p, q]: [i32; 2]| if p * q < 0 { 0 } else { p + q };
+    let end = edges[e][1];
+    let (of_j, of_i) = (sides(i, j), sides(j, i));
+    match (common(of_j).signum(), common(of_i).signum()) {
+        (0, 0) => {}
+        (0, sign) => return sign == side(j, end),
+        (sign, _) => return sign != side(i, end),
+    }
+    let crosses = of_j[0] == of_i[1];
+    let first = if crosses { e.min(i).min(j) } else { e };
+    let at = |cutting: usize| cut_at(edges[cutting], edges[first], light);
+    if first == e {
+        return at(j) < at(i) || at(j) == at(i) && j < i;
+    }
+    let other = if first == i { j } else { i };
+    let sense = if at(e) > at(other) { 1 } else { -1 } * side(e, edges[first][1]) * side(other, edges[first][1]);
+    let turned = if first == i { -sense } else { sense };
+    turned * side(i, end) * side(j, end) > 0
 }
 
 /// How far along `(a, b)` the plane through the light and `(c, d)` is.
