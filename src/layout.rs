@@ -613,6 +613,22 @@ shared_structs! {
         light_back: DrawArguments,
     }
 
+    /// The draws of the pieces of a light's L-twisted polygons.
+    struct PieceDraws {
+        /// Sides that are not clipped.
+        plain: DrawArguments,
+        /// Sides clipped at the near plane.
+        clipped: DrawArguments,
+        /// Near caps that count up on their front.
+        near_front: DrawArguments,
+        /// Near caps that count up on their back.
+        near_back: DrawArguments,
+        /// Caps at the polygon: with z-fail, and of casters that are not in the depth buffer.
+        light_cap: DrawArguments,
+        /// Caps at the far end: with z-fail, and of volumes that end.
+        dark_cap: DrawArguments,
+    }
+
     /// A pencil of half planes that bounds the stencil counts of a light.
     struct StencilPencil {
         /// The position of the light. 0 if it is at infinity.
@@ -658,6 +674,8 @@ shared_structs! {
         /// Of the pairs that are skipped, those whose box the light does not reach, likewise. Scenes leave most of them out
         /// before: [`SceneStatistics::unreached_pairs`].
         unreached: u32,
+        /// Pieces of L-twisted polygons that there was no room for. Shadows are wrong where they would be.
+        lost_pieces: u32,
     }
 }
 

@@ -116,10 +116,14 @@ pub mod cpu {
     pub use crate::cpu::shadow::cap_faces::{dark_cap, light_cap, near_cap, seen_light_cap, zp_plus_2005_cap};
     pub use crate::cpu::shadow::caps::caps;
     pub use crate::cpu::shadow::casting::{LISTS, casts, far_kind, has_far_caps, near_kind};
-    pub use crate::cpu::shadow::choose::choose;
+    pub use crate::cpu::shadow::choose::{choose, choose_beside_twisted};
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
     pub use crate::cpu::shadow::hidden::is_hidden;
     pub use crate::cpu::shadow::list_sides::list_sides;
+    pub use crate::cpu::shadow::piece_arguments::piece_arguments;
+    pub use crate::cpu::shadow::pieces::{
+        PiecePoints, piece_dark_cap, piece_light_cap, piece_near_cap, piece_side, piece_side_clipped,
+    };
     pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::receiver_depth::receiver_depth;
     pub use crate::cpu::shadow::receiver_pyramid::receiver_pyramid;

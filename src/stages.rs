@@ -332,6 +332,21 @@ pub const SHADOW_ARGUMENTS: Stage = Stage {
     files: files!["common/common", "shadow/shadow", "shadow/shadow_arguments"],
     entry_points: &["shadow_arguments"],
 };
+/// Computes the indirect draw arguments of the pieces of L-twisted polygons.
+pub const PIECE_ARGUMENTS: Stage = Stage {
+    name: "piece_arguments",
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/casting",
+        "shadow/choices",
+        "shadow/caster",
+        "shadow/chosen",
+        "shadow/piece_lists",
+        "shadow/piece_arguments"
+    ],
+    entry_points: &["piece_arguments"],
+};
 /// Lists the edges whose sides are drawn.
 pub const LIST_SIDES: Stage = Stage {
     name: "list_sides",
@@ -392,7 +407,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 35] = [
+pub const STAGES: [Stage; 36] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -421,6 +436,7 @@ pub const STAGES: [Stage; 35] = [
     CAPS,
     LIST_SIDES,
     SHADOW_ARGUMENTS,
+    PIECE_ARGUMENTS,
     STENCIL_PENCIL,
     STENCIL_CROSSINGS,
     STENCIL_BOUND,
@@ -462,9 +478,28 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/caster",
         "shadow/positions",
         "shadow/chosen",
+        "shadow/cap_vertices",
         "shadow/cap_faces"
     ],
     entry_points: &["light_cap", "seen_light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],
+};
+
+/// Vertex shaders of the sides and caps of pieces of L-twisted polygons.
+pub const PIECES: Stage = Stage {
+    name: "pieces",
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/polygon",
+        "shadow/choices",
+        "shadow/caster",
+        "shadow/chosen",
+        "shadow/side_vertices",
+        "shadow/cap_vertices",
+        "shadow/piece_lists",
+        "shadow/pieces"
+    ],
+    entry_points: &["piece_side", "piece_side_clipped", "piece_near_cap", "piece_light_cap", "piece_dark_cap"],
 };
 
 /// WGSL that is not a stage: files that callers include or replace.

@@ -248,6 +248,19 @@ struct ShadowDraws {
   light_back: DrawArguments,
 }
 
+// The draws of the pieces of a light's L-twisted polygons.
+struct PieceDraws {
+  // Sides that are not clipped, and sides clipped at the near plane.
+  plain: DrawArguments,
+  clipped: DrawArguments,
+  // Near caps that count up on their front, or on their back.
+  near_front: DrawArguments,
+  near_back: DrawArguments,
+  // Caps at the polygon, and at the far end.
+  light_cap: DrawArguments,
+  dark_cap: DrawArguments,
+}
+
 struct ShadowStatistics {
   // Pairs of caster and light that are skipped: the light does not reach the caster, or the camera cannot see the shadow.
   skipped: atomic<u32>,
@@ -270,4 +283,6 @@ struct ShadowStatistics {
   hidden: atomic<u32>,
   // And those whose box the light does not reach.
   unreached: atomic<u32>,
+  // Pieces of L-twisted polygons that there was no room for. Where they would be, shadows are wrong.
+  lost_pieces: atomic<u32>,
 }

@@ -32,8 +32,8 @@ const OUTLINE_LANES: u32 = 64u;
 // The edges and lights of an entry of a small outline.
 const ENTRY_EDGES: u32 = 4u;
 const ENTRY_LIGHTS: u32 = 16u;
-// Entries in a row of workgroups.
-const ENTRY_ROW: u32 = 32768u;
+// Entries in a row of workgroups: as many as the device allows.
+override ENTRY_ROW: u32 = 65535u;
 
 struct OutlineRange {
   // The first edge, counted in `outlines`, and the number of edges.

@@ -76,41 +76,21 @@ fn cap_of(instance: u32) -> Cap {
   return CapVertex(to_clip(own.view, vertex_position(own.caster, own.corners[vertex])));
 }
 
-// Offers the vertices from `a` on, up to where the edge to `b` meets the near plane.
-fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_ordered: bool) -> Picked {
-  var next = offer(picked, behind_near_plane(view, a.near), a.height >= 0.0);
-  let meets_plane = (a.height >= 0.0) != (b.height >= 0.0);
-  if (is_ordered) {
-    return offer(next, on_near_plane(view, a, b), meets_plane);
-  }
-  return offer(next, on_near_plane(view, b, a), meets_plane);
+fn face_of(own: Cap) -> CapFace {
+  return CapFace(
+    vertex_position(own.caster, own.corners.x),
+    vertex_position(own.caster, own.corners.y),
+    vertex_position(own.caster, own.corners.z),
+    own.corners,
+  );
 }
 
-// The light cap of a caster that is not in the depth buffer, as a strip of four vertices. With ZP+ it ends on the near plane
-// with the bits of near cap and sides.
 @vertex fn seen_light_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
   let own = cap_of(instance);
   if (!own.valid || (caster_flags(own.caster) & PROXY) == 0u) {
     return CapVertex(NOTHING);
   }
-  let view = own.view;
-  let p = vertex_position(own.caster, own.corners.x);
-  let q = vertex_position(own.caster, own.corners.y);
-  let r = vertex_position(own.caster, own.corners.z);
-  var picked = pick(vertex);
-  if (has_near_cap(own.light)) {
-    let a = corner(view, own.light, p);
-    let b = corner(view, own.light, q);
-    let c = corner(view, own.light, r);
-    picked = offer_clipped(picked, view, a, b, own.corners.x < own.corners.y);
-    picked = offer_clipped(picked, view, b, c, own.corners.y < own.corners.z);
-    picked = offer_clipped(picked, view, c, a, own.corners.z < own.corners.x);
-  } else {
-    picked = offer(picked, to_clip(view, p), true);
-    picked = offer(picked, to_clip(view, q), true);
-    picked = offer(picked, to_clip(view, r), true);
-  }
-  return CapVertex(picked.clip);
+  return CapVertex(seen_light_cap_vertex(own.view, own.light, face_of(own), has_near_cap(own.light), vertex));
 }
 
 @vertex fn dark_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
@@ -120,68 +100,7 @@ fn offer_clipped(picked: Picked, view: ShadowView, a: Corner, b: Corner, is_orde
   if (!own.valid || is_endless) {
     return CapVertex(NOTHING);
   }
-  if (is_orthographic(own.view) && own.light.end == 0.0) {
-    return CapVertex(all_or_nothing(own, vertex));
-  }
-  return CapVertex(far_end(own.view, own.light, vertex_position(own.caster, own.corners[vertex])));
-}
-
-// Whether the camera's direction is left of the edge between two far vertices, as seen from the light. The vertex of
-// lower index comes first, so that the faces on both sides of the edge agree.
-fn is_left(a: vec2<f32>, b: vec2<f32>, is_ordered: bool) -> bool {
-  if (is_ordered) {
-    return a.x * b.y - a.y * b.x >= 0.0;
-  }
-  return !(b.x * a.y - b.y * a.x >= 0.0);
-}
-
-// A face at infinity, as an orthographic camera sees it. It covers the whole picture if the camera's direction is
-// within the face as seen from the light, else nothing. NUMERICS.md, "Dark caps of orthographic cameras".
-fn all_or_nothing(own: Cap, vertex: u32) -> vec4<f32> {
-  let view = own.view;
-  let a = extrusion(view, own.light, vertex_position(own.caster, own.corners.x));
-  let b = extrusion(view, own.light, vertex_position(own.caster, own.corners.y));
-  let c = extrusion(view, own.light, vertex_position(own.caster, own.corners.z));
-  let p = direction_to_clip(view, a).xy;
-  let q = direction_to_clip(view, b).xy;
-  let r = direction_to_clip(view, c).xy;
-  let left = is_left(p, q, own.corners.x < own.corners.y);
-  let left_of_second = is_left(q, r, own.corners.y < own.corners.z);
-  let left_of_third = is_left(r, p, own.corners.z < own.corners.x);
-  if (left != left_of_second || left != left_of_third) {
-    return NOTHING;
-  }
-  // The direction, or its opposite, is this sum of the three vectors.
-  let along = a * (q.x * r.y - q.y * r.x) + b * (r.x * p.y - r.y * p.x) + c * (p.x * q.y - p.y * q.x);
-  if ((dot_3(view.near_plane.xyz, along) > 0.0) != left) {
-    return NOTHING;
-  }
-  // It has the orientation of the face on the screen.
-  let x = select(-1.0, 3.0, vertex == select(2u, 1u, left));
-  let y = select(-1.0, 3.0, vertex == select(1u, 2u, left));
-  return vec4<f32>(x, y, 1.0 - view.near_z, 1.0);
-}
-
-// Offers the vertices from `a` on, up to where the edge to `b` leaves or enters the slab between light and near plane.
-fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b: Corner, is_ordered: bool) -> Picked {
-  let a_above = a.height >= 0.0;
-  let a_rises = a.far_height >= 0.0;
-  let meets_plane = a_above != (b.height >= 0.0);
-  let turns = a_rises != (b.far_height >= 0.0);
-  var meeting = NOTHING;
-  var turning = NOTHING;
-  if (is_ordered) {
-    meeting = on_near_plane(view, a, b);
-    turning = parallel_to_near_plane(a, b);
-  } else {
-    meeting = on_near_plane(view, b, a);
-    turning = parallel_to_near_plane(b, a);
-  }
-  let turns_first = a_above == (light_side(light) > 0.0);
-  var next = offer(picked, project_to_near_plane(view, light, a), a_above != a_rises);
-  next = offer(next, turning, turns && turns_first);
-  next = offer(next, meeting, meets_plane);
-  return offer(next, turning, turns && !turns_first);
+  return CapVertex(dark_cap_vertex(own.view, own.light, face_of(own), vertex));
 }
 
 @vertex fn near_cap(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> CapVertex {
@@ -189,16 +108,7 @@ fn offer_edge(picked: Picked, view: ShadowView, light: ShadowLight, a: Corner, b
   if (!own.valid) {
     return CapVertex(NOTHING);
   }
-  let view = own.view;
-  let light = own.light;
-  let a = corner(view, light, vertex_position(own.caster, own.corners.x));
-  let b = corner(view, light, vertex_position(own.caster, own.corners.y));
-  let c = corner(view, light, vertex_position(own.caster, own.corners.z));
-  var picked = pick(vertex);
-  picked = offer_edge(picked, view, light, a, b, own.corners.x < own.corners.y);
-  picked = offer_edge(picked, view, light, b, c, own.corners.y < own.corners.z);
-  picked = offer_edge(picked, view, light, c, a, own.corners.z < own.corners.x);
-  return CapVertex(picked.clip);
+  return CapVertex(near_cap_vertex(own.view, own.light, face_of(own), vertex));
 }
 
 // The near cap as published: the face transformed by the matrix of the light's frustum. The hardware clips it.

@@ -89,9 +89,14 @@ fn frustum_near(view: ShadowView, light: ShadowLight, low: vec3<f32>, high: vec3
   return select(1.0, highest, highest > 0.0);
 }
 
+// Whether a polygon of the caster is L-twisted for a light. Then it is excluded, and the caster is not closed.
+fn is_cut(number: u32) -> bool {
+  return ((extraction_statistics[4] >> (number % 32u)) & 1u) != 0u;
+}
+
 // What was chosen for a light: the light, and whether near caps may be needed. A lower bound of the distance to a caster with
 // a matrix is that in the caster's space times `scale`, the least that the matrix makes of a length.
-fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec3<f32>, high: vec3<f32>, has_holes: bool) -> ShadowLight {
+fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec3<f32>, high: vec3<f32>, has_holes: bool, is_cut: bool) -> ShadowLight {
   var light = given;
   light.casting = CAST_NOTHING;
   light.counting = COUNT_Z_PASS;
@@ -105,12 +110,12 @@ fn chosen(view: ShadowView, given: ShadowLight, scale: f32, flags: u32, low: vec
     return light;
   }
   let light_is_inside = light_meets(light, low, high);
-  light.excludes = select(0u, 1u, has_holes || (light_is_inside && extraction_statistics[3] != 0u));
+  light.excludes = select(0u, 1u, has_holes || is_cut || (light_is_inside && extraction_statistics[3] != 0u));
   // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster, and the eye does not
   // see into it: NUMERICS.md, "Which faces cast".
   let is_closed = shape.averted != 0u && (flags & CLOSED) != 0u && (flags & PROXY) == 0u;
   let is_outside = !boxes_meet(view, low, high) && !light_is_inside;
-  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && is_outside);
+  light.casting = select(CAST_EVERY, CAST_AVERTED, is_closed && !has_holes && !is_cut && is_outside);
   light.counting = shape.counting;
   if (shape.counting == COUNT_ZP_PLUS_2005) {
     light.frustum_near = frustum_near(view, light, low, high);
@@ -174,7 +179,7 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   var light = light_of(caster, seen[entry].light, number);
   light.casting = CAST_NOTHING;
   if (!own.is_empty) {
-    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes);
+    light = chosen(view, light, scale, flags, own.low, own.high, own.has_holes, is_cut(number));
     light.excludes = select(light.excludes, 1u, is_excluding);
     let receivers_at = seen[entry].version.y;
     if (light.casting != CAST_NOTHING && receivers_at != 0u && is_hidden(view, light, scale, own.low, own.high, receivers_at)) {
@@ -201,9 +206,13 @@ fn choose_light(caster: u32, number: u32, view_number: u32) {
   if (light.counting == COUNT_ZP_PLUS || light.counting == COUNT_ZP_PLUS_2005) {
     atomicOr(&choices[at + NEAR], bit);
   }
+  if (is_cut(number) && light.counting == COUNT_ZP_PLUS) {
+    // Pieces of twisted polygons have near caps, which `caps` does not see.
+    atomicOr(&choices[at + CAPPED], bit);
+  }
   if (light.excludes != 0u) {
     atomicOr(&choices[at + EXCLUDES], bit);
-    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding)], bit);
+    atomicOr(&choices[first + select(MAY_EXCLUDE, DOES_EXCLUDE, own.has_holes || is_excluding || is_cut(number))], bit);
   }
   if (has_measures()) {
     atomicStore(&choices[measures], bitcast<u32>(light.end));

@@ -13,12 +13,32 @@ use crate::shadow::{
 /// Sets `casting`, `counting`, `end`, `frustum_near` and `excludes` of each light, for the caster whose box is `bounds` (of
 /// [`super::bounds::bounds`]). `zeros` tells whether any light lies in the plane of a face.
 pub fn choose(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, lights: &mut [ShadowLight]) {
-    for light in lights {
-        choose_light(shape, view, bounds, zeros, light);
+    choose_beside_twisted(shape, view, bounds, zeros, 0, lights);
+}
+
+/// The same where polygons are L-twisted for the lights that have a bit in `twisted`. Lights whose numbers differ by 32 share a
+/// bit.
+pub fn choose_beside_twisted(
+    shape: &ShadowShape,
+    view: &ShadowView,
+    bounds: [u32; 7],
+    zeros: bool,
+    twisted: u32,
+    lights: &mut [ShadowLight],
+) {
+    for (number, light) in lights.iter_mut().enumerate() {
+        choose_light(shape, view, bounds, zeros, twisted >> (number % 32) & 1 != 0, light);
     }
 }
 
-fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros: bool, light: &mut ShadowLight) {
+fn choose_light(
+    shape: &ShadowShape,
+    view: &ShadowView,
+    bounds: [u32; 7],
+    zeros: bool,
+    is_cut: bool,
+    light: &mut ShadowLight,
+) {
     (light.casting, light.counting, light.end) = (CAST_NOTHING, COUNT_Z_PASS, 0.0);
     light.excludes = 0;
     let [.., has_holes] = bounds;
@@ -28,11 +48,11 @@ fn choose_light(shape: &ShadowShape, view: &ShadowView, bounds: [u32; 7], zeros:
         return;
     }
     let light_is_inside = light_meets(light, caster);
-    light.excludes = u32::from(has_holes != 0 || (light_is_inside && zeros));
+    light.excludes = u32::from(has_holes != 0 || is_cut || (light_is_inside && zeros));
     // A caster with holes is not closed. Averted faces suffice if light and eye are outside the caster: NUMERICS.md,
     // "Which faces cast".
     let is_outside = !boxes_meet(view, caster) && !light_is_inside;
-    let averted_suffice = shape.averted != 0 && shape.proxies == 0 && has_holes == 0 && is_outside;
+    let averted_suffice = shape.averted != 0 && shape.proxies == 0 && has_holes == 0 && !is_cut && is_outside;
     light.casting = if averted_suffice { CAST_AVERTED } else { CAST_EVERY };
     if shape.counting == COUNT_ZP_PLUS_2005 {
         light.frustum_near = frustum_near(view, light, caster);

@@ -9,6 +9,10 @@ pub(crate) mod chosen;
 pub(crate) mod hidden;
 pub(crate) mod list_sides;
 pub(crate) mod multiplicity;
+#[cfg(feature = "reference")]
+pub(crate) mod piece_arguments;
+#[cfg(feature = "reference")]
+pub(crate) mod pieces;
 pub(crate) mod pyramid;
 pub(crate) mod receiver_depth;
 pub(crate) mod receiver_pyramid;

@@ -120,7 +120,7 @@ pub(crate) const AT_LEAST: [Need; 18] = [
     need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
     need!(max_compute_workgroup_size_y, [1; 4]),
     need!(max_compute_workgroup_size_z, [1; 4]),
-    need!(max_compute_workgroup_storage_size, [1024, 48, 1024, 0]),
+    need!(max_compute_workgroup_storage_size, [9216, 48, 1024, 0]),
     need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
     need!(max_sampled_textures_per_shader_stage, [0, 1, 0, 0]),
     need!(max_uniform_buffers_per_shader_stage, [2, 2, 3, 1]),

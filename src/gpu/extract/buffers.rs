@@ -49,7 +49,7 @@ impl Shape {
             return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding }.into());
         }
         let polygons = mesh.polygons().map(|polygons| {
-            PolygonShape::new(polygons, options.max_lights, options.lists.is_some())
+            PolygonShape::new(polygons, options.max_lights, options.lists.is_some(), split.binding)
         });
         let polygons = polygons.transpose()?;
         Ok(Self {

@@ -37,7 +37,13 @@ pub(crate) struct PolygonShape {
 }
 
 impl PolygonShape {
-    pub(crate) fn new(polygons: &Polygons, max_lights: usize, has_lists: bool) -> Result<Self, ExtractorError> {
+    /// A binding has room for `binding` bytes.
+    pub(crate) fn new(
+        polygons: &Polygons,
+        max_lights: usize,
+        has_lists: bool,
+        binding: u64,
+    ) -> Result<Self, ExtractorError> {
         let lights = max_lights.min(32);
         let (mut outline_edges, mut entries, mut pieces) = (0, 0, 0);
         for polygon in 0..polygons.len() {
@@ -51,7 +57,8 @@ impl PolygonShape {
             // Every edge but its two neighbours may cut an edge.
             pieces += (edges * edges.saturating_sub(2)) as u64;
         }
-        let room = pieces.min(FEW_PIECES.max(2 * outline_edges as u64)).min(u64::from(u32::MAX)) as u32;
+        let fitting = (binding / 4).saturating_sub(PIECE_COUNTS) / (PIECE_WORDS * lights.max(1) as u64);
+        let room = pieces.min(FEW_PIECES + outline_edges as u64 / 16).min(fitting).min(u64::from(u32::MAX)) as u32;
         let pieces = if has_lists { room.max(1) } else { 0 };
         Ok(Self { polygons: polygons.len(), outline_edges, entries, pieces })
     }

@@ -26,7 +26,9 @@ impl PolygonPasses {
     /// `dispatches` has one for each batch, over all polygons.
     pub(super) fn new(binder: &BindGroupBuilder<'_>, dispatches: &[Dispatch], window_words: u32) -> Option<Self> {
         let buffers = binder.buffers.polygons.as_ref()?;
-        let windows = [("WINDOW_WORDS", f64::from(window_words))];
+        let row = binder.device.limits().max_compute_workgroups_per_dimension;
+        let row = ("ENTRY_ROW", f64::from(row));
+        let windows = [("WINDOW_WORDS", f64::from(window_words)), row];
         let pass = |pipeline: Pipeline, workgroups: u32, indirect: Option<&wgpu::Buffer>| {
             let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.cloned(), ..dispatch.clone() };
             Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
@@ -36,7 +38,7 @@ impl PolygonPasses {
         };
         let polygons = buffers.shape.polygons as u32;
         let few = loops(binder.device, polygons) * (WORKGROUP / 64);
-        let mut masks = pass(compute(&POLYGON_MASKS, &[]), few, None);
+        let mut masks = pass(compute(&POLYGON_MASKS, &[row]), few, None);
         for dispatch in &mut masks.dispatches {
             let resources = resources(binder, &masks.pipeline, dispatch);
             dispatch.group = Some(masks.pipeline.bind(binder.device, &resources));

@@ -102,6 +102,7 @@ impl SceneOptions {
             count_batches,
             cap_capacity,
             memory_limit,
+            has_pieces: false,
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::gpu::shadow::draws::LightDraws;
 use crate::gpu::shadow::sizes::{GroupSize, Room, VolumeSettings, VolumeSizes};
 use crate::gpu::shadow::source::{BatchSource, GroupSource, VolumeSource};
 use crate::gpu::shadow::stages::{StagePipelines, VolumeStages};
-use crate::layout::{CHUNK, SceneDispatch};
+use crate::layout::{CHUNK, ExtractionStatistics, SceneDispatch};
 
 /// Near caps of each group that there is room for besides sixteen times the root of the faces.
 const FEW_CAPS: u32 = 4096;
@@ -103,7 +103,8 @@ fn source<'a>(making: &Making<'a>, structure: &'a Structure) -> VolumeSource<'a>
             excluded: binding(&extracted.excluded, 0..part.sizes.masks),
             silhouette_counts: binding(&extracted.lists, 0..LISTS_HEAD),
             silhouettes: binding(&extracted.lists, LISTS_HEAD..part.sizes.lists),
-            statistics: binding(&extracted.record, 0..16),
+            statistics: binding(&extracted.record, 0..size_of::<ExtractionStatistics>() as u64),
+            pieces: None,
         })
     };
     let group = |parts: &'a [GroupBatch]| {

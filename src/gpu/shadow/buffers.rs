@@ -6,7 +6,7 @@ use super::sizes::{Room, VolumeSizes};
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::uniforms::UniformTable;
-use crate::layout::{SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
+use crate::layout::{PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape, ShadowStatistics};
 
 /// The lists of a group for a batch of lights and a view.
 #[derive(Debug)]
@@ -53,6 +53,8 @@ pub(crate) struct VolumeBuffers {
     pub(crate) lists: Vec<Vec<Lists>>,
     /// For each group [`ShadowDraws`] for each view and light.
     pub(crate) draws: Vec<wgpu::Buffer>,
+    /// [`PieceDraws`] for each light, of a caster with polygons.
+    pub(crate) piece_draws: Option<wgpu::Buffer>,
     /// If the caller asks for a bound of counts.
     pub(crate) bound: Option<BoundBuffers>,
 }
@@ -108,6 +110,10 @@ impl VolumeBuffers {
             statistics: stored("shadow statistics", size_of::<ShadowStatistics>() as u64),
             lists: sizes.rooms.iter().map(lists).collect(),
             draws: sizes.groups.iter().map(draws).collect(),
+            piece_draws: sizes.settings.has_pieces.then(|| {
+                let bytes = seen * size_of::<PieceDraws>() as u64;
+                buffer(device, "piece draws", bytes, storage | BufferUsages::INDIRECT)
+            }),
             bound: sizes.settings.bound_counts.then(|| BoundBuffers {
                 pencils: stored("stencil pencils", pencils),
                 crossings: stored("stencil crossings", crossings),
@@ -119,7 +125,7 @@ impl VolumeBuffers {
     /// Records that everything is as before the first stage. Lists of batches of lights from `batches` on are not used. Those
     /// of a scene are emptied by `relist`.
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder, batches: usize, is_scene: bool) {
-        let Self { sizes, boxes, choices, statistics, lists, draws, bound, .. } = self;
+        let Self { sizes, boxes, choices, statistics, lists, draws, piece_draws, bound, .. } = self;
         let [choice_bytes, _] = sizes.choice_bytes();
         encoder.clear_buffer(statistics, 0, None);
         for draws in draws {
@@ -127,6 +133,9 @@ impl VolumeBuffers {
         }
         if draws.is_empty() {
             return;
+        }
+        if let Some(piece_draws) = piece_draws {
+            encoder.clear_buffer(piece_draws, 0, None);
         }
         encoder.clear_buffer(boxes, 0, None);
         if let Some(bound) = bound {
@@ -159,12 +168,13 @@ impl VolumeBuffers {
             statistics,
             lists,
             draws,
+            piece_draws,
             bound,
         } = self;
         let bound = bound.iter().flat_map(|BoundBuffers { pencils, crossings }| [pencils, crossings]);
         let own = [shapes, draw_lights, seen, boxes, choices, listed, receivers, any_zeros, statistics];
         let lists = lists.iter().flatten().flat_map(|Lists { sides, caps, .. }| [sides, caps]);
-        own.into_iter().chain(draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
+        own.into_iter().chain(draws).chain(piece_draws).chain(bound).chain(lists).map(wgpu::Buffer::size).sum()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The draws of a light's shadow volume.
 
-use super::pipelines::ShadowPipelines;
+use super::pipelines::{PiecePipelines, ShadowPipelines};
 use crate::layout::DrawArguments;
 
 /// The bind groups of the draws of a light, and where its arguments lie.
@@ -21,6 +21,9 @@ pub(crate) struct LightDraws<'a> {
     pub(crate) may_end: bool,
     /// Whether some casters are not in the depth buffer.
     pub(crate) has_proxies: bool,
+    /// Pieces of L-twisted polygons and their [`PieceDraws`](crate::layout::PieceDraws), and the offset of those of the light.
+    pub(crate) pieces: Option<(&'a wgpu::BindGroup, &'a wgpu::Buffer)>,
+    pub(crate) first_piece: u64,
 }
 
 // The numbers of the fields of `ShadowDraws`.
@@ -31,10 +34,14 @@ const NEAR_CAPS: u64 = 2;
 const FAR_CAPS: u64 = 4;
 const LIGHT_CAPS: u64 = 6;
 
+// The numbers of the last fields of `PieceDraws`. The first are as those of `ShadowDraws`.
+const PIECE_LIGHT_CAP: u64 = 4;
+const PIECE_DARK_CAP: u64 = 5;
+
 impl LightDraws<'_> {
     /// Draws the shadow volumes of the light.
     pub(crate) fn draw(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
-        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies } = self;
+        let Self { frame, uniform, seen, sides, caps, draws, first, may_end, has_proxies, .. } = self;
         pass.set_bind_group(0, frame, &[uniform, seen]);
         let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
             pass.set_pipeline(pipeline);
@@ -66,5 +73,26 @@ impl LightDraws<'_> {
             draw(pass, clipped, CLIPPED);
         }
         draw(pass, &pipelines.side, PLAIN);
+        self.draw_pieces(pass, pipelines);
+    }
+
+    /// Draws the sides and caps of pieces. Which of them there are is in the arguments.
+    fn draw_pieces(self, pass: &mut wgpu::RenderPass<'_>, pipelines: &ShadowPipelines) {
+        let Some((pieces, draws)) = self.pieces else { return };
+        let PiecePipelines { side, near, light_cap, dark_cap } = pipelines.pieces();
+        pass.set_bind_group(1, pieces, &[]);
+        let draw = |pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, kind: u64| {
+            pass.set_pipeline(pipeline);
+            pass.draw_indirect(draws, self.first_piece + kind * size_of::<DrawArguments>() as u64);
+        };
+        if let Some((clipped, near_caps)) = near {
+            draw(pass, clipped, CLIPPED);
+            for (class, pipeline) in (0..).zip(near_caps) {
+                draw(pass, pipeline, NEAR_CAPS + class);
+            }
+        }
+        draw(pass, side, PLAIN);
+        draw(pass, light_cap, PIECE_LIGHT_CAP);
+        draw(pass, dark_cap, PIECE_DARK_CAP);
     }
 }

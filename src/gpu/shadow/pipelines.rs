@@ -1,5 +1,7 @@
 //! Render pipelines that count shadow volumes in a stencil buffer.
 
+use std::sync::OnceLock;
+
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::ShadowDrawError;
@@ -8,7 +10,7 @@ use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
 use crate::shadow::{Counting, DepthDirection};
-use crate::stages::{CAP_FACES, SIDES, Stage};
+use crate::stages::{CAP_FACES, PIECES, SIDES, Stage};
 
 /// The first list of caps that are no near caps, as `casting.wgsl` numbers them.
 const FAR: u32 = 2;
@@ -22,6 +24,18 @@ pub(crate) struct Layouts {
     pub(crate) side_data: wgpu::BindGroupLayout,
     /// Faces and their lists.
     pub(crate) cap_data: wgpu::BindGroupLayout,
+    /// The lists of pieces.
+    pub(crate) piece_data: wgpu::BindGroupLayout,
+}
+
+/// The pipelines that draw pieces of L-twisted polygons.
+#[derive(Debug)]
+pub(crate) struct PiecePipelines {
+    pub(crate) side: wgpu::RenderPipeline,
+    /// Clipped sides, and near caps that count up on their front and on their back.
+    pub(crate) near: Option<(wgpu::RenderPipeline, [wgpu::RenderPipeline; 2])>,
+    pub(crate) light_cap: wgpu::RenderPipeline,
+    pub(crate) dark_cap: wgpu::RenderPipeline,
 }
 
 /// The properties in which volumes and the pipelines that draw them must agree.
@@ -70,6 +84,10 @@ pub struct ShadowPipelines {
     pub(crate) light_caps: Option<[wgpu::RenderPipeline; 2]>,
     /// Light and dark caps with z-fail: those of faces that count up on their front, then the others.
     pub(crate) caps: Option<[[wgpu::RenderPipeline; 2]; 2]>,
+    /// Made for the first caster with polygons.
+    pieces: OnceLock<PiecePipelines>,
+    format: ShadowFormat,
+    casters: Casters,
 }
 
 impl ShadowPipelines {
@@ -104,7 +122,7 @@ impl ShadowPipelines {
     fn with(shared: Pipelines, format: &ShadowFormat, counting: Counting, casters: Casters) -> Self {
         let is_zp_plus_2005 = counting.is_zp_plus_2005();
         let is_fail = counting.may_fail();
-        let Layouts { frame, side_data, cap_data } = layouts(&shared);
+        let Layouts { frame, side_data, cap_data, .. } = layouts(&shared);
         let sides = Maker { shared: &shared, format, stage: &SIDES, casters, groups: [&frame, &side_data] };
         let caps = Maker { shared: &shared, format, stage: &CAP_FACES, casters, groups: [&frame, &cap_data] };
         let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
@@ -131,7 +149,34 @@ impl ShadowPipelines {
             light_caps: (!is_fail).then(|| [0, 1].map(light)),
             caps: is_fail.then(|| [far(0), far(1)]),
             shared,
+            pieces: OnceLock::new(),
+            format: format.clone(),
+            casters,
         }
+    }
+
+    /// The pipelines that draw pieces of L-twisted polygons.
+    pub(crate) fn pieces(&self) -> &PiecePipelines {
+        self.pieces.get_or_init(|| {
+            let Self { shared, format, casters, .. } = self;
+            let Layouts { frame, piece_data, .. } = layouts(shared);
+            let groups = [&frame, &piece_data];
+            let maker = Maker { shared, format, stage: &PIECES, casters: *casters, groups };
+            let counting = self.convention.counting;
+            let count = if counting.may_fail() { Count::Hidden } else { Count::Visible };
+            let is_clipped = matches!(counting, Counting::Auto | Counting::ZpPlus);
+            let near_cap = |class| maker.pipeline("piece_near_cap", 0, Count::Always, class == 1);
+            PiecePipelines {
+                side: maker.pipeline("piece_side", 0, count, false),
+                near: is_clipped.then(|| {
+                    let side = maker.pipeline("piece_side_clipped", 0, Count::Visible, false);
+                    (side, [0, 1].map(near_cap))
+                }),
+                light_cap: maker.pipeline("piece_light_cap", 0, count, false),
+                // A dark cap is seen from its other side.
+                dark_cap: maker.pipeline("piece_dark_cap", 0, count, true),
+            }
+        })
     }
 
     /// The shared pipelines that these belong to.
@@ -165,7 +210,8 @@ pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
     let frame = pipelines.layout("shadow frame", entries(&[uniform(false), uniform(true), seen, storage]));
     let side_data = pipelines.layout("shadow sides", entries(&[storage; 6]));
     let cap_data = pipelines.layout("shadow caps", entries(&[storage; 5]));
-    Layouts { frame, side_data, cap_data }
+    let piece_data = pipelines.layout("shadow pieces", entries(&[storage]));
+    Layouts { frame, side_data, cap_data, piece_data }
 }
 
 fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
@@ -259,7 +305,7 @@ impl Maker<'_> {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState {
-                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap") {
+                topology: if matches!(entry_point, "light_cap" | "dark_cap" | "zp_plus_2005_cap" | "piece_dark_cap") {
                     wgpu::PrimitiveTopology::TriangleList
                 } else {
                     wgpu::PrimitiveTopology::TriangleStrip

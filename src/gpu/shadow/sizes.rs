@@ -42,6 +42,8 @@ pub(crate) struct VolumeSettings {
     pub(crate) count_batches: u32,
     pub(crate) cap_capacity: Option<u32>,
     pub(crate) memory_limit: Option<u64>,
+    /// The caster has polygons, of which pieces are drawn.
+    pub(crate) has_pieces: bool,
 }
 
 impl VolumeSettings {

@@ -34,4 +34,6 @@ pub(crate) struct BatchSource<'a> {
     pub(crate) silhouettes: BindingResource<'a>,
     /// [`ExtractionStatistics`](crate::layout::ExtractionStatistics) of these silhouettes.
     pub(crate) statistics: BindingResource<'a>,
+    /// Pieces of L-twisted polygons, if there are polygons.
+    pub(crate) pieces: Option<BindingResource<'a>>,
 }

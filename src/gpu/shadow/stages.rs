@@ -13,9 +13,9 @@ use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
-use crate::layout::{CHUNK, LANES, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
+use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
-    BOUNDS, CAPS, CHOOSE, LIST_SIDES, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL,
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL,
     Stage, ZP_PLUS_2005_CASES,
 };
 
@@ -35,6 +35,8 @@ pub(crate) struct StagePipelines {
     caps: Pipeline,
     list_sides: Pipeline,
     arguments: Pipeline,
+    /// Only for a caster with polygons.
+    piece_arguments: Option<Pipeline>,
     /// Pencil, crossings and bound. Only if the caller asks for a bound.
     bound: Option<[Pipeline; 3]>,
 }
@@ -57,6 +59,7 @@ impl StagePipelines {
             caps: of_casters(&CAPS),
             list_sides: of_casters(&LIST_SIDES),
             arguments: of_lists(&SHADOW_ARGUMENTS),
+            piece_arguments: settings.has_pieces.then(|| of_lists(&PIECE_ARGUMENTS)),
             bound: settings
                 .bound_counts
                 .then(|| [of_casters(&STENCIL_PENCIL), of_casters(&STENCIL_CROSSINGS), of_lists(&STENCIL_BOUND)]),
@@ -72,6 +75,8 @@ struct GroupDraws {
     /// For each batch one for each view.
     sides: Vec<Vec<wgpu::BindGroup>>,
     caps: Vec<Vec<wgpu::BindGroup>>,
+    /// For each batch, of a caster with polygons.
+    pieces: Vec<wgpu::BindGroup>,
 }
 
 /// What prepares and draws the volumes of some casters, with everything bound.
@@ -143,6 +148,8 @@ impl VolumeStages {
                 first: (place * size_of::<ShadowDraws>()) as u64,
                 may_end: sizes.settings.end_at_range,
                 has_proxies: size.proxies > 0,
+                pieces: group.pieces.get(batch).zip(buffers.piece_draws.as_ref()),
+                first_piece: (place * size_of::<PieceDraws>()) as u64,
             })
         })
     }
@@ -203,6 +210,8 @@ impl<'a> Binder<'a> {
             "silhouette_counts" => batch.silhouette_counts.clone(),
             "silhouettes" => batch.silhouettes.clone(),
             "extraction_statistics" => batch.statistics.clone(),
+            "pieces" => batch.pieces.clone()?,
+            "piece_draws" => whole(buffers.piece_draws.as_ref()?),
             "pencils" => whole(&buffers.bound.as_ref()?.pencils),
             "crossings" => whole(&buffers.bound.as_ref()?.crossings),
             _ => return None,
@@ -284,7 +293,7 @@ impl<'a> Binder<'a> {
 
     /// From `list_sides` on.
     fn listing(&self) -> Vec<Pass> {
-        let StagePipelines { device, list_sides, arguments, bound, .. } = self.pipelines;
+        let StagePipelines { device, list_sides, arguments, piece_arguments, bound, .. } = self.pipelines;
         let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let over_sides = |size: &GroupSize, room: &Room| {
             // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
@@ -293,6 +302,7 @@ impl<'a> Binder<'a> {
             [room.silhouettes.div_ceil(16 * 64).clamp(1, most).max(fewest), room.lights]
         };
         let mut listing = vec![self.for_each(list_sides, over_sides), self.for_each(arguments, |_, _| [1, 1])];
+        listing.extend(piece_arguments.iter().map(|stage| self.for_each(stage, |_, _| [1, 1])));
         if let Some([pencil, crossings, bound]) = bound {
             listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides), self.for_all(bound)]);
         }
@@ -322,7 +332,7 @@ impl<'a> Binder<'a> {
 
     /// The bind groups of the draws, for each group.
     fn draws(&self) -> Vec<GroupDraws> {
-        let Layouts { frame, side_data, cap_data } = &self.pipelines.layouts;
+        let Layouts { frame, side_data, cap_data, piece_data } = &self.pipelines.layouts;
         let bind = |layout: &wgpu::BindGroupLayout, resources: &[BindingResource<'_>]| {
             group(&self.pipelines.device, "shadow volumes", layout, resources)
         };
@@ -352,6 +362,9 @@ impl<'a> Binder<'a> {
             frames: batches().map(|batch| frame(Place { group, batch, view: 0 })).collect(),
             sides: batches().map(|batch| data(side_data, &side_names, group, batch)).collect(),
             caps: batches().map(|batch| data(cap_data, &cap_names, group, batch)).collect(),
+            pieces: batches()
+                .filter_map(|batch| Some(bind(piece_data, &[self.get("pieces", Place { group, batch, view: 0 })?])))
+                .collect(),
         };
         (0..self.sizes.groups.len()).map(of_group).collect()
     }

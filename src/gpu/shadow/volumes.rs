@@ -139,6 +139,7 @@ impl ShadowVolumes {
             count_batches: 1,
             cap_capacity,
             memory_limit,
+            has_pieces: source.buffers.polygons.is_some(),
         };
         let mut sizes = sizes(source, settings, in_depth);
         let [_, choices] = sizes.choice_bytes();
@@ -149,6 +150,9 @@ impl ShadowVolumes {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let table = guarded(device, table.bytes, || buffer(device, table.label, table.bytes, usage))?;
         let stage_pipelines = StagePipelines::new(pipelines.shared(), false, &settings);
+        if settings.has_pieces {
+            pipelines.pieces();
+        }
         let shared = Shared::new(Arc::clone(source), buffers, table, pipelines.convention);
         Ok(Self { shared: Arc::new(shared), pipelines: stage_pipelines, stages: None })
     }
@@ -313,12 +317,15 @@ fn volume_source<'a>(
     let extracted = &source.buffers;
     let whole = wgpu::Buffer::as_entire_binding;
     let lists = extracted.facing.iter().zip(&extracted.excluded).zip(&extracted.lists);
-    let batches = lists.map(|((facing, excluded), silhouettes)| BatchSource {
+    let pieces = extracted.polygons.as_ref().map_or(&[][..], |polygons| &polygons.pieces);
+    let lists = lists.enumerate();
+    let batches = lists.map(|(batch, ((facing, excluded), silhouettes))| BatchSource {
         facing: whole(facing),
         excluded: whole(excluded),
         silhouette_counts: whole(&extracted.counts),
         silhouettes: whole(silhouettes),
         statistics: whole(&extracted.statistics),
+        pieces: pieces.get(batch).map(whole),
     });
     let group = GroupSource {
         faces: &extracted.faces,

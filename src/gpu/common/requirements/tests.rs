@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
-use crate::stages::{CAP_FACES, DEFORM, SIDES, STAGES, Stage, plain_deform_wgsl};
+use crate::stages::{CAP_FACES, DEFORM, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl};
 
 /// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
@@ -16,7 +16,7 @@ fn subject(stage: &Stage) -> Subject {
     let own = stage.files.last().expect("a stage has files").0;
     match own.split_once('/').expect("files lie in folders").0 {
         // A scene is an extraction of many casters.
-        "extract" | "scene" => Subject::Extract,
+        "extract" | "scene" | "polygon" => Subject::Extract,
         "shadow" => Subject::Shadow,
         "query" => Subject::Query,
         "deform" => Subject::Deform,
@@ -104,7 +104,7 @@ fn needed(wanted: Subject) -> Found {
         let wgsl = if *stage == DEFORM { plain_deform_wgsl() } else { stage.wgsl() };
         reflect(&mut found, &wgsl, false);
     }
-    for stage in [&SIDES, &CAP_FACES].into_iter().filter(|stage| subject(stage) == wanted) {
+    for stage in [&SIDES, &CAP_FACES, &PIECES].into_iter().filter(|stage| subject(stage) == wanted) {
         reflect(&mut found, &stage.wgsl(), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();
