@@ -623,7 +623,7 @@ shared_structs! {
         near_front: DrawArguments,
         /// Near caps that count up on their back.
         near_back: DrawArguments,
-        /// Caps at the polygon: with z-fail, and of casters that are not in the depth buffer.
+        /// Caps at the polygon. The faces that pieces make are not in the depth buffer, so the eye sees through them.
         light_cap: DrawArguments,
         /// Caps at the far end: with z-fail, and of volumes that end.
         dark_cap: DrawArguments,

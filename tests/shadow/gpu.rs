@@ -15,6 +15,7 @@ mod levels;
 mod nested;
 mod overflow;
 mod passing;
+mod polygons;
 mod proxies;
 mod query;
 mod range;
@@ -52,6 +53,7 @@ fn main() {
         scene_refusals::TESTS,
         passing::TESTS,
         proxies::TESTS,
+        polygons::TESTS,
         hidden::TESTS,
         receivers::TESTS,
         levels::TESTS,

@@ -15,7 +15,7 @@ use rimline_measure::oracle;
 pub(crate) const TESTS: &[Test] = &[("hairlines_explain_nothing_else", controls)];
 
 /// Half a step of the grid of 256 steps a pixel that rasterisers move vertices to.
-const HALF_STEP: f64 = 1.0 / 512.0;
+pub(crate) const HALF_STEP: f64 = 1.0 / 512.0;
 
 /// Rays to either side, along either axis, that slivers are looked for with.
 const FINE: i32 = 32;
@@ -231,7 +231,7 @@ impl Side {
 }
 
 /// Where a point of space is in the picture, and by how much rounding to `f32` may move it along either axis.
-fn picture(frame: &Frame, point: DVec3) -> Option<(DVec2, f64)> {
+pub(crate) fn picture(frame: &Frame, point: DVec3) -> Option<(DVec2, f64)> {
     const UNIT: f64 = 1.0 / (1 << 23) as f64;
     let camera = frame.eye.camera();
     let matrix = DMat4::from_cols_array_2d(&camera.view_projection.map(|column| column.map(f64::from)));

@@ -4,6 +4,7 @@ use rimline::gpu::{
     Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics,
     ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes, read_back_vec,
 };
+use rimline::mesh::Weld;
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
 use rimline::{Counting, DepthDirection, Light, Mesh};
 
@@ -173,7 +174,11 @@ impl<'a> Renderer<'a> {
         let alone = frame.bodies.iter().filter(|body| body.casts && together.is_none());
         for body in alone {
             let Placed { shape, camera, lights } = frame.placed(body);
-            let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| text(&error))?;
+            let mesh = match &body.polygons {
+                Some(polygons) => polygons.mesh(Weld::Position),
+                None => Mesh::from_faces(shape.positions.len(), shape.faces.clone()),
+            };
+            let mesh = mesh.map_err(|error| text(&error))?;
             let buffer = gpu.storage(&shape.positions);
             let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
             let lists = ListOptions { capacity: self.list_capacity, ..ListOptions::default() };

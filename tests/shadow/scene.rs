@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, Light, ShadowCamera};
+use rimline_measure::polygons::PolygonSet;
 use rimline_measure::shapes::Shape;
 
 /// Triangles of one caster or receiver.
@@ -21,6 +22,8 @@ pub(crate) struct Body {
     pub(crate) left_out: Vec<u32>,
     /// The faces that a scene gets instead of the shape's.
     pub(crate) instead: Option<Vec<[u32; 3]>>,
+    /// The faces of the shape are the triangles of these polygons, and the mesh is one of polygons.
+    pub(crate) polygons: Option<PolygonSet>,
 }
 
 /// A caster as the GPU gets it, with camera and lights in its space.
@@ -32,7 +35,7 @@ pub(crate) struct Placed {
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self { shape, casts: true, is_drawn: true, in_depth: true, mirror: None, left_out: Vec::new(), instead: None }
+        Self { shape, casts: true, is_drawn: true, in_depth: true, mirror: None, left_out: Vec::new(), instead: None, polygons: None }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {

@@ -1,0 +1,235 @@
+//! Shadows of polygons, twisted ones among them, against the parity of their triangles between light and receivers.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec2, DVec3};
+use rimline::gpu::ShadowOptions;
+use rimline::mesh::Weld;
+use rimline::{Counting, DepthDirection, Light, Mesh};
+use rimline_measure::device::Gpu;
+use rimline_measure::polygons::{PolygonSet, quad_torus, random_polygon};
+use rimline_measure::random::Random;
+use rimline_measure::rays::Tracer;
+use rimline_measure::shapes::Shape;
+use rimline_measure::{is_long, must_fail};
+
+use crate::hairlines::{HALF_STEP, picture};
+use crate::render::Renderer;
+use crate::scene::{Body, CENTRE, Eye, Frame, Rays};
+use crate::trials::Test;
+
+pub(crate) const TESTS: &[Test] = &[("polygons_darken_what_is_behind_them", darken)];
+
+/// What the rays find on a receiver: of how many polygons an odd number of triangles are between it and the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Truth {
+    /// Nothing, the polygons themselves, or a surface turned away from the light.
+    NoReceiver,
+    Odd(u32),
+}
+
+struct Rig {
+    tracer: Tracer<(usize, bool)>,
+    rays: Rays,
+    light: Light,
+    size: u32,
+    /// Edges of triangles in the picture, and how far off the GPU's may be along either axis. Sides begin at some of them, and
+    /// the polygons that are seen end at some.
+    edges: Vec<([DVec2; 2], f64)>,
+}
+
+impl Rig {
+    fn new(frame: &Frame, mesh: &Mesh) -> Self {
+        let of_triangle = mesh.polygons().expect("polygons").triangle_polygons();
+        let corners = |body: &Body, face: [u32; 3]| {
+            face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)))
+        };
+        let [caster, room] = &frame.bodies[..] else { panic!("two bodies") };
+        let own = caster.shape.faces.iter().zip(of_triangle);
+        let own = own.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
+        let walls = room.shape.faces.iter().map(|&face| (corners(room, face), (0, false)));
+        let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let seen = |[a, b]: [u32; 2]| {
+            let place = |v: u32| picture(frame, DVec3::from(caster.shape.positions[v as usize].map(f64::from)));
+            let [(a, a_off), (b, b_off)] = [place(a)?, place(b)?];
+            Some(([a, b], HALF_STEP + a_off.max(b_off)))
+        };
+        Self {
+            edges: edges.filter_map(seen).collect(),
+            tracer: Tracer::build(own.chain(walls)),
+            rays: Rays::new(&frame.eye.camera(), frame.size),
+            light: frame.lights[0],
+            size: frame.size,
+        }
+    }
+
+    fn at(&self, place: DVec2) -> Truth {
+        let ray = self.rays.at(place);
+        let seen = self.tracer.meetings(ray).filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((t, triangle)) = seen.filter(|(_, triangle)| !triangle.of.1) else { return Truth::NoReceiver };
+        let point = ray.0 + ray.1 * t;
+        let [x, y, z, w] = self.light.to_array().map(f64::from);
+        let towards = DVec3::new(x, y, z) - w * point;
+        let end = if w == 0.0 { f64::INFINITY } else { 1.0 / w };
+        let mut odd = BTreeMap::<usize, bool>::new();
+        for (t, triangle) in self.tracer.meetings((point, towards)) {
+            if t > 1e-9 && t < end {
+                if !triangle.of.1 {
+                    return Truth::NoReceiver;
+                }
+                *odd.entry(triangle.of.0).or_default() ^= true;
+            }
+        }
+        Truth::Odd(odd.values().filter(|&&odd| odd).count() as u32)
+    }
+
+    fn pixel(&self, x: u32, y: u32) -> DVec2 {
+        DVec2::new(f64::from(x), f64::from(y)) + CENTRE
+    }
+
+    fn truths(&self) -> Vec<Truth> {
+        let pixels = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
+        pixels.map(|(x, y)| self.at(self.pixel(x, y))).collect()
+    }
+
+    /// Whether a place within a pixel has this truth.
+    fn is_near(&self, x: u32, y: u32, fits: impl Fn(Truth) -> bool) -> bool {
+        let steps = || (-16..=16).map(|step| f64::from(step) / 16.0);
+        steps().any(|dx| steps().any(|dy| fits(self.at(self.pixel(x, y) + DVec2::new(dx, dy)))))
+    }
+
+    /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: NUMERICS.md, "Hairlines".
+    fn is_hairline(&self, x: u32, y: u32) -> bool {
+        let at = self.pixel(x, y);
+        self.edges.iter().any(|&([a, b], off)| {
+            let along = b - a;
+            let part = ((at - a).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
+            (a + part * along - at).abs().max_element() <= 2.0 * off
+        })
+    }
+
+    /// Pixels where the stencil differs from the truth, and none within a pixel has what it says.
+    fn wrong(&self, truths: &[Truth], stencil: &[u8], is_right: impl Fn(u32, u8) -> bool) -> Vec<(u32, u32)> {
+        let fits = |truth: Truth, value: u8| matches!(truth, Truth::Odd(count) if is_right(count, value));
+        let all = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
+        let at = |x: u32, y: u32| (y * self.size + x) as usize;
+        all.filter(|&(x, y)| {
+            let value = stencil[at(x, y)];
+            let is_receiver = truths[at(x, y)] != Truth::NoReceiver;
+            let around = || (x.saturating_sub(1)..=x + 1).flat_map(move |x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)));
+            let mut around = around().filter(|&(x, y)| x < self.size && y < self.size);
+            is_receiver
+                && !around.any(|(x, y)| fits(truths[at(x, y)], value))
+                && !self.is_near(x, y, |truth| fits(truth, value))
+                && !self.is_hairline(x, y)
+        })
+        .collect()
+    }
+}
+
+/// A caster of polygons in a room, which begins beyond its hull.
+fn frame(random: &mut Random, set: PolygonSet, mesh: &Mesh) -> Frame {
+    let shape = Shape { positions: set.positions.clone(), faces: mesh.faces().to_vec() };
+    let caster = Body { polygons: Some(set), ..Body::caster(shape) };
+    let vector = |random: &mut Random| DVec3::from(random.direction().map(f64::from));
+    let from = vector(random) * f64::from(random.between(1.8, 3.6));
+    let towards = vector(random) * f64::from(random.between(0.0, 1.5)) - from;
+    let near = 0.02 * 25_f64.powf(f64::from(random.between(0.0, 1.0)));
+    let light = match random.below(3) {
+        0 => Light::directional(random.direction()),
+        1 => Light::point((vector(random) * f64::from(random.between(1.8, 3.5))).as_vec3().to_array()),
+        // Right behind the polygons as the eye sees them, or before them: so the near rectangle is in shadow.
+        _ => Light::point((from * f64::from(random.between(-0.8, -0.5))).as_vec3().to_array()),
+    };
+    let depth = DepthDirection::Reversed;
+    let eye = Eye { place: from, forward: towards, near, is_relative: false, depth, far: None, half_width: None };
+    Frame { bodies: vec![caster, Body::room([0.0; 3], 4.0)], eye, lights: vec![light], size: 96 }
+}
+
+/// Polygons around the origin, up to 1.6 away.
+fn polygons(random: &mut Random) -> (&'static str, PolygonSet) {
+    let mut set = PolygonSet::default();
+    let name = match random.below(4) {
+        0 => {
+            let bump = [0.05, 0.2, 0.4][random.below(3)];
+            set = quad_torus(random, 10, 7, bump);
+            "torus"
+        }
+        1 => {
+            for _ in 0..40 {
+                let centre = random.direction();
+                let points = (0..4).map(|_| {
+                    let off = random.direction();
+                    [0, 1, 2].map(|axis| 0.8 * centre[axis] + 0.5 * off[axis])
+                });
+                set.push_points(&[points.collect()]);
+            }
+            "forty quadrilaterals"
+        }
+        2 => {
+            let (_, one) = random_polygon(random, 14);
+            let most = one.positions.iter().flatten().fold(1.0_f32, |most, c| most.max(c.abs()));
+            set = one;
+            set.positions.iter_mut().for_each(|p| *p = p.map(|c| c / most));
+            "one"
+        }
+        _ => {
+            for _ in 0..6 {
+                let corners = 4 + random.below(6);
+                set.push_points(&[(0..corners).map(|_| random.direction()).collect()]);
+            }
+            "six of any points"
+        }
+    };
+    (name, set)
+}
+
+fn darken() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let first = 71_000;
+    println!("seeds from {first}");
+    let (mut compared, mut dark, mut frames, mut failures) = (0, 0, 0, Vec::new());
+    for seed in first..first + if is_long() { 900 } else { 100 } {
+        let mut random = Random::new(seed);
+        let (name, set) = polygons(&mut random);
+        let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
+        if mesh.polygons().is_none() {
+            continue;
+        }
+        let frame = frame(&mut random, set, &mesh);
+        let rig = Rig::new(&frame, &mesh);
+        let truths = rig.truths();
+        frames += 1;
+        compared += truths.iter().filter(|&&truth| truth != Truth::NoReceiver).count();
+        dark += truths.iter().filter(|&&truth| !matches!(truth, Truth::NoReceiver | Truth::Odd(0))).count();
+        for counting in [Counting::Auto, Counting::ZpPlus, Counting::ZFail] {
+            let mut renderer = Renderer::new(&gpu);
+            renderer.options = ShadowOptions { every_face: true, ..renderer.options };
+            let counted = renderer.count(&frame, counting)?;
+            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
+            if let Some(&(x, y)) = wrong.first() {
+                let at = (y * frame.size + x) as usize;
+                let (value, truth) = (counted.stencils[0][at], truths[at]);
+                failures.push(format!(
+                    "seed {seed}, {name}, {counting:?}, {:?}: {} wrong, first ({x}, {y}): {value}, {truth:?}",
+                    frame.lights[0],
+                    wrong.len()
+                ));
+            }
+            let mut stencil = counted.stencils[0].clone();
+            if let Some(at) = truths.iter().position(|&truth| truth != Truth::NoReceiver) {
+                stencil[at] = stencil[at].wrapping_add(100);
+                let wrong = rig.wrong(&truths, &stencil, |count, value| count as u8 == value);
+                must_fail("other counts", &if wrong.is_empty() { Ok(()) } else { Err(String::new()) })?;
+            }
+            renderer.options = ShadowOptions { every_face: false, ..renderer.options };
+            let counted = renderer.count(&frame, counting)?;
+            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| (count == 0) == (value == 0));
+            if !wrong.is_empty() {
+                failures.push(format!("seed {seed}, {name}, {counting:?}, averted: {} wrong {wrong:?}", wrong.len()));
+            }
+        }
+    }
+    println!("{frames} frames, {compared} receivers, {dark} of them dark");
+    if failures.is_empty() && dark > 10_000 { Ok(()) } else { Err(failures.join("\n")) }
+}
