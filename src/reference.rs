@@ -120,11 +120,11 @@ pub mod cpu {
     pub use crate::cpu::shadow::chosen::{CHOICE_WORDS, chosen};
     pub use crate::cpu::shadow::hidden::is_hidden;
     pub use crate::cpu::shadow::list_sides::list_sides;
+    pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::piece_arguments::piece_arguments;
     pub use crate::cpu::shadow::pieces::{
         PiecePoints, piece_dark_cap, piece_light_cap, piece_near_cap, piece_side, piece_side_clipped,
     };
-    pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::receiver_depth::receiver_depth;
     pub use crate::cpu::shadow::receiver_pyramid::receiver_pyramid;
     pub use crate::cpu::shadow::receiver_samples::receiver_samples;

@@ -89,7 +89,11 @@ fn masks() -> Result<(), String> {
         let expected = cpu::extract(&set.positions, &mesh, &lights, Predicate::Exact, Threads::ONE)
             .map_err(|error| error.to_string())?;
         same(&format!("seed {seed}, masks"), &found.masks, &expected.masks)?;
-        same(&format!("seed {seed}, not finite"), &[found.statistics.non_finite_faces], &[statistics.non_finite_faces])?;
+        same(
+            &format!("seed {seed}, not finite"),
+            &[found.statistics.non_finite_faces],
+            &[statistics.non_finite_faces],
+        )?;
         for light in 0..count {
             let plane = &expected.masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
             let silhouettes = plane.iter().filter(|masks| masks.silhouette >> (light % 32) & 1 != 0).count();

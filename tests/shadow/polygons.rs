@@ -41,9 +41,8 @@ struct Rig {
 impl Rig {
     fn new(frame: &Frame, mesh: &Mesh) -> Self {
         let of_triangle = mesh.polygons().expect("polygons").triangle_polygons();
-        let corners = |body: &Body, face: [u32; 3]| {
-            face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)))
-        };
+        let corners =
+            |body: &Body, face: [u32; 3]| face.map(|v| DVec3::from(body.shape.positions[v as usize].map(f64::from)));
         let [caster, room] = &frame.bodies[..] else { panic!("two bodies") };
         let own = caster.shape.faces.iter().zip(of_triangle);
         let own = own.map(|(&face, polygon)| (corners(caster, face), (polygon as usize, true)));
@@ -66,7 +65,7 @@ impl Rig {
     fn at(&self, place: DVec2) -> Truth {
         let ray = self.rays.at(place);
         let seen = self.tracer.meetings(ray).filter(|(t, _)| *t > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((t, triangle)) = seen.filter(|(_, triangle)| !triangle.of.1) else { return Truth::NoReceiver };
+        let Some((t, _)) = seen.filter(|(_, triangle)| !triangle.of.1) else { return Truth::NoReceiver };
         let point = ray.0 + ray.1 * t;
         let [x, y, z, w] = self.light.to_array().map(f64::from);
         let towards = DVec3::new(x, y, z) - w * point;
@@ -83,24 +82,24 @@ impl Rig {
         Truth::Odd(odd.values().filter(|&&odd| odd).count() as u32)
     }
 
-    fn pixel(&self, x: u32, y: u32) -> DVec2 {
+    fn pixel(x: u32, y: u32) -> DVec2 {
         DVec2::new(f64::from(x), f64::from(y)) + CENTRE
     }
 
     fn truths(&self) -> Vec<Truth> {
         let pixels = (0..self.size).flat_map(|y| (0..self.size).map(move |x| (x, y)));
-        pixels.map(|(x, y)| self.at(self.pixel(x, y))).collect()
+        pixels.map(|(x, y)| self.at(Self::pixel(x, y))).collect()
     }
 
     /// Whether a place within a pixel has this truth.
     fn is_near(&self, x: u32, y: u32, fits: impl Fn(Truth) -> bool) -> bool {
         let steps = || (-16..=16).map(|step| f64::from(step) / 16.0);
-        steps().any(|dx| steps().any(|dy| fits(self.at(self.pixel(x, y) + DVec2::new(dx, dy)))))
+        steps().any(|dx| steps().any(|dy| fits(self.at(Self::pixel(x, y) + DVec2::new(dx, dy)))))
     }
 
     /// Whether an edge is so close to the pixel's centre that a GPU may see it on the other side: NUMERICS.md, "Hairlines".
     fn is_hairline(&self, x: u32, y: u32) -> bool {
-        let at = self.pixel(x, y);
+        let at = Self::pixel(x, y);
         self.edges.iter().any(|&([a, b], off)| {
             let along = b - a;
             let part = ((at - a).dot(along) / along.length_squared().max(1e-30)).clamp(0.0, 1.0);
@@ -116,7 +115,8 @@ impl Rig {
         all.filter(|&(x, y)| {
             let value = stencil[at(x, y)];
             let is_receiver = truths[at(x, y)] != Truth::NoReceiver;
-            let around = || (x.saturating_sub(1)..=x + 1).flat_map(move |x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)));
+            let around =
+                || (x.saturating_sub(1)..=x + 1).flat_map(move |x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)));
             let mut around = around().filter(|&(x, y)| x < self.size && y < self.size);
             is_receiver
                 && !around.any(|(x, y)| fits(truths[at(x, y)], value))

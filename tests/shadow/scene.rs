@@ -35,7 +35,16 @@ pub(crate) struct Placed {
 
 impl Body {
     pub(crate) fn caster(shape: Shape) -> Self {
-        Self { shape, casts: true, is_drawn: true, in_depth: true, mirror: None, left_out: Vec::new(), instead: None, polygons: None }
+        Self {
+            shape,
+            casts: true,
+            is_drawn: true,
+            in_depth: true,
+            mirror: None,
+            left_out: Vec::new(),
+            instead: None,
+            polygons: None,
+        }
     }
 
     pub(crate) fn moved(mut self, by: [f32; 3]) -> Self {

@@ -40,7 +40,7 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
     for (index, &edge) in edges.iter().enumerate() {
         let others = edges.iter().enumerate().filter(|&(other, _)| other != index);
         let cutting = others.filter(|&(_, &other)| cuts(other, edge, light));
-        let crossings = in_order(edges, index, cutting.map(|(other, _)| other).collect(), light);
+        let crossings = in_order(edges, index, &cutting.map(|(other, _)| other).collect::<Vec<_>>(), light);
         let crossing = |&other: &usize| PieceEnd::Crossing { edge: other, at: cut_at(edges[other], edge, light) };
         let ends: Vec<PieceEnd> = std::iter::once(PieceEnd::Corner)
             .chain(crossings.iter().map(crossing))
@@ -74,7 +74,7 @@ fn cuts([c, d]: Edge, [a, b]: Edge, light: [f32; 4]) -> bool {
 const MOST_ORDERED: usize = 256;
 
 /// What cuts edge `e`, in order along it. By turns if their answers fit together, and else by rounded places.
-fn in_order(edges: &[Edge], e: usize, cuts: Vec<usize>, light: [f32; 4]) -> Vec<usize> {
+fn in_order(edges: &[Edge], e: usize, cuts: &[usize], light: [f32; 4]) -> Vec<usize> {
     let ranked = |is_before: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
         let rank = |i: usize| cuts.iter().filter(|&&j| j != i && is_before(j, i)).count();
         let mut ranked: Vec<_> = cuts.iter().map(|&i| (rank(i), i)).collect();
@@ -82,11 +82,8 @@ fn in_order(edges: &[Edge], e: usize, cuts: Vec<usize>, light: [f32; 4]) -> Vec<
         ranked
     };
     let at = |i: usize| cut_at(edges[i], edges[e], light);
-    let mut found = if cuts.len() <= MOST_ORDERED {
-        ranked(&|j, i| is_before(edges, [e, j, i], light))
-    } else {
-        Vec::new()
-    };
+    let mut found =
+        if cuts.len() <= MOST_ORDERED { ranked(&|j, i| is_before(edges, [e, j, i], light)) } else { Vec::new() };
     if found.len() < cuts.len() || found.windows(2).any(|pair| pair[0].0 == pair[1].0) {
         found = ranked(&|j, i| at(j) < at(i) || at(j) == at(i) && j < i);
     }

@@ -8,11 +8,7 @@ use crate::shadow::{CAST_NOTHING, COUNT_Z_FAIL, COUNT_ZP_PLUS};
 
 /// The draws of each light, and the number of pieces that there was no room for. `lights` are as they were chosen, and `counts`
 /// has the numbers of their pieces, of which `capacity` have room.
-pub fn piece_arguments(
-    lights: &[ShadowLight],
-    counts: &[u32],
-    capacity: u32,
-) -> (Vec<PieceDraws>, u32) {
+pub fn piece_arguments(lights: &[ShadowLight], counts: &[u32], capacity: u32) -> (Vec<PieceDraws>, u32) {
     let mut lost = 0;
     let draws = lights.iter().zip(counts).map(|(light, &pieces)| {
         if light.casting == CAST_NOTHING {

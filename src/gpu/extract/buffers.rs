@@ -48,9 +48,9 @@ impl Shape {
             let bytes = u64::from(capacity) * 4 * batch;
             return Err(MemoryError::Binding { what: "edge lists", bytes, limit: split.binding }.into());
         }
-        let polygons = mesh.polygons().map(|polygons| {
-            PolygonShape::new(polygons, options.max_lights, options.lists.is_some(), split.binding)
-        });
+        let polygons = mesh
+            .polygons()
+            .map(|polygons| PolygonShape::new(polygons, options.max_lights, options.lists.is_some(), split.binding));
         let polygons = polygons.transpose()?;
         Ok(Self {
             vertices: mesh.vertex_count(),
@@ -158,7 +158,9 @@ impl Buffers {
         // `wanted` has these, too.
         let of_polygons = [("facing masks", face_words * 4), ("faces", faces * 12)];
         let of_polygons = of_polygons.iter().filter(|_| shape.polygons.is_some());
-        if let Some(&(what, bytes)) = bound_whole.iter().chain(of_polygons).find(|&&(_, bytes)| padded(bytes) > split.binding) {
+        if let Some(&(what, bytes)) =
+            bound_whole.iter().chain(of_polygons).find(|&&(_, bytes)| padded(bytes) > split.binding)
+        {
             let limit = split.binding;
             return Err(MemoryError::Binding { what, bytes, limit });
         }
@@ -209,7 +211,12 @@ impl Buffers {
             statistics: buffer(device, "statistics", size_of::<ExtractionStatistics>() as u64, result),
             record: buffer(device, "undecided faces", record_bytes, result),
             polygons: mesh.polygons().zip(shape.polygons).map(|(polygons, polygon_shape)| {
-                PolygonBuffers::new(device, polygons, polygon_shape, (0..batches).map(|batch| shape.batch_lights(batch)))
+                PolygonBuffers::new(
+                    device,
+                    polygons,
+                    polygon_shape,
+                    (0..batches).map(|batch| shape.batch_lights(batch)),
+                )
             }),
             unused: buffer(device, "unused", 64, result),
         })

@@ -101,8 +101,7 @@ fn resources<'a>(
     pipeline: &Pipeline,
     dispatch: &mut Dispatch,
 ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    dispatch.offsets =
-        vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset];
+    dispatch.offsets = vec![dispatch.batch as u32 * UniformTable::stride::<LightBatch>() as u32, dispatch.chunk_offset];
     let Some(polygons) = &binder.buffers.polygons else { return Vec::new() };
     let unused = &binder.buffers.unused;
     let of_batch = |buffers: &'a [wgpu::Buffer]| buffers.get(dispatch.batch).unwrap_or(unused).as_entire_binding();

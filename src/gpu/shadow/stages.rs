@@ -15,8 +15,8 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
-    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS, STENCIL_PENCIL,
-    Stage, ZP_PLUS_2005_CASES,
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS,
+    STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
 };
 
 /// The pipelines of these stages.
