@@ -2,10 +2,11 @@
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
-    ExtractorOptions, ListOptions, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
+    ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
 };
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh};
+use rimline::reference::Method;
+use rimline::{Light, Mesh, Predicate};
 use rimline_measure::shapes::{self, Shape};
 
 use rimline_measure::device::Gpu;
@@ -14,7 +15,7 @@ use rimline_measure::models::random_model;
 use rimline_measure::on_gpu::extract;
 use rimline_measure::on_gpu::interleaved;
 use rimline_measure::on_gpu::{limited, repeated_torus, text};
-use rimline_measure::polygons::quad_box;
+use rimline_measure::polygons::{PolygonSet, quad_box};
 use rimline_measure::random::Random;
 use rimline_measure::same;
 
@@ -23,7 +24,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("positions_and_models_that_do_not_fit_are_typed_errors", positions_and_models_too_large),
     ("a_memory_limit_refuses_before_anything_is_allocated", memory_limit),
     ("the_include_refuses_what_takes_several_bindings", include_refuses),
-    ("polygons_are_refused_and_their_triangles_taken", polygons),
+    ("polygons_need_exact_masks_and_outlines_of_some_size", polygons),
 ];
 
 /// The memory error of an extractor that must not come to be.
@@ -43,11 +44,27 @@ fn mesh_of(shape: &Shape) -> Result<Mesh, String> {
 }
 
 fn polygons() -> Result<(), String> {
-    let gpu = limited(1 << 20, 1 << 20, 64)?;
+    let gpu = &*Gpu::shared()?;
     let mesh = quad_box(1).mesh(Weld::Position).map_err(text)?;
-    let refused = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default());
-    if !matches!(refused, Err(ExtractorError::Polygons)) {
-        return Err(format!("expected a refusal, got {:?}", refused.err()));
+    let refused = |mesh: &Mesh, options| Extractor::new(&gpu.pipelines, mesh, options).err();
+    let exact = ExtractorOptions::default();
+    for options in [
+        ExtractorOptions { predicate: Predicate::Fast, ..exact },
+        ExtractorOptions { method: Method::PerEdge, ..exact },
+    ] {
+        let refused = refused(&mesh, options);
+        if refused != Some(ExtractorError::Polygons) {
+            return Err(format!("expected a refusal, got {refused:?}"));
+        }
+    }
+    let mut ring = PolygonSet::default();
+    let corners = MAX_OUTLINE_EDGES + 1;
+    let corner = |at: usize| (at as f32 / corners as f32 * std::f32::consts::TAU).sin_cos();
+    ring.push_points(&[(0..4).map(|at| [at as f32, (at * at) as f32, 0.0]).collect()]);
+    ring.push_points(&[(0..corners).map(|at| [corner(at).0, corner(at).1, 0.0]).collect()]);
+    let refused = refused(&ring.mesh(Weld::Position).map_err(text)?, exact);
+    if refused != Some(ExtractorError::OutlineTooLarge { polygon: 1, edges: corners }) {
+        return Err(format!("expected a refusal, got {refused:?}"));
     }
     let triangles = Mesh::from_faces(24, mesh.faces().to_vec()).map_err(text)?;
     Extractor::new(&gpu.pipelines, &triangles, ExtractorOptions::default()).map_err(text)?;

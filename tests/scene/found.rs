@@ -50,7 +50,7 @@ impl Found {
         for group in &results.groups {
             let words: Vec<u32> = gpu.read(group.lists, usize::MAX)?;
             let (counts, lists) = sorted_lists(&words, group.capacity);
-            let record: Vec<u32> = gpu.read(group.record, 5)?;
+            let record: Vec<u32> = gpu.read(group.record, 6)?;
             found.groups.push(GroupFound {
                 group: group.group,
                 batch: group.batch,
@@ -61,8 +61,8 @@ impl Found {
                 capacity: group.capacity,
                 edge_slots: CHUNK * group.dispatch.edge_chunks,
                 draws: gpu.read(group.draws, 32)?,
-                statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..4])),
-                undecided: record[4],
+                statistics: *bytemuck::from_bytes(bytemuck::cast_slice(&record[..5])),
+                undecided: record[5],
             });
         }
         Ok(found)

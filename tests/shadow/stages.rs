@@ -237,13 +237,20 @@ impl Staged {
         with_depth(table(&self.scene.caster.2, self.place, &[], &[]), self.shape.proxies == 0)
     }
 
-    /// The lights with what is chosen for them, for an extraction that found `zeros` determinants zero.
-    fn choose(&self, gpu: &Gpu, stage: &Dispatch, zeros: u32) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
+    /// The lights with what is chosen for them, for an extraction that found `zeros` determinants zero, and polygons that are
+    /// twisted for the lights of `twisted`.
+    fn choose(
+        &self,
+        gpu: &Gpu,
+        stage: &Dispatch,
+        zeros: u32,
+        twisted: u32,
+    ) -> Result<(Vec<ShadowLight>, ShadowStatistics), String> {
         let seen = seen(self.view, &self.given);
         let words = vec![0_u32; cpu::CHOICE_WORDS * seen.len().div_ceil(32) + 2 * seen.len()];
         let (choices, statistics) = (gpu.storage(&words), gpu.storage(&[0_u32; size_of::<ShadowStatistics>() / 4]));
         let table = gpu.storage(&self.table());
-        let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros]));
+        let (bounds, extracted) = (gpu.storage(&self.bounds), gpu.storage(&[9, 9, 9, zeros, twisted]));
         let (shape, lights) = (uniform(gpu, &self.shape), gpu.storage(&seen));
         let lit = gpu.storage(&[0_u32]);
         stage.run(gpu, &[&shape, &lights, &table, &bounds, &extracted, &choices, &statistics, &lit, &lit], 1)?;
@@ -314,9 +321,11 @@ fn choose_and_caps() -> Result<(), String> {
         let staged = Staged::new(gpu, &mut random, number, [70, 33, 1][number % 3])?;
         let (name, (_, positions, mesh)) = (&staged.scene.name, &staged.scene.caster);
         let zeros = [0, 1, 77][random.below(3)];
-        let (found, statistics) = staged.choose(gpu, &choose, zeros)?;
+        let twisted = [0, 0, random.next_u64() as u32][random.below(3)];
+        let (found, statistics) = staged.choose(gpu, &choose, zeros, twisted)?;
         let mut twins = staged.given.clone();
-        cpu::choose(&staged.shape, &staged.view, staged.bounds, zeros > 0, &mut twins);
+        let Staged { shape, view, bounds, .. } = &staged;
+        cpu::choose_beside_twisted(shape, view, *bounds, zeros > 0, twisted, &mut twins);
         same(&format!("{name}, lights"), &found, &twins)?;
         let counted = |is: fn(&ShadowLight) -> bool| twins.iter().filter(|light| is(light)).count() as u32;
         let expected = ShadowStatistics {
@@ -464,7 +473,7 @@ fn list_sides() -> Result<(), String> {
             let counts: Vec<u32> = silhouettes.iter().map(|list| list.count).collect();
             let (shape, counts) = (uniform(gpu, &shape), gpu.storage(&counts));
             let chosen = gpu.storage(&table(&mesh, PLACES[0], &lights, &capped));
-            let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1]));
+            let (edge_faces, zeros) = (gpu.storage(packed), gpu.storage(&[0_u32, 0, 0, 1, 0]));
             for (batch, twin) in twin.chunks(32).enumerate() {
                 let light = 32 * batch as u32;
                 let draw = uniform(gpu, &ShadowDraw { light, first_light: light, view: 0, count_batch: 0 });
