@@ -99,6 +99,7 @@ pub mod cpu {
     pub use crate::cpu::extract::per_edge::per_edge;
     pub use crate::cpu::polygon::convex::convex;
     pub use crate::cpu::polygon::cut_edges::{Piece, PieceEnd, cut_edges};
+    pub use crate::cpu::polygon::cut_quads::cut_quads;
     pub use crate::cpu::polygon::edge_pair::{EdgePair, edge_pair};
     pub use crate::cpu::polygon::half_space::fits_half_space;
     pub use crate::cpu::polygon::outline::{Outline, Seen};

@@ -86,6 +86,7 @@ pub const OUTLINE: Stage = Stage {
         "common/exact_sign",
         "common/fixed_sign",
         "polygon/outlines",
+        "polygon/places",
         "polygon/turn",
         "polygon/work",
         "polygon/outline"
@@ -110,11 +111,28 @@ pub const CUT_EDGES: Stage = Stage {
         "common/exact_sign",
         "common/fixed_sign",
         "polygon/outlines",
+        "polygon/places",
         "polygon/turn",
         "polygon/work",
+        "polygon/list_pieces",
         "polygon/cut_edges"
     ],
     entry_points: &["cut_edges"],
+};
+/// Finds that of quadrilaterals of which no sign is in doubt.
+pub const CUT_QUADS: Stage = Stage {
+    name: "cut_quads",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "polygon/outlines",
+        "polygon/places",
+        "polygon/list_pieces",
+        "polygon/cut_quads"
+    ],
+    entry_points: &["cut_quads"],
 };
 /// Computes the same from positions, as published in 2003.
 pub const PER_EDGE: Stage = Stage {
@@ -407,7 +425,7 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 36] = [
+pub const STAGES: [Stage; 37] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -417,6 +435,7 @@ pub const STAGES: [Stage; 36] = [
     POLYGON_MASKS,
     EDGES,
     CUT_EDGES,
+    CUT_QUADS,
     PER_EDGE,
     COMPACT,
     ARGUMENTS,

@@ -1,6 +1,8 @@
 //! `cargo bench --bench polygons`: a torus of quadrilaterals beside its triangles. How long the mesh takes to build, how
 //! long the CPU takes to extract silhouettes, and how many faces and records there are. `--quick` for small meshes.
 
+mod on_gpu;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -11,8 +13,8 @@ use rimline_measure::polygons::{PolygonSet, quad_torus};
 use rimline_measure::random::Random;
 
 /// Runs of each. They take turns, so that a slow spell of the machine hits all of them.
-const ROUNDS: usize = 5;
-const SEED: u64 = 15;
+pub(crate) const ROUNDS: usize = 5;
+pub(crate) const SEED: u64 = 15;
 
 fn main() {
     let is_quick = std::env::args().any(|argument| argument == "--quick");
@@ -27,6 +29,7 @@ fn main() {
             measure(&quad_torus(&mut Random::new(SEED), size, size, bump), bump);
         }
     }
+    on_gpu::measure(sizes).expect("a GPU");
 }
 
 fn measure(set: &PolygonSet, bump: f32) {

@@ -2,12 +2,6 @@
 // outline.wgsl. NUMERICS.md, "Shadows of twisted polygons".
 
 @group(0) @binding(8) var<storage, read> faces: array<u32>;
-// For each light of the batch the number of its pieces; then lists of pieces, of as many words each.
-@group(0) @binding(9) var<storage, read_write> pieces: array<atomic<u32>>;
-
-const PIECE_COUNTS: u32 = 32u;
-// Words of a piece: where it begins, where it ends, and the first corner of its polygon.
-const PIECE_WORDS: u32 = 9u;
 // The end of an edge, in the place of an edge that cuts it.
 const CORNER: u32 = 0xffffffffu;
 
@@ -24,19 +18,6 @@ var<workgroup> odd: array<atomic<u32>, 64>;
 fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
   let up = ordered(p) < ordered(q);
   return any((p != q) & (a != b) & (up == (ordered(a) < ordered(b))));
-}
-
-// How far along (a, b) the plane through the light and (c, d) is.
-fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
-  let a = bitcast<vec3<f32>>(e.a);
-  let b = bitcast<vec3<f32>>(e.b);
-  let c = bitcast<vec3<f32>>(f.a);
-  let light = scaled_light(place);
-  let normal = cross_product(bitcast<vec3<f32>>(f.b) - c, light.xyz - light.w * c);
-  let ends = vec2<f32>(dot(normal, a - c), dot(normal, b - c));
-  let at = ends.x / (ends.x - ends.y);
-  // The signs of both are exactly opposite, but here they are rounded.
-  return select(clamp(at, 0.0, 1.0), 0.5, ends.x == ends.y);
 }
 
 // Finds what cuts the edge, and whether an odd number of triangles have the directions next to its end, on its left. Both are
@@ -116,15 +97,6 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
     }
   }
   cutting[lane] = own;
-}
-
-// The point at which two edges of an outline cross, as seen from the light: on the earlier of them. Pieces of both end here, so
-// both take this point.
-fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32> {
-  let e = edge_at(outline.first + min(i, j));
-  let f = edge_at(outline.first + max(i, j));
-  let a = bitcast<vec3<f32>>(e.a);
-  return bitcast<vec3<u32>>(a + cut_at(f, e, place) * (bitcast<vec3<f32>>(e.b) - a));
 }
 
 // With more cuts, those of an edge are ordered by how far along they are, which is rounded.
@@ -251,7 +223,7 @@ fn note_tangles(work: Work, lane: u32) {
 }
 
 // Lists the piece that ends at a cut, or at the end of the edge. `last` is the edge that cuts.
-fn list_piece(outline: OutlineRange, work: Work, lane: u32, last: u32) {
+fn list_before(outline: OutlineRange, work: Work, lane: u32, last: u32) {
   let slot = select(lane, 0u, work.is_large);
   let ranks_at = select(SMALL_OUTLINE * lane, 0u, work.is_large);
   let cuts = atomicLoad(&cut_counts[slot]);
@@ -278,17 +250,7 @@ fn list_piece(outline: OutlineRange, work: Work, lane: u32, last: u32) {
       ends[end] = crossing_point(outline, work.index, other, work.place);
     }
   }
-  let place = atomicAdd(&pieces[work.place], 1u);
-  if (place >= chunk.capacity) {
-    return;
-  }
-  let at = PIECE_COUNTS + PIECE_WORDS * (work.place * chunk.capacity + place);
-  let apex = place_of(outlines[outline.first].x);
-  for (var axis = 0u; axis < 3u; axis++) {
-    atomicStore(&pieces[at + axis], select(ends[1][axis], ends[0][axis], is_odd));
-    atomicStore(&pieces[at + 3u + axis], select(ends[0][axis], ends[1][axis], is_odd));
-    atomicStore(&pieces[at + 6u + axis], apex[axis]);
-  }
+  list_piece(outline, work.place, ends[0], ends[1], !is_odd);
 }
 
 @compute @workgroup_size(64)
@@ -299,10 +261,10 @@ fn cut_edges(
   let number = group.y * ENTRY_ROW + group.x;
   var work: Work;
   var own: OutlineRange;
-  if (number < atomicLoad(&undecided[ENTRY_COUNT])) {
+  if (number < atomicLoad(&undecided[CUT_COUNT])) {
     let record = record_at(atomicLoad(&undecided[entry_at(number)]));
-    own = outline_of(atomicLoad(&undecided[record + POLYGON]));
-    // Its lights are those for which it is twisted by now.
+    own = outline_of(polygon_of(record));
+    // Its lights are those for which it is cut by now.
     work = work_of(own, atomicLoad(&undecided[entry_at(number) + 1u]), atomicLoad(&undecided[record + LIGHTS]), lane);
   }
   take_cuts(own, work, lane);
@@ -331,6 +293,6 @@ fn cut_edges(
       last = cutting_edge(work, lane, firstTrailingBit(rest));
       rest &= rest - 1u;
     }
-    list_piece(own, work, lane, last);
+    list_before(own, work, lane, last);
   }
 }

@@ -172,7 +172,7 @@ fn outline(
   var own: OutlineRange;
   if (exists) {
     record = record_at(atomicLoad(&undecided[entry_at(number)]));
-    own = outline_of(atomicLoad(&undecided[record + POLYGON]));
+    own = outline_of(polygon_of(record));
     let part = atomicLoad(&undecided[entry_at(number) + 1u]);
     work = work_of(own, part, atomicLoad(&undecided[record + LIGHTS]), lane);
   }

@@ -8,15 +8,19 @@
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head: the workgroups of the indirect dispatch, the number of entries, the number of records.
+// Words of the head: the workgroups of the indirect dispatch, the number of entries, the number of records. `polygon_masks` makes
+// entries of its own, for `cut_edges`, and counts them and their workgroups behind.
 const WORKGROUPS: u32 = 0u;
 const ENTRY_COUNT: u32 = 3u;
-const RECORD_COUNT: u32 = 4u;
-const UNDECIDED_HEAD: u32 = 8u;
+const CUT_WORKGROUPS: u32 = 4u;
+const CUT_COUNT: u32 = 7u;
+const RECORD_COUNT: u32 = 8u;
+const UNDECIDED_HEAD: u32 = 12u;
 
-// Words of a record: the polygon and its undecided lights; then what is found for each of these lights. The last word is 1 if a
-// corner is not finite.
-const RECORD_WORDS: u32 = 8u;
+// Words of a record: the polygon, with the highest bit if a corner is not finite, and its undecided lights; then what is found for
+// each of these lights. Then the lights for which a quadrilateral is L-twisted as `f32` tells, and those for which its turns at
+// corners 0 and 1 are positive. In the end the second word has the lights for which `cut_edges` cuts it.
+const RECORD_WORDS: u32 = 10u;
 const POLYGON: u32 = 0u;
 const LIGHTS: u32 = 1u;
 const FITS: u32 = 2u;
@@ -24,7 +28,10 @@ const IS_NOT_SIMPLE: u32 = 3u;
 const WINDS_ONCE: u32 = 4u;
 const WINDS_NEVER: u32 = 5u;
 const OFF_PLANE: u32 = 6u;
-const NOT_FINITE: u32 = 7u;
+const TWISTED_QUAD: u32 = 7u;
+const TURN_0: u32 = 8u;
+const TURN_1: u32 = 9u;
+const NOT_FINITE: u32 = 0x80000000u;
 
 // Outlines up to this number of edges are decided by an invocation for each edge and light, and larger ones by a workgroup.
 const SMALL_OUTLINE: u32 = 32u;
@@ -54,6 +61,49 @@ fn outline_of(polygon: u32) -> OutlineRange {
 
 fn record_at(number: u32) -> u32 {
   return UNDECIDED_HEAD + RECORD_WORDS * number;
+}
+
+fn polygon_of(record: u32) -> u32 {
+  return atomicLoad(&undecided[record + POLYGON]) & ~NOT_FINITE;
+}
+
+// Room for entries, and workgroups for them.
+fn allot(count_at: u32, workgroups_at: u32, entries: u32) -> u32 {
+  let place = atomicAdd(&undecided[count_at], entries);
+  let end = place + entries;
+  atomicMax(&undecided[workgroups_at], min(end, ENTRY_ROW));
+  atomicMax(&undecided[workgroups_at + 1u], (end + ENTRY_ROW - 1u) / ENTRY_ROW);
+  return place;
+}
+
+fn write_entry(place: u32, number: u32, part: u32) {
+  atomicStore(&undecided[entry_at(place)], number);
+  atomicStore(&undecided[entry_at(place) + 1u], part);
+}
+
+// Lists what is to do for some lights of a record: of a small outline runs of edges and lights, of a large one each edge and light.
+fn list_work(number: u32, edges: u32, lights: u32, count_at: u32, workgroups_at: u32) {
+  if (edges > SMALL_OUTLINE) {
+    var place = allot(count_at, workgroups_at, edges * countOneBits(lights));
+    for (var rest = lights; rest != 0u; rest &= rest - 1u) {
+      for (var edge = 0u; edge < edges; edge++) {
+        write_entry(place, number, edge | (firstTrailingBit(rest) << 16u));
+        place++;
+      }
+    }
+    return;
+  }
+  let runs = (edges + ENTRY_EDGES - 1u) / ENTRY_EDGES;
+  let halves = vec2<bool>((lights & 0xffffu) != 0u, lights > 0xffffu);
+  let place = allot(count_at, workgroups_at, runs * (select(0u, 1u, halves.x) + select(0u, 1u, halves.y)));
+  for (var run = 0u; run < runs; run++) {
+    if (halves.x) {
+      write_entry(place + run, number, ENTRY_EDGES * run);
+    }
+    if (halves.y) {
+      write_entry(place + select(0u, runs, halves.x) + run, number, (ENTRY_EDGES * run) | (1u << 16u));
+    }
+  }
 }
 
 fn entry_at(number: u32) -> u32 {

@@ -74,63 +74,110 @@ fn convex_turns(outline: OutlineRange) -> Turns {
   return turns;
 }
 
-// Lists what is undecided: a record, and entries for all that is to do.
-fn list(polygon: u32, outline: OutlineRange, lights: u32) {
+// What is certain of a quadrilateral.
+struct Quad {
+  facing: u32,
+  averted: u32,
+  // The lights for which two neighbouring turns are positive and the others are negative.
+  twisted: u32,
+  // The lights for which the turns at corners 0 and 1 are positive.
+  turn_0: u32,
+  turn_1: u32,
+}
+
+// The turns at the corners of a quadrilateral, four lights at a time. If three are alike, the fourth corner is in their triangle or
+// beyond one of its sides, and the outline is simple. If not, it is L-twisted.
+fn quad_turns(outline: OutlineRange) -> Quad {
+  var quad = Quad(0u, 0u, 0u, 0u, 0u);
+  let a_bits = vertex_of(outline.first);
+  let b_bits = vertex_of(outline.first + 1u);
+  let c_bits = vertex_of(outline.first + 2u);
+  let d_bits = vertex_of(outline.first + 3u);
+  let magnitude = max(largest_magnitude(a_bits, b_bits, c_bits), largest_magnitude(d_bits, d_bits, d_bits));
+  if (magnitude >= LARGE) {
+    return quad;
+  }
+  let a = bitcast<vec3<f32>>(a_bits);
+  let c = bitcast<vec3<f32>>(c_bits);
+  let ab = bitcast<vec3<f32>>(b_bits) - a;
+  let ac = c - a;
+  let ad = bitcast<vec3<f32>>(d_bits) - a;
+  let cd = bitcast<vec3<f32>>(d_bits) - c;
+  let cb = bitcast<vec3<f32>>(b_bits) - c;
+  // At corner 0 the turn of d, a, b; at 1 that of a, b, c; at 2 that of b, c, d; at 3 that of c, d, a.
+  let n_0 = cross_product(ab, ad);
+  let n_1 = cross_product(ab, ac);
+  let n_2 = cross_product(cd, cb);
+  let n_3 = cross_product(ac, ad);
+  let sizes = vec4<f32>(sum_of_sizes(ab) * sum_of_sizes(ad), sum_of_sizes(ab) * sum_of_sizes(ac),
+    sum_of_sizes(cd) * sum_of_sizes(cb), sum_of_sizes(ac) * sum_of_sizes(ad));
+  let size = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
+  let bound = vec4<f32>(face_bound(size, bitcast<f32>(magnitude), lights_reach()));
+  let bits = vec4<u32>(1u, 2u, 4u, 8u);
+  let none = vec4<u32>(0u);
+  for (var place = 0u; place < light_places(); place += 4u) {
+    var d_0: vec4<f32>;
+    var d_1: vec4<f32>;
+    var d_2: vec4<f32>;
+    var d_3: vec4<f32>;
+    for (var lane = 0u; lane < 4u; lane++) {
+      let light = scaled_light(place + lane);
+      let from_a = light.xyz - light.w * a;
+      d_0[lane] = n_0.x * from_a.x + n_0.y * from_a.y + n_0.z * from_a.z;
+      d_1[lane] = n_1.x * from_a.x + n_1.y * from_a.y + n_1.z * from_a.z;
+      d_2[lane] = local_form(n_2, c, light);
+      d_3[lane] = n_3.x * from_a.x + n_3.y * from_a.y + n_3.z * from_a.z;
+    }
+    let up_0 = select(none, bits, d_0 > bound);
+    let up_1 = select(none, bits, d_1 > bound);
+    let up_2 = select(none, bits, d_2 > bound);
+    let up_3 = select(none, bits, d_3 > bound);
+    let down_0 = select(none, bits, d_0 < -bound);
+    let down_1 = select(none, bits, d_1 < -bound);
+    let down_2 = select(none, bits, d_2 < -bound);
+    let down_3 = select(none, bits, d_3 < -bound);
+    let certain = (up_0 | down_0) & (up_1 | down_1) & (up_2 | down_2) & (up_3 | down_3);
+    let facing = certain & ((up_0 & up_1 & (up_2 | up_3)) | (up_2 & up_3 & (up_0 | up_1)));
+    let averted = certain & ((down_0 & down_1 & (down_2 | down_3)) | (down_2 & down_3 & (down_0 | down_1)));
+    quad.facing |= together(facing) << place;
+    quad.averted |= together(averted) << place;
+    // Where turns alternate, the outline goes around the light. Its pairs of edges are left to tell what it darkens.
+    let around = (up_0 & up_2) | (down_0 & down_2);
+    quad.twisted |= together(certain & ~facing & ~averted & ~around) << place;
+    quad.turn_0 |= together(up_0) << place;
+    quad.turn_1 |= together(up_1) << place;
+  }
+  quad.twisted &= live_lights();
+  return quad;
+}
+
+fn sum_of_sizes(v: vec3<f32>) -> f32 {
+  return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+fn together(bits: vec4<u32>) -> u32 {
+  return bits.x | bits.y | bits.z | bits.w;
+}
+
+// Lists what is undecided, or cut: a record, and entries for all that is to do.
+fn list(polygon: u32, outline: OutlineRange, lights: u32, quad: Quad) {
   var not_finite = false;
   for (var edge = 0u; edge < outline.count; edge++) {
     not_finite = not_finite || !is_finite(vertex_of(outline.first + edge));
   }
   let number = atomicAdd(&undecided[RECORD_COUNT], 1u);
   let record = record_at(number);
-  atomicStore(&undecided[record + POLYGON], polygon);
+  atomicStore(&undecided[record + POLYGON], polygon | select(0u, NOT_FINITE, not_finite));
   atomicStore(&undecided[record + LIGHTS], select(lights, live_lights(), not_finite));
-  for (var word = FITS; word < NOT_FINITE; word++) {
+  for (var word = FITS; word < TWISTED_QUAD; word++) {
     atomicStore(&undecided[record + word], 0u);
   }
-  atomicStore(&undecided[record + NOT_FINITE], select(0u, 1u, not_finite));
-  if (not_finite) {
-    return;
+  atomicStore(&undecided[record + TWISTED_QUAD], quad.twisted);
+  atomicStore(&undecided[record + TURN_0], quad.turn_0);
+  atomicStore(&undecided[record + TURN_1], quad.turn_1);
+  if (!not_finite && lights != 0u) {
+    list_work(number, outline.count, lights, ENTRY_COUNT, WORKGROUPS);
   }
-  if (outline.count > SMALL_OUTLINE) {
-    list_large(number, outline.count, lights);
-    return;
-  }
-  let runs = (outline.count + ENTRY_EDGES - 1u) / ENTRY_EDGES;
-  let halves = vec2<bool>((lights & 0xffffu) != 0u, lights > 0xffffu);
-  let place = allot(runs * (select(0u, 1u, halves.x) + select(0u, 1u, halves.y)));
-  for (var run = 0u; run < runs; run++) {
-    if (halves.x) {
-      write_entry(place + run, number, ENTRY_EDGES * run);
-    }
-    if (halves.y) {
-      write_entry(place + select(0u, runs, halves.x) + run, number, (ENTRY_EDGES * run) | (1u << 16u));
-    }
-  }
-}
-
-// An entry for each light and edge.
-fn list_large(number: u32, edges: u32, lights: u32) {
-  var place = allot(edges * countOneBits(lights));
-  for (var rest = lights; rest != 0u; rest &= rest - 1u) {
-    for (var edge = 0u; edge < edges; edge++) {
-      write_entry(place, number, edge | (firstTrailingBit(rest) << 16u));
-      place++;
-    }
-  }
-}
-
-// Room for entries, and workgroups for them. Rows have as many as any device has.
-fn allot(entries: u32) -> u32 {
-  let place = atomicAdd(&undecided[ENTRY_COUNT], entries);
-  let end = place + entries;
-  atomicMax(&undecided[WORKGROUPS], min(end, ENTRY_ROW));
-  atomicMax(&undecided[WORKGROUPS + 1u], (end + ENTRY_ROW - 1u) / ENTRY_ROW);
-  return place;
-}
-
-fn write_entry(place: u32, number: u32, part: u32) {
-  atomicStore(&undecided[entry_at(place)], number);
-  atomicStore(&undecided[entry_at(place) + 1u], part);
 }
 
 @compute @workgroup_size(256)
@@ -142,15 +189,20 @@ fn polygon_facing(@builtin(global_invocation_id) id: vec3<u32>) {
   if (outline.count == 0u) {
     return;
   }
-  var turns = Turns(0u, 0u);
-  if (outline.is_loop && outline.count <= MOST_CONVEX) {
-    turns = convex_turns(outline);
+  var quad = Quad(0u, 0u, 0u, 0u, 0u);
+  // With more triangles it has edges that it walks both ways, and where its surface is between light and shadow is another matter.
+  if (outline.is_loop && outline.count == 4u && outline.end_triangle - outline.first_triangle == 2u) {
+    quad = quad_turns(outline);
+  } else if (outline.is_loop && outline.count <= MOST_CONVEX) {
+    let turns = convex_turns(outline);
+    quad.facing = turns.positive;
+    quad.averted = turns.negative;
   }
   for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
-    facing_masks[triangle] = turns.positive & live_lights();
+    facing_masks[triangle] = quad.facing & live_lights();
   }
-  let left = live_lights() & ~(turns.positive | turns.negative);
-  if (left != 0u) {
-    list(id.x, outline, left);
+  let left = live_lights() & ~(quad.facing | quad.averted | quad.twisted);
+  if ((left | quad.twisted) != 0u) {
+    list(id.x, outline, left, quad);
   }
 }

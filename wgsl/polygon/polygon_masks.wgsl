@@ -1,5 +1,6 @@
 // Polygon masks: decides from what was found of undecided outlines whether they face each light, or are L-twisted. A polygon that
-// is twisted or in a plane with the light counts nowhere. NUMERICS.md, "Outlines".
+// is twisted or in a plane with the light counts nowhere. What is twisted is listed for `cut_edges`, but for the quadrilaterals
+// that `cut_quads` takes. NUMERICS.md, "Outlines".
 
 @group(0) @binding(8) var<storage, read_write> facing_masks: array<u32>;
 @group(0) @binding(9) var<storage, read_write> excluded_masks: array<u32>;
@@ -13,14 +14,14 @@ struct PolygonMasks {
 
 fn masks_of_record(at: u32) -> PolygonMasks {
   let lights = atomicLoad(&undecided[at + LIGHTS]);
-  if (atomicLoad(&undecided[at + NOT_FINITE]) != 0u) {
+  if (atomicLoad(&undecided[at + POLYGON]) >= NOT_FINITE) {
     return PolygonMasks(0u, 0u, lights);
   }
   let once = atomicLoad(&undecided[at + WINDS_ONCE]);
   let never = atomicLoad(&undecided[at + WINDS_NEVER]);
   let in_plane = lights & ~atomicLoad(&undecided[at + OFF_PLANE]);
   let simple = atomicLoad(&undecided[at + FITS]) & ~atomicLoad(&undecided[at + IS_NOT_SIMPLE]) & ~(once & never);
-  let twisted = lights & ~in_plane & ~simple;
+  let twisted = (lights & ~in_plane & ~simple) | atomicLoad(&undecided[at + TWISTED_QUAD]);
   return PolygonMasks(lights & ~in_plane & simple & once, twisted, twisted | in_plane);
 }
 
@@ -30,7 +31,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
   for (var number = id.x; number < records; number += 64u * groups.x) {
     let at = record_at(number);
     let masks = masks_of_record(at);
-    let outline = outline_of(atomicLoad(&undecided[at + POLYGON]));
+    let outline = outline_of(polygon_of(at));
     let triangles = arrayLength(&facing_masks) / 2u;
     for (var triangle = outline.first_triangle; triangle < outline.end_triangle; triangle++) {
       facing_masks[triangle] |= masks.facing;
@@ -39,8 +40,7 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         excluded_masks[triangle] = masks.excluded;
       }
     }
-    let is_finite = atomicLoad(&undecided[at + NOT_FINITE]) == 0u;
-    if (is_finite) {
+    if (atomicLoad(&undecided[at + POLYGON]) < NOT_FINITE) {
       let lights = atomicLoad(&undecided[at + LIGHTS]);
       atomicAdd(&record.statistics.undecided_pairs, countOneBits(lights));
       atomicAdd(&record.statistics.exact_zeros, countOneBits(masks.excluded & ~masks.twisted));
@@ -48,7 +48,12 @@ fn polygon_masks(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     } else if (chunk.first_light == 0u) {
       atomicAdd(&record.statistics.non_finite_faces, 1u);
     }
-    // For `cut_edges`.
-    atomicStore(&undecided[at + LIGHTS], masks.twisted);
+    // Turns that alternate are those of an outline around the light, which has no cut that turns tell of.
+    let quad = atomicLoad(&undecided[at + TWISTED_QUAD]);
+    let cut = masks.twisted & ~quad;
+    atomicStore(&undecided[at + LIGHTS], cut);
+    if (cut != 0u) {
+      list_work(number, outline.count, cut, CUT_COUNT, CUT_WORKGROUPS);
+    }
   }
 }

@@ -54,26 +54,6 @@ fn turn(a: vec3<u32>, b: vec3<u32>, c: vec3<u32>, place: u32) -> Turn {
   return found;
 }
 
-// The bits of a position. Both zeros are one, so that equal bits are equal places.
-fn place_of(vertex: u32) -> vec3<u32> {
-  let bits = position_bits(vertex, position_offset(), position_stride());
-  return select(bits, vec3<u32>(0u), bits == vec3<u32>(0x80000000u));
-}
-
-// The directed edge of an outline.
-struct Edge {
-  a: vec3<u32>,
-  b: vec3<u32>,
-  has_length: bool,
-}
-
-fn edge_at(index: u32) -> Edge {
-  let ends = outlines[index];
-  let a = place_of(ends.x);
-  let b = place_of(ends.y);
-  return Edge(a, b, any(a != b));
-}
-
 // Whether `middle`, which is on the line through the others, is strictly between them.
 fn is_between(p: vec3<u32>, middle: vec3<u32>, q: vec3<u32>) -> bool {
   let before = ordered(p) < ordered(middle);

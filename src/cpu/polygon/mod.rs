@@ -4,6 +4,8 @@ pub(crate) mod convex;
 pub(crate) mod convex_batch;
 #[cfg(feature = "reference")]
 pub(crate) mod cut_edges;
+#[cfg(feature = "reference")]
+pub(crate) mod cut_quads;
 pub(crate) mod edge_pair;
 pub(crate) mod half_space;
 pub(crate) mod outline;

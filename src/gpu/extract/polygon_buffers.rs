@@ -13,8 +13,10 @@ use crate::mesh::Polygons;
 const SMALL_OUTLINE: usize = 32;
 const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
-pub(super) const HEAD_WORDS: u64 = 8;
-const RECORD_WORDS: u64 = 8;
+pub(super) const HEAD_WORDS: u64 = 12;
+const RECORD_WORDS: u64 = 10;
+/// Bytes of the head before the workgroups of `cut_edges`.
+pub(super) const CUT_WORKGROUPS: u64 = 16;
 const ONE_LOOP: u32 = 1 << 31;
 /// Bytes of the arguments of an indirect dispatch, with which the head begins.
 pub(super) const ARGUMENTS: u64 = 12;
@@ -109,8 +111,8 @@ impl PolygonBuffers {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let pieces = batch_lights.filter_map(|lights| shape.pieces(lights));
         let mut head = vec![0_u32; shape.undecided_bytes() as usize / 4];
-        // The third number of workgroups.
-        head[2] = 1;
+        // The third numbers of workgroups.
+        (head[2], head[6]) = (1, 1);
         Self {
             shape,
             outlines: filled(device, "outlines", bytemuck::cast_slice(&outlines(polygons)), storage),

@@ -2,7 +2,7 @@
 //! are L-twisted.
 
 use super::bind_groups::BindGroupBuilder;
-use super::polygon_buffers::{ARGUMENTS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers};
+use super::polygon_buffers::{ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers};
 use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipeline;
@@ -10,7 +10,7 @@ use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, LightBatch};
-use crate::stages::{CUT_EDGES, OUTLINE, POLYGON_FACING, POLYGON_MASKS, Stage};
+use crate::stages::{CUT_EDGES, CUT_QUADS, OUTLINE, POLYGON_FACING, POLYGON_MASKS, Stage};
 
 /// The stages, in order.
 #[derive(Debug)]
@@ -18,8 +18,8 @@ pub(super) struct PolygonPasses {
     facing: Pass,
     outline: Pass,
     masks: Pass,
-    /// With lists.
-    cut: Option<Pass>,
+    /// With lists: what no sign of is in doubt, and the others.
+    cut: Option<[Pass; 2]>,
 }
 
 impl PolygonPasses {
@@ -48,7 +48,12 @@ impl PolygonPasses {
             facing: pass(compute(&POLYGON_FACING, &windows), polygons.div_ceil(WORKGROUP), None),
             outline: pass(compute(&OUTLINE, &windows), 0, Some(&buffers.arguments)),
             masks,
-            cut: has_pieces.then(|| pass(compute(&CUT_EDGES, &windows), 0, Some(&buffers.arguments))),
+            cut: has_pieces.then(|| {
+                [
+                    pass(compute(&CUT_QUADS, &windows), few, None),
+                    pass(compute(&CUT_EDGES, &windows), 0, Some(&buffers.arguments)),
+                ]
+            }),
         })
     }
 
@@ -63,7 +68,7 @@ impl PolygonPasses {
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        for pass in [&mut self.facing, &mut self.outline].into_iter().chain(&mut self.cut) {
+        for pass in [&mut self.facing, &mut self.outline].into_iter().chain(self.cut.iter_mut().flatten()) {
             for dispatch in &mut pass.dispatches {
                 let mut resources = resources(binder, &pass.pipeline, dispatch);
                 resources.extend(bound.bindings(positions));
@@ -81,16 +86,21 @@ impl PolygonPasses {
         mut timer: Option<&mut StageTimer>,
     ) {
         let PolygonBuffers { undecided, arguments, .. } = buffers;
-        // All counts but the third number of workgroups.
-        encoder.clear_buffer(undecided, 0, Some(8));
-        encoder.clear_buffer(undecided, ARGUMENTS, Some(4 * HEAD_WORDS - ARGUMENTS));
+        // All counts but the third numbers of workgroups.
+        for at in [0, ARGUMENTS, CUT_WORKGROUPS + ARGUMENTS] {
+            let end = if at == ARGUMENTS { CUT_WORKGROUPS + 8 } else if at == 0 { 8 } else { 4 * HEAD_WORDS };
+            encoder.clear_buffer(undecided, at, Some(end - at));
+        }
         self.facing.record(encoder, batch..batch + 1, timer.as_deref_mut());
         encoder.copy_buffer_to_buffer(undecided, 0, arguments, 0, ARGUMENTS);
         self.outline.record(encoder, batch..batch + 1, timer.as_deref_mut());
         self.masks.record(encoder, batch..batch + 1, timer.as_deref_mut());
         if let (Some(cut), Some(pieces)) = (&self.cut, buffers.pieces.get(batch)) {
             encoder.clear_buffer(pieces, 0, Some(4 * PIECE_COUNTS));
-            cut.record(encoder, batch..batch + 1, timer);
+            let [quads, edges] = cut;
+            quads.record(encoder, batch..batch + 1, timer.as_deref_mut());
+            encoder.copy_buffer_to_buffer(undecided, CUT_WORKGROUPS, arguments, 0, ARGUMENTS);
+            edges.record(encoder, batch..batch + 1, timer);
         }
     }
 }

@@ -1,0 +1,39 @@
+// Cut quads: the pieces of L-twisted quadrilaterals of which `f32` tells the turns at all corners. Two neighbouring corners turn to
+// the left, and the others to the right. So the two edges between them cross each other, and each lobe has the sense of its
+// corners. NUMERICS.md, "Shadows of twisted polygons".
+
+// A quadrilateral and a light. `first` is the corner after which one comes that turns alike.
+fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
+  var corners: array<vec3<u32>, 4>;
+  for (var corner = 0u; corner < 4u; corner++) {
+    corners[corner] = place_of(outlines[outline.first + (first + corner) % 4u].x);
+  }
+  let middle = crossing_point(outline, (first + 1u) % 4u, (first + 3u) % 4u, light);
+  // The lobe of corners 0 and 1, and that of corners 2 and 3.
+  for (var lobe = 0u; lobe < 2u; lobe++) {
+    let a = corners[2u * lobe];
+    let b = corners[2u * lobe + 1u];
+    let is_turned = is_positive == (lobe == 1u);
+    list_piece(outline, light, a, b, is_turned);
+    list_piece(outline, light, b, middle, is_turned);
+    list_piece(outline, light, middle, a, is_turned);
+  }
+}
+
+@compute @workgroup_size(64)
+fn cut_quads(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+  let records = atomicLoad(&undecided[RECORD_COUNT]);
+  for (var number = id.x; number < records; number += 64u * groups.x) {
+    let at = record_at(number);
+    let outline = outline_of(polygon_of(at));
+    let turn_0 = atomicLoad(&undecided[at + TURN_0]);
+    let turn_1 = atomicLoad(&undecided[at + TURN_1]);
+    for (var rest = atomicLoad(&undecided[at + TWISTED_QUAD]); rest != 0u; rest &= rest - 1u) {
+      let light = firstTrailingBit(rest);
+      let is_positive = ((turn_0 >> light) & 1u) != 0u;
+      let is_next_alike = ((turn_1 >> light) & 1u) == select(0u, 1u, is_positive);
+      // If corner 1 is not alike, corner 3 is, which comes before corner 0.
+      cut_quad(outline, light, select(3u, 0u, is_next_alike), is_positive);
+    }
+  }
+}
