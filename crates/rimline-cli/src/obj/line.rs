@@ -36,7 +36,9 @@ impl<R: BufRead> Lines<R> {
     pub(super) fn next(&mut self, most: u64) -> io::Result<Next<'_>> {
         self.text.clear();
         let line = self.count + 1;
+        let mut is_comment = false;
         loop {
+            let start = self.text.len();
             let room = most.saturating_sub(self.text.len() as u64);
             let read = self.reader.by_ref().take(room.saturating_add(1)).read_until(b'\n', &mut self.text)?;
             if read == 0 {
@@ -49,8 +51,10 @@ impl<R: BufRead> Lines<R> {
             while let Some(b'\n' | b'\r') = self.text.last() {
                 self.text.pop();
             }
+            // Only what is new is searched, since a statement may go on for a million lines.
+            is_comment |= self.text.get(start..).is_some_and(|new| new.contains(&b'#'));
             // Comments do not go on: one that ends in a folder's name would take the next line with it.
-            if self.text.last() != Some(&b'\\') || self.text.contains(&b'#') {
+            if self.text.last() != Some(&b'\\') || is_comment {
                 return Ok(Next::Statement(Statement { line, text: &self.text }));
             }
             if let Some(last) = self.text.last_mut() {
