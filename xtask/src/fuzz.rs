@@ -6,7 +6,7 @@ use crate::process;
 use crate::summary::Summary;
 use crate::test::BENCH;
 
-const TARGETS: [&str; 4] = ["gltf", "npz", "wgsl", "args"];
+const TARGETS: [&str; 5] = ["gltf", "npz", "obj", "wgsl", "args"];
 /// What continuous integration takes for each target.
 pub(crate) const CI_SECONDS: u64 = 60;
 

@@ -25,8 +25,8 @@ Commands:
   test     Run every test; ends with a line `N passed, N failed, N skipped`
   circles  Check that no modules of a crate import one another in a circle
   ci       Check format, lints, documentation and circles, then do what `test` does, then check the WGSL with other
-           compilers, then fuzz for 4 minutes
-  fuzz     Feed mutated glTF, .npz, WGSL and arguments to what reads them; --seconds N for each of the four (60)
+           compilers, then fuzz for 5 minutes
+  fuzz     Feed mutated glTF, .npz, OBJ, WGSL and arguments to what reads them; --seconds N for each of the five (60)
   mutants  Make the code wrong in a copy, in one place after the other, and say whether tests notice; --only TEXT
 
 demo, test and ci need a Vulkan driver on Linux. Where there is none, they install Mesa's software driver through the

@@ -22,7 +22,8 @@ pub(crate) struct Cli {
 
 const LONG_ABOUT: &str = "\
 Finds the silhouette edges of triangle meshes as seen from any number of lights, on any GPU that wgpu can use, \
-software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb) and NumPy archives (.npz).
+software Vulkan included, or on the CPU. Reads glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) \
+and NumPy archives (.npz).
 
 Inputs are regular files. `-` stands for standard input; it can be given once, and a glTF that comes from it cannot \
 name other files.
@@ -207,7 +208,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long)]
     pub(crate) make: bool,
 
-    /// With --make: .gltf, .glb or .npz files to extract, in addition to the stress scenes
+    /// With --make: .gltf, .glb, .obj or .npz files to extract, in addition to the stress scenes
     #[arg(value_name = "MODEL", requires = "make")]
     pub(crate) models: Vec<PathBuf>,
 

@@ -7,6 +7,7 @@ use rimline::{CameraError, LightError, MeshError};
 
 use crate::load_args::size;
 use crate::npz::NpzError;
+use crate::obj::ObjError;
 use crate::spec::SpecError;
 
 /// What to do about a machine without any adapter.
@@ -63,7 +64,7 @@ pub(crate) enum Failure {
 pub(crate) enum InputError {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    #[error("cannot read {what}: use .glb, .gltf or .npz")]
+    #[error("cannot read {what}: use .glb, .gltf, .obj or .npz")]
     Format { what: String },
     #[error(transparent)]
     Gltf(#[from] rimline::gltf::GltfError),
@@ -84,12 +85,14 @@ pub(crate) enum InputError {
     #[error(transparent)]
     Npz(#[from] NpzError),
     #[error(transparent)]
+    Obj(#[from] ObjError),
+    #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(transparent)]
     PosedMesh(#[from] rimline::PosedMeshError),
     #[error("its lights cannot be used: {0}")]
     Lights(LightError),
-    #[error("it has polygons, whose vertices cannot be displaced so far; write its triangles as `faces`")]
+    #[error("it has polygons, whose vertices cannot be displaced so far; cut its faces into triangles")]
     PolygonsDisplaced,
     #[error(transparent)]
     Displacement(#[from] rimline::DisplaceError),

@@ -1,6 +1,6 @@
 //! The model file, whatever its format, and the mesh it makes at one posed.
 
-use std::io::{Cursor, Read, Seek};
+use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use rimline::MAX_LIGHTS;
@@ -12,6 +12,7 @@ use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, LightErr
 use crate::failure::{Failure, InputError, UsageError};
 use crate::input_args::{ModelArgs, PoseArgs};
 use crate::npz;
+use crate::obj;
 use crate::output::note;
 use crate::source;
 use crate::spec::LightSpec;
@@ -33,7 +34,7 @@ pub(crate) struct ChosenLight {
 pub(crate) enum Source {
     Gltf(Box<Asset>),
     /// World-space positions, welded: one geometry, one instance.
-    Npz {
+    World {
         model: Model,
         weld: WeldCounts,
         /// The mesh, if the file has polygons. The model has their triangles.
@@ -87,7 +88,7 @@ impl Input {
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
         let named = match &self.source {
             Source::Gltf(asset) => asset.named_files(),
-            Source::Npz { .. } => &[],
+            Source::World { .. } => &[],
         };
         std::iter::once(&*self.file).chain(named.iter().map(PathBuf::as_path))
     }
@@ -95,7 +96,7 @@ impl Input {
     pub(crate) fn model(&self) -> &Model {
         match &self.source {
             Source::Gltf(asset) => asset.model(),
-            Source::Npz { model, .. } => model,
+            Source::World { model, .. } => model,
         }
     }
 
@@ -103,7 +104,7 @@ impl Input {
     pub(crate) fn weld_counts(&self, geometry: usize) -> WeldCounts {
         match &self.source {
             Source::Gltf(asset) => asset.weld_counts(geometry).unwrap_or_default(),
-            Source::Npz { weld, .. } => *weld,
+            Source::World { weld, .. } => *weld,
         }
     }
 
@@ -114,7 +115,7 @@ impl Input {
         };
         let (found, there) = match &self.source {
             Source::Gltf(asset) => (asset.animation_index(wanted), listed_animations(asset)),
-            Source::Npz { .. } => (None, "an .npz file has none".to_owned()),
+            Source::World { .. } => (None, "the file has none".to_owned()),
         };
         let wanted = wanted.clone();
         let missing = || UsageError::Animation { wanted, there }.into();
@@ -131,9 +132,9 @@ impl Input {
     pub(crate) fn shape(&self, animation: Option<usize>, time_s: f32, displaced: bool) -> Result<Shape<'_>, Failure> {
         let pose = match &self.source {
             Source::Gltf(asset) => asset.pose(animation, time_s).map_err(InputError::from),
-            Source::Npz { polygons: Some(_), .. } if displaced => Err(InputError::PolygonsDisplaced),
-            Source::Npz { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
-            Source::Npz { .. } => resting().map_err(InputError::from),
+            Source::World { polygons: Some(_), .. } if displaced => Err(InputError::PolygonsDisplaced),
+            Source::World { model, .. } if !displaced => return Ok(Shape::World(model.geometries()[0].positions())),
+            Source::World { .. } => resting().map_err(InputError::from),
         };
         let pose = pose.map_err(Failure::input(&self.file))?;
         Ok(Shape::Posed { model: self.model(), pose })
@@ -141,7 +142,7 @@ impl Input {
 
     /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
-        if let (Source::Npz { polygons: Some(mesh), .. }, Shape::World(_)) = (&self.source, shape) {
+        if let (Source::World { polygons: Some(mesh), .. }, Shape::World(_)) = (&self.source, shape) {
             return Ok(Mesh::clone(mesh));
         }
         let mesh = match shape {
@@ -231,6 +232,9 @@ fn open(file: &Path, options: LoadOptions) -> Result<Source, InputError> {
     if ending.as_deref() == Some("npz") {
         return open_npz(reader, options);
     }
+    if ending.as_deref() == Some("obj") {
+        return of_arrays(obj::read(BufReader::new(reader), options.memory_limit)?, options);
+    }
     let mut start = Vec::new();
     reader.by_ref().take(4).read_to_end(&mut start)?;
     reader.rewind()?;
@@ -254,6 +258,7 @@ fn open_stdin(options: LoadOptions) -> Result<Source, InputError> {
             let asset = Asset::from_slice(&bytes, None, options);
             asset.map(|asset| Source::Gltf(Box::new(asset))).map_err(|error| of_gltf(Path::new("-"), error))
         }
+        _ if obj::begins_like(&bytes) => of_arrays(obj::read(&*bytes, options.memory_limit)?, options),
         _ => Err(InputError::Format { what: "a file of this format".to_owned() }),
     }
 }
@@ -279,18 +284,22 @@ fn of_gltf(file: &Path, error: GltfError) -> InputError {
 }
 
 fn open_npz(reader: impl Read + Seek, options: LoadOptions) -> Result<Source, InputError> {
-    let arrays = npz::read(reader, options.memory_limit)?;
+    of_arrays(npz::read(reader, options.memory_limit)?, options)
+}
+
+/// World-space positions, and triangles or polygons.
+fn of_arrays(arrays: npz::Arrays, options: LoadOptions) -> Result<Source, InputError> {
     if let Some(polygons) = arrays.polygons {
         let mesh = Mesh::from_polygons(&arrays.positions, polygons.loops(), options.weld)?;
         drop(polygons);
         let geometry = Geometry::new(arrays.positions, mesh.faces().to_vec(), GeometryOptions::default())?;
         let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-        return Ok(Source::Npz { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) });
+        return Ok(Source::World { model, weld: mesh.weld_counts(), polygons: Some(Box::new(mesh)) });
     }
     let geometry = Geometry::new(arrays.positions, arrays.faces, GeometryOptions::default())?;
     let (geometry, weld) = geometry.welded(options.weld);
     let model = Model::new(vec![geometry], vec![Instance::new(0, None)])?;
-    Ok(Source::Npz { model, weld, polygons: None })
+    Ok(Source::World { model, weld, polygons: None })
 }
 
 /// Everything where it is.

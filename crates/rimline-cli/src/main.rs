@@ -42,7 +42,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
-use rimline_cli::npz;
+use rimline_cli::{npz, obj};
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;

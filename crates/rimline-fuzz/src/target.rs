@@ -4,13 +4,15 @@
 pub(crate) enum Target {
     Gltf,
     Npz,
+    Obj,
     Wgsl,
     Arguments,
 }
 
-const TARGETS: [(Target, &str, &str); 4] = [
+const TARGETS: [(Target, &str, &str); 5] = [
     (Target::Gltf, "gltf", "glb"),
     (Target::Npz, "npz", "npz"),
+    (Target::Obj, "obj", "obj"),
     (Target::Wgsl, "wgsl", "wgsl"),
     (Target::Arguments, "args", "txt"),
 ];

@@ -1,5 +1,6 @@
 //! NumPy archives: a ZIP of .npy arrays.
 
+pub(crate) mod charge;
 mod compare;
 mod header;
 mod read;

@@ -6,6 +6,7 @@ use rimline::mesh::PolygonLoops;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use super::charge::{CORNER, FACE, GROWTH, LOOP, POLYGON, VERTEX};
 use super::header::{ElementType, Header, HeaderError};
 
 /// Positions, as they lie in the file bit for bit, and triangles whose indices are below their number, or polygons.
@@ -26,6 +27,15 @@ pub struct PolygonArrays {
 }
 
 impl PolygonArrays {
+    /// Polygons of one loop each.
+    pub(crate) fn of_single_loops(sizes: &[u32], corners: &[u32]) -> Self {
+        Self {
+            polygon_loops: vec![[1]; sizes.len()],
+            loop_sizes: sizes.as_chunks().0.to_vec(),
+            loop_corners: corners.as_chunks().0.to_vec(),
+        }
+    }
+
     pub fn loops(&self) -> PolygonLoops<'_> {
         PolygonLoops {
             polygon_loops: self.polygon_loops.as_flattened(),
@@ -91,18 +101,6 @@ pub(super) fn shown(shape: &[u64]) -> String {
     let numbers = shape.iter().take(MOST).map(u64::to_string).collect::<Vec<_>>().join(", ");
     if shape.len() > MOST { format!("{numbers}, … {} numbers in all", shape.len()) } else { numbers }
 }
-
-/// What a list that grows takes at most for each byte of its elements: the old and the new array while it doubles.
-const GROWTH: u64 = 3;
-/// Bytes for a vertex and for a face: as read, then welded, then in a mesh with its edge records. As the library counts
-/// those of a glTF.
-const VERTEX: u64 = 12 * GROWTH + 128;
-const FACE: u64 = 12 * GROWTH + 144;
-/// Bytes for a polygon, for a loop, and for a corner: two copies of all arrays, an edge of the outline, a triangle and its
-/// edge records.
-const POLYGON: u64 = 4 * GROWTH + 48;
-const LOOP: u64 = 4 * GROWTH + 32;
-const CORNER: u64 = 4 * GROWTH + 240;
 
 /// The memory that reading one archive may take. What is charged is never given back.
 struct Budget {

@@ -58,7 +58,7 @@ pub(crate) enum ModeArg {
 /// What the pictures with shadows have alike.
 #[derive(Args, Debug)]
 pub(crate) struct ShadowSceneArgs {
-    /// .gltf, .glb or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains `positions`
+    /// .gltf, .glb, .obj or .npz files, or - for standard input. Each file casts shadows as one body. An .npz contains `positions`
     /// (V,3) float32 and `faces` (F,3) of any integer type
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,

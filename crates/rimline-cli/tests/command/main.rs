@@ -18,6 +18,7 @@ mod models;
 mod npz_bounds;
 mod npz_input;
 mod npz_polygons;
+mod obj_input;
 mod outlines;
 mod outputs;
 #[cfg(unix)]
@@ -60,6 +61,7 @@ fn main() {
         npz_bounds::TESTS,
         npz_input::TESTS,
         npz_polygons::TESTS,
+        obj_input::TESTS,
         contract::TESTS,
         draw::TESTS,
         outlines::TESTS,

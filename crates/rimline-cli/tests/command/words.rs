@@ -181,10 +181,10 @@ fn written() -> Outcome {
 fn named() -> Outcome {
     let folder = folder();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    std::fs::write(at("fox.obj"), "v 0 0 0\n").map_err(|error| error.to_string())?;
+    std::fs::write(at("fox.ply"), "v 0 0 0\n").map_err(|error| error.to_string())?;
     std::fs::write(at("fox"), "v 0 0 0\n").map_err(|error| error.to_string())?;
-    rimline(["info", &at("fox.obj")]).expect(1, &["fox.obj: cannot read .obj: use .glb, .gltf or .npz"])?;
-    rimline(["info", &at("fox")]).expect(1, &["cannot read a file of this format: use .glb, .gltf or .npz"])?;
+    rimline(["info", &at("fox.ply")]).expect(1, &["fox.ply: cannot read .ply: use .glb, .gltf, .obj or .npz"])?;
+    rimline(["info", &at("fox")]).expect(1, &["cannot read a file of this format: use .glb, .gltf, .obj or .npz"])?;
     std::fs::write(at("m.npz"), tetrahedron()).map_err(|error| error.to_string())?;
     let line = ["draw", &at("m.npz"), "--device", "voodoo", "--out", &at("a.png")];
     rimline(line).expect(3, &["no device has `voodoo` in its name or backend"])

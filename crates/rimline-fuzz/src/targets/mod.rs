@@ -3,6 +3,7 @@
 mod arguments;
 mod gltf;
 mod npz;
+mod obj;
 mod wgsl;
 
 use rimline_measure::random::Random;
@@ -32,6 +33,7 @@ impl Input {
 pub(crate) enum Seeds {
     Gltf(gltf::Seeds),
     Npz(npz::Seeds),
+    Obj,
     Wgsl(wgsl::Seeds),
     Arguments(arguments::Seeds),
 }
@@ -41,6 +43,7 @@ impl Seeds {
         Ok(match options.target {
             Target::Gltf => Self::Gltf(gltf::Seeds::new()),
             Target::Npz => Self::Npz(npz::Seeds::new()?),
+            Target::Obj => Self::Obj,
             Target::Wgsl => Self::Wgsl(wgsl::Seeds::new()),
             Target::Arguments => Self::Arguments(arguments::Seeds::new(options)?),
         })
@@ -50,6 +53,7 @@ impl Seeds {
         match self {
             Self::Gltf(seeds) => Input::Bytes(seeds.case(random)),
             Self::Npz(seeds) => Input::Bytes(seeds.case(random)),
+            Self::Obj => Input::Bytes(obj::case(random)),
             Self::Wgsl(seeds) => Input::Text(seeds.case(random)),
             Self::Arguments(seeds) => Input::Arguments(seeds.case(random)),
         }
@@ -60,6 +64,7 @@ impl Seeds {
         match (self, input) {
             (Self::Gltf(_), Input::Bytes(bytes)) => gltf::run(bytes),
             (Self::Npz(seeds), Input::Bytes(bytes)) => seeds.run(bytes),
+            (Self::Obj, Input::Bytes(bytes)) => obj::run(bytes),
             (Self::Wgsl(_), Input::Text(text)) => wgsl::run(text),
             (Self::Arguments(seeds), Input::Arguments(words)) => seeds.run(words),
             _ => Err("the input is another target's".to_owned()),

@@ -132,13 +132,14 @@ impl Seeds {
     }
 }
 
-/// Polygons make a mesh or are refused. The boundary of their triangles is their outline, and silhouettes can be extracted.
-fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -> Result<(), String> {
-    let Ok(mesh) = Mesh::from_polygons(positions, loops, weld) else { return Ok(()) };
+/// Polygons make a mesh, or are refused: then it is false. The boundary of their triangles is their outline, and
+/// silhouettes can be extracted.
+pub(super) fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -> Result<bool, String> {
+    let Ok(mesh) = Mesh::from_polygons(positions, loops, weld) else { return Ok(false) };
     if mesh.faces().iter().flatten().any(|&vertex| vertex as usize >= positions.len()) {
         return Err("a triangle names a vertex that is not there".to_owned());
     }
-    let Some(polygons) = mesh.polygons() else { return Ok(()) };
+    let Some(polygons) = mesh.polygons() else { return Ok(true) };
     let sum = |edges: &mut dyn Iterator<Item = [u32; 2]>| {
         let mut sums = BTreeMap::new();
         edges.for_each(|[a, b]| *sums.entry([a.min(b), a.max(b)]).or_insert(0) += if a < b { 1 } else { -1 });
@@ -158,7 +159,7 @@ fn check_polygons(positions: &[[f32; 3]], loops: PolygonLoops<'_>, weld: Weld) -
     if found.facing.iter().zip(&found.twisted).any(|(facing, twisted)| facing & twisted != 0) {
         return Err("a polygon faces a light for which it is twisted".to_owned());
     }
-    Ok(())
+    Ok(true)
 }
 
 fn array(name: &str, descr: &str, fortran_order: &str, shape: &str, data: &[u8]) -> Array {

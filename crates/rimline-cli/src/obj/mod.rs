@@ -1,0 +1,6 @@
+//! Wavefront OBJ files: positions, and faces of any number of corners.
+
+mod line;
+mod read;
+
+pub use read::{ObjError, begins_like, read};
