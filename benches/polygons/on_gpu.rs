@@ -42,9 +42,7 @@ fn compare(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), String> {
         for _ in 0..=ROUNDS {
             for (extractor, least) in extractors.iter_mut().zip(&mut least) {
                 let start = Instant::now();
-                gpu.submit(|encoder| {
-                    extractor.encode(encoder, positions, lights, None).map_err(|error| text(&error))
-                })?;
+                gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| text(&error)))?;
                 gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| text(&error))?;
                 *least = least.min(start.elapsed().as_secs_f64() * 1e3);
             }

@@ -2,7 +2,8 @@
 
 use rimline::gpu::{
     DeformError, Deformer, DeformerOptions, ExtractionEncodeError, ExtractionIncludeError, Extractor, ExtractorError,
-    ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES, MemoryError, PositionBuffer, PositionError, results_bind_group_layout,
+    ExtractorOptions, ListOptions, MAX_OUTLINE_EDGES, MemoryError, PositionBuffer, PositionError,
+    results_bind_group_layout,
 };
 use rimline::mesh::Weld;
 use rimline::reference::Method;

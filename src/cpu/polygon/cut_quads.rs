@@ -5,7 +5,8 @@ use super::cut_edges::{Piece, PieceEnd};
 /// The pieces of a quadrilateral that is L-twisted, with the turns at its corners as seen from the light: two neighbours are
 /// positive, and the others negative. `None` for other turns. Where both cut edges are cut is left at 0.5.
 pub fn cut_quads(turns: [i32; 4]) -> Option<Vec<Piece>> {
-    let first = (0..4).find(|&corner| turns[corner] == turns[(corner + 1) % 4] && turns[corner] != turns[(corner + 2) % 4])?;
+    let first =
+        (0..4).find(|&corner| turns[corner] == turns[(corner + 1) % 4] && turns[corner] != turns[(corner + 2) % 4])?;
     let is_split = turns[(first + 2) % 4] == turns[(first + 3) % 4] && !turns.contains(&0);
     let edge = |corner: usize| (first + corner) % 4;
     let cut = |other: usize| PieceEnd::Crossing { edge: edge(other), at: 0.5 };

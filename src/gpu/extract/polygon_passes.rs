@@ -88,7 +88,13 @@ impl PolygonPasses {
         let PolygonBuffers { undecided, arguments, .. } = buffers;
         // All counts but the third numbers of workgroups.
         for at in [0, ARGUMENTS, CUT_WORKGROUPS + ARGUMENTS] {
-            let end = if at == ARGUMENTS { CUT_WORKGROUPS + 8 } else if at == 0 { 8 } else { 4 * HEAD_WORDS };
+            let end = if at == ARGUMENTS {
+                CUT_WORKGROUPS + 8
+            } else if at == 0 {
+                8
+            } else {
+                4 * HEAD_WORDS
+            };
             encoder.clear_buffer(undecided, at, Some(end - at));
         }
         self.facing.record(encoder, batch..batch + 1, timer.as_deref_mut());

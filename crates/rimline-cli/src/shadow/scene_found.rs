@@ -141,7 +141,7 @@ fn code(counting: Counting) -> u32 {
 /// The number of silhouette edges of each light of a group and batch, and its statistics.
 fn of_group(gpu: &Gpu, group: &SceneGroupResults<'_>) -> Result<(Vec<u32>, ExtractionStatistics), ReadError> {
     let counts = first_words(gpu, group.lists, 32)?;
-    let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() / 4)?;
+    let record = first_words(gpu, group.record, size_of::<ExtractionStatistics>() as u64 / 4)?;
     Ok((counts, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&record))))
 }
 

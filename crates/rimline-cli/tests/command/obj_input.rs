@@ -51,12 +51,16 @@ fn ways() -> Outcome {
     let corners = |to: fn(i32) -> String| -> String {
         let line =
             |line: &str| line[2..].split(' ').map(|word| to(word.parse().unwrap_or(0))).collect::<Vec<_>>().join(" ");
-        faces().map(|face| format!("f {}\n", line(face))).collect()
+        faces().map(|face| format!("f {}\n", line(face))).collect::<Vec<_>>().concat()
     };
-    let head: String = vertices.clone().map(|line| format!("{line}\n")).collect();
-    let weighted: String = vertices.clone().map(|line| format!("{line} 2.5\n")).collect();
-    let coloured: String =
-        vertices.clone().enumerate().map(|(i, line)| format!("{line}{}\n", [" 1 0 .5", ""][i % 2])).collect();
+    let head: String = vertices.clone().map(|line| format!("{line}\n")).collect::<Vec<_>>().concat();
+    let weighted: String = vertices.clone().map(|line| format!("{line} 2.5\n")).collect::<Vec<_>>().concat();
+    let coloured: String = vertices
+        .clone()
+        .enumerate()
+        .map(|(i, line)| format!("{line}{}\n", [" 1 0 .5", ""][i % 2]))
+        .collect::<Vec<_>>()
+        .concat();
     let mut latin = b"# caf\xe9 C:\\models\\\no \xfc # x\n".to_vec();
     latin.extend(CUBE.bytes());
     let cases: [(&str, Vec<u8>); 15] = [
