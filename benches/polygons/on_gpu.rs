@@ -13,7 +13,7 @@ use crate::{ROUNDS, SEED};
 
 pub(crate) fn measure(sizes: &[u32]) -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
-    println!("\n{}; least of {ROUNDS} runs, milliseconds", gpu.name);
+    println!("\n{}; least of {} runs, milliseconds", gpu.name, 4 * ROUNDS);
     println!("| quadrilaterals | bump | 1 light | of triangles | ratio | 8 lights | of triangles | ratio |");
     println!("|---:|---:|---:|---:|---:|---:|---:|---:|");
     for &size in sizes {
@@ -39,7 +39,7 @@ fn compare(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), String> {
         let mut extractors = [make(&mesh)?, make(&triangles)?];
         let mut least = [f64::INFINITY; 2];
         // One more, in which shaders are compiled.
-        for _ in 0..=ROUNDS {
+        for _ in 0..=4 * ROUNDS {
             for (extractor, least) in extractors.iter_mut().zip(&mut least) {
                 let start = Instant::now();
                 gpu.submit(|encoder| extractor.encode(encoder, positions, lights, None).map_err(|error| text(&error)))?;

@@ -116,17 +116,23 @@ fn quad_turns(outline: OutlineRange) -> Quad {
   let bits = vec4<u32>(1u, 2u, 4u, 8u);
   let none = vec4<u32>(0u);
   for (var place = 0u; place < light_places(); place += 4u) {
-    var d_0: vec4<f32>;
-    var d_1: vec4<f32>;
-    var d_2: vec4<f32>;
-    var d_3: vec4<f32>;
-    for (var lane = 0u; lane < 4u; lane++) {
-      let light = scaled_light(place + lane);
-      let from_a = light.xyz - light.w * a;
-      d_0[lane] = n_0.x * from_a.x + n_0.y * from_a.y + n_0.z * from_a.z;
-      d_1[lane] = n_1.x * from_a.x + n_1.y * from_a.y + n_1.z * from_a.z;
-      d_2[lane] = local_form(n_2, c, light);
-      d_3[lane] = n_3.x * from_a.x + n_3.y * from_a.y + n_3.z * from_a.z;
+    let lights = transpose(
+      mat4x4<f32>(scaled_light(place), scaled_light(place + 1u), scaled_light(place + 2u), scaled_light(place + 3u)));
+    let from_a = mat3x4<f32>(lights[0] - lights[3] * a.x, lights[1] - lights[3] * a.y, lights[2] - lights[3] * a.z);
+    let from_c = mat3x4<f32>(lights[0] - lights[3] * c.x, lights[1] - lights[3] * c.y, lights[2] - lights[3] * c.z);
+    let d_0 = n_0.x * from_a[0] + n_0.y * from_a[1] + n_0.z * from_a[2];
+    let d_1 = n_1.x * from_a[0] + n_1.y * from_a[1] + n_1.z * from_a[2];
+    let d_2 = n_2.x * from_c[0] + n_2.y * from_c[1] + n_2.z * from_c[2];
+    let d_3 = n_3.x * from_a[0] + n_3.y * from_a[1] + n_3.z * from_a[2];
+    // Most are convex as seen from most lights.
+    let low = min(min(d_0, d_1), min(d_2, d_3));
+    let high = max(max(d_0, d_1), max(d_2, d_3));
+    let all_up = select(none, bits, low > bound);
+    let all_down = select(none, bits, high < -bound);
+    quad.facing |= together(all_up) << place;
+    quad.averted |= together(all_down) << place;
+    if (all((all_up | all_down) != none)) {
+      continue;
     }
     let up_0 = select(none, bits, d_0 > bound);
     let up_1 = select(none, bits, d_1 > bound);

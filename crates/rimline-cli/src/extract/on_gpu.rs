@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use rimline::gpu::{Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::mesh::Polygons;
 use rimline::reference::Method;
 use rimline::reference::cpu::FacingStatistics;
 use rimline::reference::layout::ExtractionStatistics;
@@ -127,14 +128,33 @@ impl<'s> Job<'_, 's> {
             undecided_pairs: statistics.undecided_pairs,
             exact_zeros: statistics.exact_zeros,
         });
+        let triangles = mesh.faces().len();
+        let (facing, twisted) = match mesh.polygons() {
+            None => (read_planes(gpu, first.results().facing, triangles)?, Vec::new()),
+            Some(polygons) => {
+                let planes: Vec<u32> = read_planes(gpu, first.results().facing, 2 * triangles)?;
+                let of_polygons = |at: usize| -> Vec<u32> {
+                    let planes = planes.chunks(2 * triangles).map(|plane| &plane[at..at + triangles]);
+                    planes
+                        .flat_map(|plane| (0..polygons.len()).map(|polygon| mask_of(polygons, plane, polygon)))
+                        .collect()
+                };
+                (of_polygons(0), of_polygons(triangles))
+            }
+        };
         Ok(Found {
             positions,
-            facing: read_planes(gpu, first.results().facing, mesh.faces().len())?,
-            twisted: Vec::new(),
+            facing,
+            twisted,
             masks: read_planes(gpu, last.results().masks, mesh.edges().len())?,
             statistics: facing_statistics.unwrap_or_default(),
         })
     }
+}
+
+/// The mask of a polygon from those of its triangles, which are alike. A polygon without triangles has no bits.
+fn mask_of(polygons: &Polygons, of_triangles: &[u32], polygon: usize) -> u32 {
+    polygons.triangles(polygon).next().and_then(|first| of_triangles.get(first)).copied().unwrap_or(0)
 }
 
 pub(crate) fn read_planes<T: bytemuck::Pod>(
