@@ -418,7 +418,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "caps: light caps of proxies are not clipped with ZP+",
         changes: &[
-            ("wgsl/shadow/cap_faces.wgsl", "if (has_near_cap(own.light)) {", "if (false) {"),
+            ("wgsl/shadow/cap_vertices.wgsl", "if (ends_at_near_plane) {", "if (false) {"),
             ("src/cpu/shadow/cap_faces.rs", "if !has_near_cap(light) {", "if !has_near_cap(light) || true {"),
         ],
         tests: &["--test shadow_cpu", "--test shadow_gpu"],
@@ -509,12 +509,12 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/shadow/choose.wgsl",
-                "select(0u, 1u, has_holes || (light_is_inside",
+                "select(0u, 1u, has_holes || is_cut || (light_is_inside",
                 "select(0u, 1u, (light_is_inside",
             ),
             (
                 "src/cpu/shadow/choose.rs",
-                "u32::from(has_holes != 0 || (light_is_inside && zeros))",
+                "u32::from(has_holes != 0 || is_cut || (light_is_inside && zeros))",
                 "u32::from(light_is_inside && zeros)",
             ),
         ],
@@ -823,8 +823,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygons: outlines in a plane with the light have a side",
         changes: &[(
             "src/cpu/polygon/outline.rs",
-            "turn_as_given(a, b, c, light) == 0 &&",
-            "turn_as_given(a, b, c, light) == 2 &&",
+            "turn_as_given(a, b, c, light) == 0))",
+            "turn_as_given(a, b, c, light) == 2))",
         )],
         tests: POLYGONS,
     },
@@ -832,8 +832,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "polygons: triangles with the light in their plane say it of all corners",
         changes: &[(
             "src/cpu/polygon/outline.rs",
-            "turn_as_given(a, b, c, light) == 0 && self.corners.iter().all(",
-            "turn_as_given(a, b, c, light) == 0 || self.corners.iter().all(",
+            "self.edges.iter().all(|&[a, b]| self.corners",
+            "self.edges.iter().take(1).all(|&[a, b]| self.corners[..3]",
         )],
         tests: POLYGONS,
     },

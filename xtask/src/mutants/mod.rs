@@ -3,6 +3,7 @@
 
 mod list;
 mod occluded;
+mod polygons;
 mod scene_clusters;
 
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 /// All mutations.
 fn all() -> impl Iterator<Item = &'static Mutation> {
-    [list::MUTATIONS, occluded::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
+    [list::MUTATIONS, occluded::MUTATIONS, polygons::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
 }
 
 enum Outcome {

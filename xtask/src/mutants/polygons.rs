@@ -1,0 +1,110 @@
+//! Wrong changes to the stages of polygons, in shader and twin alike where both decide it.
+
+use super::list::Mutation;
+
+const STAGES: &[&str] = &["--test polygon_gpu", "--test polygon_cpu"];
+const PICTURES: &[&str] = &["--test shadow_gpu polygons"];
+
+pub(super) const MUTATIONS: &[Mutation] = &[
+    Mutation {
+        name: "polygon stages: two turns that are alike make a quadrilateral simple",
+        changes: &[(
+            "wgsl/polygon/polygon_facing.wgsl",
+            "let facing = certain & ((up_0 & up_1 & (up_2 | up_3))",
+            "let facing = certain & ((up_0 & up_1)",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: outlines around the light are cut as if they crossed",
+        changes: &[(
+            "wgsl/polygon/polygon_facing.wgsl",
+            "let around = (up_0 & up_2) | (down_0 & down_2);",
+            "let around = 0u * ((up_0 & up_2) | (down_0 & down_2));",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: the rightmost corner is that of the first invocation",
+        changes: &[(
+            "wgsl/polygon/outline.wgsl",
+            "if (is_pairs || (!is_check && lane < half)) {",
+            "if (is_pairs || (!is_check && lane > half)) {",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: a corner on the right does not speak against a half-space",
+        changes: &[
+            ("wgsl/polygon/outline.wgsl", "&& (seen & IS_ANY_RIGHT) == 0u", "&& (seen & IS_ANY_RIGHT) != 77u"),
+            ("src/cpu/polygon/half_space.rs", "..0 => return false,", "..0 => {}"),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: twisted faces do not make boundaries of their neighbours",
+        changes: &[(
+            "wgsl/extract/edges.wgsl",
+            "let silhouette = (counts_0 ^ counts_1) | (",
+            "let silhouette = (0u & counts_0 ^ 0u & counts_1) | (",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: the order of cuts is that of the rounded places",
+        changes: &[(
+            "wgsl/polygon/cut_edges.wgsl",
+            "let by_turns = attempt == 0u && ",
+            "let by_turns = attempt == 7u && ",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon stages: both edges of a crossing take a point of their own",
+        changes: &[(
+            "wgsl/polygon/list_pieces.wgsl",
+            "let e = edge_at(outline.first + min(i, j));\n  let f = edge_at(outline.first + max(i, j));",
+            "let e = edge_at(outline.first + i);\n  let f = edge_at(outline.first + j);",
+        )],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "pieces: the eye does not see through the faces that they make",
+        changes: &[(
+            "wgsl/shadow/piece_arguments.wgsl",
+            "draws.light_cap = arguments(4u, count, true);",
+            "draws.light_cap = arguments(4u, count, is_fail);",
+        )],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "pieces: sides are wound the other way",
+        changes: &[(
+            "wgsl/shadow/pieces.wgsl",
+            "side_vertex(own.view, own.light, own.face.c, own.face.b, vertex)",
+            "side_vertex(own.view, own.light, own.face.b, own.face.c, vertex)",
+        )],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "pieces: they have no near caps",
+        changes: &[(
+            "wgsl/shadow/piece_arguments.wgsl",
+            "draws.near_front = arguments(5u, count, is_clipped && kind == 0u);",
+            "draws.near_front = arguments(5u, count, false);",
+        )],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "pieces: a caster with twisted polygons is taken for closed",
+        changes: &[
+            (
+                "wgsl/shadow/choose.wgsl",
+                "is_closed && !has_holes && !is_cut && is_outside",
+                "is_closed && !has_holes && is_outside",
+            ),
+            ("src/cpu/shadow/choose.rs", "has_holes == 0 && !is_cut && is_outside;", "has_holes == 0 && is_outside;"),
+        ],
+        tests: PICTURES,
+    },
+];
