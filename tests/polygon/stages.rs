@@ -113,7 +113,7 @@ fn masks() -> Result<(), String> {
     if twisted > 1000 && large > 50 && not_finite > 0 { Ok(()) } else { Err("too few of a kind".to_owned()) }
 }
 
-/// A piece as the GPU lists it: where it begins and ends, and the first corner of its polygon.
+/// A piece as the GPU lists it: where it begins and ends, and the middle of its polygon.
 type Listed = [[f32; 3]; 3];
 
 fn listed(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, lights: &[Light]) -> Result<Vec<Vec<Listed>>, String> {
@@ -283,9 +283,11 @@ fn pieces() -> Result<(), String> {
                 if polygon_oracle::find(&places, *light).touches || is_lit_from_within(&triangles, *light) {
                     continue;
                 }
-                let apex = set.positions[edges[0][0] as usize];
-                let of_polygon: Vec<_> = list.iter().copied().filter(|piece| piece[2] == apex).collect();
-                // Others may begin at the same vertex.
+                let corner = |quarter: usize| set.positions[edges[quarter * edges.len() / 4][0] as usize];
+                let [a, b, c, d] = [0, 1, 2, 3].map(corner);
+                let middle = [0, 1, 2].map(|axis| ((a[axis] + b[axis]) + (c[axis] + d[axis])) * 0.25);
+                let of_polygon: Vec<_> = list.iter().copied().filter(|piece| piece[2] == middle).collect();
+                // Others may have the same middle.
                 if of_polygon.len() != cut.len() {
                     continue;
                 }

@@ -1,5 +1,5 @@
 // Pieces: draws the sides and caps of pieces of L-twisted polygons, by indirect draws of the lists that `cut_edges` made. A piece is
-// an edge of the face that it makes with the first corner of its polygon, and that face faces the light. Faces of other pieces
+// an edge of the face that it makes with the middle of its polygon, and that face faces the light. Faces of other pieces
 // meet it at its other edges, and count there with the contrary sign.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
@@ -16,7 +16,7 @@ struct PieceVertex {
 struct Piece {
   view: ShadowView,
   light: ShadowLight,
-  // The first corner of the polygon, and the ends of the piece.
+  // The middle of the polygon, and the ends of the piece.
   face: CapFace,
 }
 
@@ -25,11 +25,11 @@ fn piece_of(instance: u32) -> Piece {
   let at = PIECE_COUNTS + PIECE_WORDS * (bit * piece_capacity() + instance);
   let from_end = vec3<u32>(pieces[at], pieces[at + 1u], pieces[at + 2u]);
   let to_end = vec3<u32>(pieces[at + 3u], pieces[at + 4u], pieces[at + 5u]);
-  let apex = vec3<u32>(pieces[at + 6u], pieces[at + 7u], pieces[at + 8u]);
+  let middle = vec3<u32>(pieces[at + 6u], pieces[at + 7u], pieces[at + 8u]);
   var own: Piece;
   own.view = view_of(0u, seen.view);
   own.light = chosen_light(0u, light_of(0u, seen.light, draw.light), draw.light, draw.view);
-  own.face = CapFace(bitcast<vec3<f32>>(apex), bitcast<vec3<f32>>(from_end), bitcast<vec3<f32>>(to_end), vec3<u32>(0u, 1u, 2u));
+  own.face = CapFace(bitcast<vec3<f32>>(middle), bitcast<vec3<f32>>(from_end), bitcast<vec3<f32>>(to_end), vec3<u32>(0u, 1u, 2u));
   return own;
 }
 

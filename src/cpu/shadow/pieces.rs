@@ -1,5 +1,5 @@
 //! Pieces: the vertices of the sides and caps of pieces of L-twisted polygons. A piece is an edge of the face that it makes with the
-//! first corner of its polygon, and that face faces the light.
+//! middle of its polygon, and that face faces the light.
 
 use glam::Vec4;
 
@@ -7,13 +7,13 @@ use super::cap_faces::{dark_cap, near_cap, seen_light_cap};
 use super::sides::{End, side, side_clipped};
 use crate::layout::{ShadowLight, ShadowView};
 
-/// The first corner of the polygon, and where the piece begins and ends.
+/// The middle of the polygon, and where the piece begins and ends.
 pub type PiecePoints = [[f32; 3]; 3];
 
-/// The first corner comes first where the order of two matters.
+/// The middle comes first where the order of two matters.
 fn face(points: PiecePoints) -> [End; 3] {
-    let [apex, from, to] = points;
-    [(0, apex), (1, from), (2, to)]
+    let [middle, from, to] = points;
+    [(0, middle), (1, from), (2, to)]
 }
 
 /// The side as the eye sees it from outside: counter-clockwise.

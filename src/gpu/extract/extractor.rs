@@ -301,7 +301,7 @@ impl Extractor {
 
     /// For each batch of lights the pieces of L-twisted polygons, of the last encode once submitted: the number of pieces of
     /// each of 32 lights, then for each light as many pieces as there is room for, of nine words: where it begins, where
-    /// it ends, and the first corner of its polygon. Empty without polygons or lists.
+    /// it ends, and the middle of its polygon. Empty without polygons or lists.
     #[cfg(feature = "reference")]
     pub fn pieces(&self) -> &[wgpu::Buffer] {
         self.shared.buffers.polygons.as_ref().map_or(&[], |polygons| &polygons.pieces)

@@ -88,23 +88,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "pieces: they have no near caps",
-        changes: &[(
-            "wgsl/shadow/piece_arguments.wgsl",
-            "draws.near_front = arguments(5u, count, is_clipped && kind == 0u);",
-            "draws.near_front = arguments(5u, count, false);",
-        )],
-        tests: PICTURES,
-    },
-    Mutation {
-        name: "pieces: a caster with twisted polygons is taken for closed",
-        changes: &[
-            (
-                "wgsl/shadow/choose.wgsl",
-                "is_closed && !has_holes && !is_cut && is_outside",
-                "is_closed && !has_holes && is_outside",
-            ),
-            ("src/cpu/shadow/choose.rs", "has_holes == 0 && !is_cut && is_outside;", "has_holes == 0 && is_outside;"),
-        ],
+        changes: &[("wgsl/shadow/piece_arguments.wgsl", "let kind = near_kind(light, true, false);", "let kind = 7u;")],
         tests: PICTURES,
     },
 ];
