@@ -335,8 +335,15 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
     entry_points: &["depth_arguments"],
 };
 
+/// Lists the cells of a depth map that have a triangle to draw.
+pub const DEPTH_CELLS: Stage = Stage {
+    name: "depth_cells",
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_cells"],
+    entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
+};
+
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 31] = [
+pub const STAGES: [Stage; 32] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -368,6 +375,7 @@ pub const STAGES: [Stage; 31] = [
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
+    DEPTH_CELLS,
 ];
 
 /// Vertex shaders of the sides of shadow volumes.
@@ -405,6 +413,13 @@ pub const CAP_FACES: Stage = Stage {
         "shadow/cap_faces"
     ],
     entry_points: &["light_cap", "seen_light_cap", "dark_cap", "near_cap", "zp_plus_2005_cap"],
+};
+
+/// Vertex shaders of the boundary that is rebuilt from a depth map, and of its near cap.
+pub const DEPTH_SURFACE: Stage = Stage {
+    name: "depth_surface",
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_surface"],
+    entry_points: &["depth_surface", "depth_near_cap"],
 };
 
 /// WGSL that is not a stage: files that callers include or replace.
