@@ -1,1 +1,20 @@
-fn main() {}
+//! Volumes from depth maps on the GPU: lists against their twin, pictures against rays. Without an adapter these tests fail;
+//! they are never passed over.
+
+mod boundary;
+mod maps;
+mod parity;
+mod picture;
+mod refusals;
+#[path = "../shadow/scene.rs"]
+#[allow(dead_code, reason = "only its cameras and rays are used here")]
+mod scene;
+mod stages;
+mod textures;
+
+use rimline_measure::harness;
+
+fn main() {
+    let tests = [stages::TESTS, parity::TESTS, refusals::TESTS];
+    harness::run(harness::gpu_trials(tests.concat()));
+}
