@@ -1,6 +1,7 @@
 //! Volumes from depth maps on the GPU: lists against their twin, pictures against rays. Without an adapter these tests fail;
 //! they are never passed over.
 
+mod analytic;
 mod boundary;
 mod maps;
 mod parity;
@@ -11,10 +12,11 @@ mod refusals;
 mod scene;
 mod stages;
 mod textures;
+mod worlds;
 
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [stages::TESTS, parity::TESTS, refusals::TESTS];
+    let tests = [stages::TESTS, parity::TESTS, analytic::TESTS, refusals::TESTS];
     harness::run(harness::gpu_trials(tests.concat()));
 }
