@@ -13,8 +13,13 @@ const BLOCK_WORDS: u32 = 8u;
 // The listed cells of the block, as a bit set.
 var<workgroup> members: array<atomic<u32>, BLOCK_WORDS>;
 
-// The entry of the invocation's cell, 0 if it is not listed.
+// The entry of the invocation's cell, 0 if it is not listed. Before it, all invocations have read what they want of the
+// block before.
 fn gathered(cell: u32, local: u32) -> u32 {
+  if (local < BLOCK_WORDS) {
+    atomicStore(&members[local], 0u);
+  }
+  workgroupBarrier();
   var entry = 0u;
   if (cell < depth_map.cells) {
     entry = entry_of_cell(cell);
@@ -27,20 +32,23 @@ fn gathered(cell: u32, local: u32) -> u32 {
   return select(0u, entry, is_listed);
 }
 
+// Workgroups take blocks in turn, where a dispatch may not have as many.
 @compute @workgroup_size(BLOCK)
 fn depth_cells_count(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let block = group.x + groups.x * group.y;
-  gathered(block * BLOCK + local, local);
-  if (local == 0u && block < depth_map.blocks) {
-    var total = 0u;
-    for (var at = 0u; at < BLOCK_WORDS; at++) {
-      total += countOneBits(atomicLoad(&members[at]));
+  for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
+    gathered(block * BLOCK + local, local);
+    if (local == 0u) {
+      var total = 0u;
+      for (var at = 0u; at < BLOCK_WORDS; at++) {
+        total += countOneBits(atomicLoad(&members[at]));
+      }
+      places[block] = total;
     }
-    places[block] = total;
+    workgroupBarrier();
   }
 }
 
@@ -82,23 +90,26 @@ fn depth_cells_places(@builtin(local_invocation_index) local: u32) {
   }
 }
 
+fn place_in_block(local: u32) -> u32 {
+  var place = 0u;
+  for (var at = 0u; at < local / 32u; at++) {
+    place += countOneBits(atomicLoad(&members[at]));
+  }
+  return place + countOneBits(atomicLoad(&members[local / 32u]) & ((1u << (local % 32u)) - 1u));
+}
+
 @compute @workgroup_size(BLOCK)
 fn depth_cells_list(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
-  let block = group.x + groups.x * group.y;
-  let entry = gathered(block * BLOCK + local, local);
-  if (entry == 0u) {
-    return;
-  }
-  var place = places[block];
-  for (var at = 0u; at < local / 32u; at++) {
-    place += countOneBits(atomicLoad(&members[at]));
-  }
-  place += countOneBits(atomicLoad(&members[local / 32u]) & ((1u << (local % 32u)) - 1u));
-  if (place < depth_map.capacity) {
-    cells[1u + place] = entry;
+  for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
+    let entry = gathered(block * BLOCK + local, local);
+    let place = places[block] + place_in_block(local);
+    if (entry != 0u && place < depth_map.capacity) {
+      cells[1u + place] = entry;
+    }
+    workgroupBarrier();
   }
 }

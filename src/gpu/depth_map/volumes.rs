@@ -92,7 +92,7 @@ impl DepthMapVolumes {
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
         let DepthMapOptions { edges, capacity, slope_bias, memory_limit } = options;
-        let count = size.map(|side| u64::from(side) + 1).iter().product::<u64>();
+        let count = size.map(|side| u64::from(side) + 1).iter().copied().fold(1, u64::saturating_mul);
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
@@ -223,8 +223,8 @@ impl DepthMapVolumes {
         let view = filled(device, "depth map view", bytemuck::bytes_of(view), wgpu::BufferUsages::STORAGE);
         let texture = wgpu::BindingResource::TextureView(texture);
         let most = device.limits().max_compute_workgroups_per_dimension;
-        let rows = shape.blocks.div_ceil(most);
-        let every = [shape.blocks.div_ceil(rows), rows];
+        let rows = shape.blocks.div_ceil(most).min(most);
+        let every = [shape.blocks.div_ceil(rows).min(most), rows];
         let mut counts = [every, [1, 1], every].into_iter();
         let stages = self.stages.each_ref().map(|stage| {
             let group = stage.bind(
