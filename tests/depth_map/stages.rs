@@ -43,15 +43,20 @@ fn options(threshold: f32, capacity: Option<u32>) -> DepthMapOptions {
 }
 
 /// Compares the list of a map with the twin's, of what a shader reads.
-fn check(gpu: &Gpu, map: &Map, format: TextureFormat, threshold: f32, capacity: Option<u32>) -> Result<u32, String> {
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+fn check(
+    (gpu, pipelines): (&Gpu, &DepthMapPipelines),
+    map: &Map,
+    format: TextureFormat,
+    threshold: f32,
+    capacity: Option<u32>,
+) -> Result<u32, String> {
     // A depth attachment takes finite depths from 0 to 1 alone.
     let clamped: Vec<_> =
         map.depths.iter().map(|depth| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) }).collect();
     let depths = if format == TextureFormat::R32Float { &map.depths } else { &clamped };
     let texture = texture(gpu, map.size, format, depths)?;
     let depths = read(gpu, &texture)?;
-    let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options(threshold, capacity)).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(pipelines, map.size, options(threshold, capacity)).map_err(text)?;
     let (view, light) = (depth_view(&texture), camera(direction(map)));
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &view, light };
@@ -68,13 +73,14 @@ fn lists() -> Result<(), String> {
     const SEED: u64 = 1611;
     println!("seed {SEED}");
     let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(SEED);
     let mut listed = 0;
     for format in FORMATS {
         for map in maps(&mut random) {
             for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3)] {
                 let capacity = (random.below(3) == 0).then(|| random.below(300) as u32);
-                listed += check(&gpu, &map, format, threshold, capacity)?;
+                listed += check((&gpu, &pipelines), &map, format, threshold, capacity)?;
             }
         }
     }
@@ -82,7 +88,6 @@ fn lists() -> Result<(), String> {
     // Negative control: the list of another map.
     let map = Map::new([9, 9], false, |texel| (texel % 5) as f32 / 8.0);
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options(0.125, None)).map_err(text)?;
     let given = DepthMap { texture: &depth_view(&texture), light: camera(DepthDirection::Reversed) };
     gpu.submit(|encoder| {
@@ -96,12 +101,13 @@ fn lists() -> Result<(), String> {
 /// More blocks than a scan has invocations: each takes several.
 fn large() -> Result<(), String> {
     let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(1612);
     let map = Map::new([700, 401], true, |texel| {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
     });
     for threshold in [-1.0, 0.01] {
-        let listed = check(&gpu, &map, TextureFormat::Depth32Float, threshold, None)?;
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None)?;
         if listed < 100_000 {
             return Err(format!("only {listed} cells"));
         }
