@@ -1,6 +1,7 @@
 //! `cargo xtask mutants`: whether the tests notice changes that make the code wrong. Each is made in a copy of the working
 //! tree, so nothing here is touched.
 
+mod depth_map;
 mod list;
 mod occluded;
 mod scene_clusters;
@@ -18,7 +19,7 @@ const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 /// All mutations.
 fn all() -> impl Iterator<Item = &'static Mutation> {
-    [list::MUTATIONS, occluded::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
+    [list::MUTATIONS, depth_map::MUTATIONS, occluded::MUTATIONS, scene_clusters::MUTATIONS].into_iter().flatten()
 }
 
 enum Outcome {
