@@ -20,6 +20,7 @@ use crate::worlds::World;
 pub(crate) const TESTS: &[Test] = &[
     ("shadows_are_right_but_for_a_texel", every_cell),
     ("shadows_of_marked_cells_are_right_but_for_a_texel", marked),
+    ("shadows_of_jumps_are_right_but_for_a_texel", jumps),
     ("a_map_that_is_off_by_three_texels_is_noticed", off),
 ];
 
@@ -207,6 +208,10 @@ fn every_cell() -> Result<(), String> {
 
 fn marked() -> Result<(), String> {
     trials(1632, 4, DepthEdges::Differences { threshold: 0.0005 })
+}
+
+fn jumps() -> Result<(), String> {
+    trials(1634, 4, DepthEdges::Jumps)
 }
 
 /// Negative control: the map's columns are moved.

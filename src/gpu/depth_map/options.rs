@@ -27,6 +27,10 @@ pub enum DepthEdges {
     /// not far.
     #[default]
     EveryCell,
+    /// Those where the depth jumps: it changes by more than twice as much as beside them, on the side where it changes less, and
+    /// by more than the map's precision. Far fewer triangles, and no threshold: it depends neither on units nor on distances. A
+    /// step that is small against the slopes of the surfaces on both of its sides is missed.
+    Jumps,
     /// Those between depths that differ by more than `threshold`, and those between a depth and nothing. Far fewer
     /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is missed. One
     /// missed edge can turn light and shadow round along all rays through the gap.

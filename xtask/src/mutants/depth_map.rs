@@ -76,8 +76,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: near caps take the other triangle of a cell",
         changes: &[(
             "wgsl/depth_map/depth_surface.wgsl",
-            "let is_split = (entry & SPLIT) != 0u;",
-            "let is_split = (entry & SPLIT) == 0u;",
+            "let is_split = is_cell_split(keys_of_cell(at));",
+            "let is_split = !is_cell_split(keys_of_cell(at));",
         )],
         tests: PICTURES,
     },
