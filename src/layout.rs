@@ -518,6 +518,52 @@ shared_structs! {
         reserved: u32,
     }
 
+    /// A depth map, and how its edges are found.
+    struct DepthMapShape {
+        /// Texels across and down.
+        size: [u32; 2],
+        /// Cells between four samples of the lattice.
+        cells: u32,
+        /// Blocks of 256 cells.
+        blocks: u32,
+        /// Cells that the list has room for.
+        capacity: u32,
+        /// The edges that are marked: 0 by their differences, 1 every one, 2 where depth jumps.
+        detector: u32,
+        /// Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2⁻³¹.
+        threshold: u32,
+        /// 1: near is 1 and far is 0.
+        is_reversed: u32,
+    }
+
+    /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
+    struct DepthMapView {
+        /// Clip space for each step across.
+        across: [f32; 4],
+        /// Clip space for each step down.
+        down: [f32; 4],
+        /// Clip space for each unit of depth.
+        depth: [f32; 4],
+        /// Clip space at the middle and depth 0.
+        middle: [f32; 4],
+        /// As `across`, at infinity.
+        far_across: [f32; 4],
+        /// As `down`, at infinity.
+        far_down: [f32; 4],
+        /// As `middle`, at infinity.
+        far_middle: [f32; 4],
+        /// Homogeneous place on the lattice and depth, for each unit of x on the near rectangle.
+        near_across: [f32; 4],
+        /// The same for each unit of y.
+        near_up: [f32; 4],
+        /// The same in the middle of the near rectangle.
+        near_middle: [f32; 4],
+        /// The depth at infinity for each step across, for each step down, and in the middle. w is 1 if there is none.
+        infinity: [f32; 4],
+        /// The distance that the surface is moved: a share of the slopes, a share of the depth, a constant, 0.
+        bias: [f32; 4],
+    }
+
     /// Casters that are drawn together, and the caller's options for their volumes.
     struct ShadowShape {
         /// Casters in the table.

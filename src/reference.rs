@@ -90,6 +90,12 @@ pub mod cpu {
     pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
+    pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells};
+    pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
+    pub use crate::cpu::depth_map::edge_code::{
+        CELL_MASK, Cell, EVERY_CELL, FIRST_TRIANGLE, JUMPS, SECOND_TRIANGLE, SPLIT, exceeds,
+    };
+    pub use crate::cpu::depth_map::samples::{Key, Samples};
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};

@@ -424,8 +424,15 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
     entry_points: &["depth_arguments"],
 };
 
+/// Lists the cells of a depth map that have a triangle to draw.
+pub const DEPTH_CELLS: Stage = Stage {
+    name: "depth_cells",
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_cells"],
+    entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
+};
+
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 37] = [
+pub const STAGES: [Stage; 38] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -463,6 +470,7 @@ pub const STAGES: [Stage; 37] = [
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
+    DEPTH_CELLS,
 ];
 
 /// Vertex shaders of the sides of shadow volumes.
@@ -519,6 +527,12 @@ pub const PIECES: Stage = Stage {
         "shadow/pieces"
     ],
     entry_points: &["piece_side", "piece_side_clipped", "piece_near_cap", "piece_light_cap", "piece_dark_cap"],
+};
+/// Vertex shaders of the boundary that is rebuilt from a depth map, and of its near cap.
+pub const DEPTH_SURFACE: Stage = Stage {
+    name: "depth_surface",
+    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_surface"],
+    entry_points: &["depth_surface", "depth_near_cap"],
 };
 
 /// WGSL that is not a stage: files that callers include or replace.

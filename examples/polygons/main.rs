@@ -38,7 +38,7 @@ impl Polygons {
 fn ring([x, y, z]: [f32; 3], radius: f32, wave: f32, turns: f32) -> Vec<[f32; 3]> {
     let corner = |at: usize| {
         let angle = (at as f32 + 0.5) / 8.0 * turns * std::f32::consts::TAU;
-        [x + radius * angle.cos(), y + if at % 2 == 0 { wave } else { -wave }, z - radius * angle.sin()]
+        [x + radius * angle.cos(), y + if at.is_multiple_of(2) { wave } else { -wave }, z - radius * angle.sin()]
     };
     (0..8).map(corner).collect()
 }

@@ -5,6 +5,8 @@
 
 pub(crate) mod common;
 pub(crate) mod deform;
+#[cfg(feature = "reference")]
+pub(crate) mod depth_map;
 pub(crate) mod extract;
 pub(crate) mod hidden;
 pub(crate) mod polygon;

@@ -3,6 +3,7 @@
 
 mod common;
 mod deform;
+mod depth_map;
 mod extract;
 mod query;
 mod scene;
@@ -16,6 +17,10 @@ pub use common::readback::{ReadError, read_back, read_back_async, read_back_vec,
 pub use common::requirements::DeviceError;
 pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
+pub use depth_map::{
+    DepthEdges, DepthMap, DepthMapDrawError, DepthMapEncodeError, DepthMapFrame, DepthMapOptions, DepthMapPipelines,
+    DepthMapPipelinesError, DepthMapVolumes, DepthMapVolumesError,
+};
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,
 };

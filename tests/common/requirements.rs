@@ -1,9 +1,10 @@
 //! A device that has less than the stages need: one typed error that names it, and no error of the device.
 
 use rimline::gpu::{
-    DeformError, Deformer, DeformerOptions, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions,
-    Pipelines, ShadowFormat, ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError,
-    ShadowQueryOptions, ShadowVolumes,
+    DeformError, Deformer, DeformerOptions, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError,
+    DepthMapVolumes, DeviceError, Extractor, ExtractorError, ExtractorOptions, ListOptions, Pipelines, ShadowFormat,
+    ShadowFormatError, ShadowOptions, ShadowPipelines, ShadowQuery, ShadowQueryError, ShadowQueryOptions,
+    ShadowVolumes,
 };
 use rimline::reference::Method;
 use rimline::{Counting, Light};
@@ -28,9 +29,10 @@ enum Subject {
     Shadow,
     Query,
     Deform,
+    DepthMap,
 }
 
-const SUBJECTS: [Subject; 4] = [Subject::Extract, Subject::Shadow, Subject::Query, Subject::Deform];
+const SUBJECTS: [Subject; 5] = [Subject::Extract, Subject::Shadow, Subject::Query, Subject::Deform, Subject::DepthMap];
 
 /// The device error of a subject's constructor, if any.
 fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, String> {
@@ -62,6 +64,11 @@ fn refusal(watched: &Watched, subject: Subject) -> Result<Option<DeviceError>, S
                 Err(error) => other(&error),
             }
         }
+        Subject::DepthMap => match DepthMapPipelines::new(pipelines, &ShadowFormat::default(), 0) {
+            Ok(_) => Ok(None),
+            Err(DepthMapPipelinesError::Format(ShadowFormatError::Device(error))) => Ok(Some(error)),
+            Err(error) => other(&error),
+        },
     }
 }
 
@@ -71,9 +78,11 @@ fn presets() -> Result<(), String> {
         (Limits::downlevel_defaults(), "max_storage_buffers_per_shader_stage"),
         (Limits::downlevel_webgl2_defaults(), "max_compute_workgroups_per_dimension"),
     ] {
-        let watched = Watched::new(wgpu::Features::empty(), limits)?;
+        let watched = Watched::new(wgpu::Features::empty(), limits.clone())?;
         for subject in SUBJECTS {
             match refusal(&watched, subject)? {
+                // Depth maps need three storage buffers, and these limits have four.
+                None if subject == Subject::DepthMap && limits.max_storage_buffers_per_shader_stage == 4 => {}
                 Some(DeviceError::Limit { limit, .. }) => same(&format!("{subject:?}"), &[limit], &[expected])?,
                 other => return Err(format!("{subject:?}: {other:?}")),
             }
@@ -122,9 +131,9 @@ fn with(name: &str, value: u64) -> Result<Watched, String> {
 }
 
 /// What each subject needs of a limit, as the error for a device with none of it says; 0 where it needs none.
-fn needed(name: &'static str) -> Result<[u64; 4], String> {
+fn needed(name: &'static str) -> Result<[u64; 5], String> {
     let none = with(name, 0)?;
-    let mut found = [0; 4];
+    let mut found = [0; 5];
     for (needed_here, subject) in found.iter_mut().zip(SUBJECTS) {
         match refusal(&none, subject)? {
             Some(DeviceError::Limit { limit, needed, there: 0, .. }) if limit == name => *needed_here = needed,
@@ -165,19 +174,20 @@ fn enough() -> Result<(), String> {
     let mut least = SUBJECTS.map(|_| wgpu::Limits::default());
     for (name, set) in LIMITS {
         if !matches!(name, "max_storage_buffer_binding_size" | "max_buffer_size") {
-            let [extract, shadow, query, deform] = needed(name)?;
+            let [extract, shadow, query, deform, maps] = needed(name)?;
             // Volumes are of an extraction.
-            for (limits, value) in least.iter_mut().zip([extract, shadow.max(extract), query, deform]) {
+            for (limits, value) in least.iter_mut().zip([extract, shadow.max(extract), query, deform, maps]) {
                 set(limits, value);
             }
         }
     }
-    let [extract, shadow, query, deform] = least;
+    let [extract, shadow, query, deform, maps] = least;
     let on = |limits| Watched::new(wgpu::Features::empty(), limits);
     extractions(&on(extract)?)?;
     shadows(&on(shadow)?)?;
     queries(&on(query)?)?;
     deformations(&on(deform)?)?;
+    depth_maps(&on(maps)?)?;
     // Negative control: volumes on a device that is enough for extraction alone.
     must_fail("volumes with one bind group", &shadows(&on(wgpu::Limits { max_bind_groups: 1, ..Default::default() })?))
 }
@@ -256,4 +266,41 @@ fn deformations(watched: &Watched) -> Result<(), String> {
     watched.gpu.submit(|encoder| deformer.encode(encoder, &pose, 0.0, None, None).map_err(text))?;
     watched.gpu.read::<f32>(deformer.positions().buffer, 3)?;
     watched.quiet("deformation")
+}
+
+fn depth_maps(watched: &Watched) -> Result<(), String> {
+    let device = &watched.gpu.device;
+    let attachment = |format, side| {
+        device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("depth map"),
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        })
+    };
+    let map = attachment(wgpu::TextureFormat::Depth16Unorm, 60).create_view(&wgpu::TextureViewDescriptor::default());
+    let view = attachment(wgpu::TextureFormat::Depth24PlusStencil8, 8);
+    let view = view.create_view(&wgpu::TextureViewDescriptor::default());
+    let pipelines = DepthMapPipelines::new(&watched.gpu.pipelines, &ShadowFormat::default(), 0).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(&pipelines, [60, 60], DepthMapOptions::default()).map_err(text)?;
+    watched.gpu.submit(|encoder| {
+        let map = DepthMap { texture: &map, light: camera() };
+        let frame = volumes.encode(encoder, &map, &camera(), None).map_err(text)?;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("volumes"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+            }),
+            ..Default::default()
+        });
+        frame.draw(&mut pass, &pipelines).map_err(text)
+    })?;
+    watched.gpu.read::<u32>(volumes.cells(), 1)?;
+    watched.quiet("volumes from depth maps")
 }

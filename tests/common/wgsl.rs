@@ -10,11 +10,13 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use naga::Module;
 use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
-use rimline::reference::stages::{CAP_FACES, DEFORM, INCLUDES, PIECES, SCENE_FACING, SIDES, STAGES, Stage};
+use rimline::reference::stages::{
+    CAP_FACES, DEFORM, DEPTH_SURFACE, INCLUDES, PIECES, SCENE_FACING, SIDES, STAGES, Stage,
+};
 
 type Outcome = Result<(), String>;
 /// Modules of vertex shaders, which no compute pipeline is made of.
-const VERTEX_STAGES: [Stage; 3] = [SIDES, CAP_FACES, PIECES];
+const VERTEX_STAGES: [Stage; 4] = [SIDES, CAP_FACES, PIECES, DEPTH_SURFACE];
 
 /// A test's name and body.
 type Test = (&'static str, fn() -> Outcome);

@@ -19,6 +19,9 @@ impl Bindings {
             let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
                 naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => Some(depth_type(multi)),
+                naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, .. }, .. } => {
+                    Some(FLOAT_TEXTURE)
+                }
                 _ => buffer_type(variable.space),
             };
             let Some(ty) = ty.filter(|_| place.group == 0) else { continue };
@@ -58,6 +61,13 @@ impl Bindings {
         resources.iter().map(entry).collect()
     }
 }
+
+/// A texture of two dimensions that is not filtered. A depth texture is one, too.
+pub(crate) const FLOAT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
 
 /// A depth texture of two dimensions.
 fn depth_type(multisampled: bool) -> wgpu::BindingType {

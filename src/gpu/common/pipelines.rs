@@ -53,7 +53,7 @@ struct Shared {
     compute: Cache<ComputeKey, Pipeline>,
     volumes: Cache<VolumeKey, wgpu::RenderPipeline>,
     /// Whether the device has what each [`Subject`] needs. It is checked once.
-    serves: [OnceLock<Result<(), DeviceError>>; 4],
+    serves: [OnceLock<Result<(), DeviceError>>; 5],
 }
 
 /// A bind group layout: its label and its entries.

@@ -76,14 +76,16 @@ pub(crate) enum Subject {
     Shadow,
     Query,
     Deform,
+    DepthMap,
 }
 
 impl Subject {
     #[cfg(test)]
-    pub(crate) const ALL: [Self; 4] = [Self::Extract, Self::Shadow, Self::Query, Self::Deform];
+    pub(crate) const ALL: [Self; 5] = [Self::Extract, Self::Shadow, Self::Query, Self::Deform, Self::DepthMap];
 
     pub(crate) fn name(self) -> &'static str {
-        ["extraction", "shadow volumes", "the shadow depth query", "deformation"][self as usize]
+        ["extraction", "shadow volumes", "the shadow depth query", "deformation", "volumes from depth maps"]
+            [self as usize]
     }
 
     /// Whether the GPU computes the workgroup count of a stage, or the results are drawn by an indirect draw.
@@ -93,7 +95,7 @@ impl Subject {
 
     /// Whether vertex shaders read storage buffers.
     fn reads_in_vertex_shaders(self) -> bool {
-        self == Self::Shadow
+        matches!(self, Self::Shadow | Self::DepthMap)
     }
 }
 
@@ -101,7 +103,7 @@ impl Subject {
 pub(crate) struct Need {
     pub(crate) limit: &'static str,
     pub(crate) of: fn(&wgpu::Limits) -> u64,
-    pub(crate) needed: [u64; 4],
+    pub(crate) needed: [u64; 5],
 }
 
 macro_rules! need {
@@ -112,32 +114,32 @@ macro_rules! need {
 
 /// The needs that do not depend on mesh, lights and options. A test takes the numbers from the WGSL.
 /// [`super::memory::MemoryError`] covers sizes that grow with the mesh. The order is that of [`Subject`]: extract,
-/// shadow, query, deform.
+/// shadow, query, deform, depth maps.
 pub(crate) const AT_LEAST: [Need; 18] = [
     // This comes first, because a device without compute shaders has 0 here.
-    need!(max_compute_workgroups_per_dimension, [1, 32, 32, 1]),
-    need!(max_compute_invocations_per_workgroup, [256, 256, 64, 256]),
-    need!(max_compute_workgroup_size_x, [256, 256, 64, 256]),
-    need!(max_compute_workgroup_size_y, [1; 4]),
-    need!(max_compute_workgroup_size_z, [1; 4]),
-    need!(max_compute_workgroup_storage_size, [9216, 48, 1024, 0]),
-    need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6]),
-    need!(max_sampled_textures_per_shader_stage, [0, 1, 0, 0]),
-    need!(max_uniform_buffers_per_shader_stage, [2, 2, 3, 1]),
-    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 10, 11, 7]),
-    need!(max_dynamic_uniform_buffers_per_pipeline_layout, [2, 2, 3, 1]),
-    need!(max_dynamic_storage_buffers_per_pipeline_layout, [0, 1, 0, 0]),
-    need!(max_bind_groups, [1, 2, 1, 1]),
-    need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0]),
-    need!(max_bindings_per_bind_group, [10, 10, 11, 7]),
-    need!(max_uniform_buffer_binding_size, [1184, 116, 1184, 16]),
-    need!(max_storage_buffer_binding_size, [512, 512, 448, 256]),
-    need!(max_buffer_size, [1184, 512, 1184, 256]),
+    need!(max_compute_workgroups_per_dimension, [1, 32, 32, 1, 1]),
+    need!(max_compute_invocations_per_workgroup, [256, 256, 64, 256, 256]),
+    need!(max_compute_workgroup_size_x, [256, 256, 64, 256, 256]),
+    need!(max_compute_workgroup_size_y, [1; 5]),
+    need!(max_compute_workgroup_size_z, [1; 5]),
+    need!(max_compute_workgroup_storage_size, [9216, 48, 1024, 0, 1024]),
+    need!(max_storage_buffers_per_shader_stage, [8, 8, 8, 6, 3]),
+    need!(max_sampled_textures_per_shader_stage, [0, 1, 0, 0, 1]),
+    need!(max_uniform_buffers_per_shader_stage, [2, 2, 3, 1, 1]),
+    need!(max_buffers_and_acceleration_structures_per_shader_stage, [10, 10, 11, 7, 4]),
+    need!(max_dynamic_uniform_buffers_per_pipeline_layout, [2, 2, 3, 1, 1]),
+    need!(max_dynamic_storage_buffers_per_pipeline_layout, [0, 1, 0, 0, 0]),
+    need!(max_bind_groups, [1, 2, 1, 1, 1]),
+    need!(max_bind_groups_plus_vertex_buffers, [0, 2, 0, 0, 1]),
+    need!(max_bindings_per_bind_group, [10, 10, 11, 7, 5]),
+    need!(max_uniform_buffer_binding_size, [1184, 116, 1184, 16, 32]),
+    need!(max_storage_buffer_binding_size, [512, 512, 448, 256, 256]),
+    need!(max_buffer_size, [1184, 512, 1184, 256, 256]),
 ];
 
 /// The limits that must not be larger: uniforms and the beginnings of dispatches lie at multiples of 256 bytes.
 pub(crate) const AT_MOST: [Need; 2] =
-    [need!(min_uniform_buffer_offset_alignment, [256; 4]), need!(min_storage_buffer_offset_alignment, [256; 4])];
+    [need!(min_uniform_buffer_offset_alignment, [256; 5]), need!(min_storage_buffer_offset_alignment, [256; 5])];
 
 /// Compares the limits of a device with the needs of a subject's stages.
 pub(crate) fn check_limits(limits: &wgpu::Limits, subject: Subject) -> Result<(), DeviceError> {

@@ -214,7 +214,8 @@ pub(crate) fn layouts(pipelines: &Pipelines) -> Layouts {
     Layouts { frame, side_data, cap_data, piece_data }
 }
 
-fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
+/// Refuses attachments that the device cannot draw volumes into.
+pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool) -> Result<(), ShadowFormatError> {
     let depth_stencil = format.depth_stencil;
     if !(depth_stencil.has_stencil_aspect() && depth_stencil.has_depth_aspect()) {
         return Err(ShadowFormatError::NoStencil(depth_stencil));

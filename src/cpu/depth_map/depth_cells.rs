@@ -1,0 +1,28 @@
+//! Depth cells: lists the cells of a depth map that have a triangle to draw.
+
+use super::edge_code::Cell;
+use super::samples::Samples;
+use crate::layout::DepthMapShape;
+
+/// What the stage writes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellList {
+    /// Cells that have a triangle to draw, whether the list has room for them or not.
+    pub count: u32,
+    /// Their entries, in their order, as far as there is room.
+    pub entries: Vec<u32>,
+    /// The indirect draw.
+    pub draw: [u32; 4],
+}
+
+/// Lists the cells. `depths` has one for each texel.
+pub fn depth_cells(shape: &DepthMapShape, depths: &[f32]) -> CellList {
+    let samples = Samples { shape, depths };
+    let cells = (0..shape.cells).map(|number| (number, Cell::of(&samples, number)));
+    let drawn = cells.filter(|(_, cell)| cell.is_drawn() != [false; 2]);
+    let mut entries: Vec<_> = drawn.map(|(number, cell)| cell.entry(number)).collect();
+    let count = entries.len() as u32;
+    entries.truncate(shape.capacity as usize);
+    let taken = if count > shape.capacity { shape.cells } else { count };
+    CellList { count, entries, draw: [6 * taken, 1, 0, 0] }
+}

@@ -1,0 +1,49 @@
+//! An encode of volumes from a depth map, to be drawn.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::errors::DepthMapDrawError;
+use super::pipelines::DepthMapPipelines;
+use crate::gpu::common::requirements::check_same;
+use crate::shadow::DepthDirection;
+
+/// The volumes of one encode. They are drawn after it, in the same encoder or a later one.
+#[derive(Clone, Debug)]
+pub struct DepthMapFrame {
+    pub(super) device: wgpu::Device,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) draws: wgpu::Buffer,
+    pub(super) depth: DepthDirection,
+    pub(super) encodes: Arc<AtomicU64>,
+    pub(super) encode: u64,
+}
+
+impl DepthMapFrame {
+    /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
+    /// that is seen is in shadow. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
+    /// pipeline and bind group 0 of the pass.
+    ///
+    /// # Errors
+    /// [`DepthMapDrawError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipelines: &DepthMapPipelines,
+    ) -> Result<(), DepthMapDrawError> {
+        check_same(["the pipelines", "the volumes"], [pipelines.shared().device(), &self.device])?;
+        let (volumes, other) = (self.depth, pipelines.format().depth);
+        if volumes != other {
+            return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
+        }
+        if self.encodes.load(Ordering::Relaxed) != self.encode {
+            return Err(DepthMapDrawError::StaleFrame);
+        }
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_pipeline(&pipelines.surface);
+        pass.draw_indirect(&self.draws, 0);
+        pass.set_pipeline(&pipelines.near_cap);
+        pass.draw(0..3, 0..1);
+        Ok(())
+    }
+}

@@ -1,0 +1,131 @@
+//! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
+
+use wgpu::{CompareFunction, StencilOperation};
+
+use super::errors::DepthMapPipelinesError;
+use crate::gpu::common::bindings::FLOAT_TEXTURE;
+use crate::gpu::common::memory::any_error;
+use crate::gpu::common::pipelines::Pipelines;
+use crate::gpu::common::requirements::Subject;
+use crate::gpu::shadow::pipelines::check;
+use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
+use crate::shadow::DepthDirection;
+use crate::stages::DEPTH_SURFACE;
+
+/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil.
+#[derive(Debug)]
+pub struct DepthMapPipelines {
+    shared: Pipelines,
+    format: ShadowFormat,
+    pub(super) surface: wgpu::RenderPipeline,
+    pub(super) near_cap: wgpu::RenderPipeline,
+}
+
+impl DepthMapPipelines {
+    /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
+    /// turns the bit round at each pixel that is in shadow.
+    ///
+    /// Where volumes of meshes count in the same stencil, give parity the highest bit, and let the counts stay below 128.
+    /// An increment works on the whole byte, so a count that is larger changes the parity.
+    ///
+    /// `format.front_face` and `format.has_far_plane` do not matter.
+    ///
+    /// # Errors
+    /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments, or there is no
+    /// such bit.
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        format: &ShadowFormat,
+        bit: u32,
+    ) -> Result<Self, DepthMapPipelinesError> {
+        let pipelines = pipelines.into();
+        if bit > 7 {
+            return Err(DepthMapPipelinesError::Bit(bit));
+        }
+        pipelines.clone().construct(Subject::DepthMap, || {
+            check(pipelines.device(), format, false)?;
+            let device = pipelines.device().clone();
+            any_error(&device, || Self::with(pipelines, format, bit))
+                .map_err(|message| ShadowFormatError::Refused { message }.into())
+        })
+    }
+
+    fn with(shared: Pipelines, format: &ShadowFormat, bit: u32) -> Self {
+        let nearer = match format.depth {
+            DepthDirection::Reversed => CompareFunction::Greater,
+            DepthDirection::Standard => CompareFunction::Less,
+        };
+        let surface = make(&shared, format, bit, ["depth_surface", "nothing"], nearer);
+        let cap = ["depth_near_cap", "depth_near_cap_fragment"];
+        let near_cap = make(&shared, format, bit, cap, CompareFunction::Always);
+        Self { shared, format: format.clone(), surface, near_cap }
+    }
+
+    pub(super) fn shared(&self) -> &Pipelines {
+        &self.shared
+    }
+
+    /// The attachments that the pipelines draw into.
+    pub fn format(&self) -> &ShadowFormat {
+        &self.format
+    }
+}
+
+/// The layout of the bind group of the draws: map, texture, cells, view.
+pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+    let types = [buffer(wgpu::BufferBindingType::Uniform), FLOAT_TEXTURE, storage, storage];
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    pipelines.layout("depth surface", (0..).zip(types).map(entry).collect())
+}
+
+fn make(
+    shared: &Pipelines,
+    format: &ShadowFormat,
+    bit: u32,
+    [vertex, fragment]: [&'static str; 2],
+    depth_compare: CompareFunction,
+) -> wgpu::RenderPipeline {
+    let device = shared.device();
+    let module = shared.module(DEPTH_SURFACE.name, &DEPTH_SURFACE.wgsl());
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(vertex),
+        bind_group_layouts: &[Some(&layout(shared))],
+        immediate_size: 0,
+    });
+    let turned = wgpu::StencilFaceState { pass_op: StencilOperation::Invert, ..wgpu::StencilFaceState::IGNORE };
+    let unchanged = |color: Option<wgpu::TextureFormat>| {
+        color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::empty() })
+    };
+    let targets: Vec<_> = format.colors.iter().map(|&color| unchanged(color)).collect();
+    let compilation_options = wgpu::PipelineCompilationOptions::default;
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(vertex),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(vertex),
+            compilation_options: compilation_options(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: format.depth_stencil,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(depth_compare),
+            stencil: wgpu::StencilState { front: turned, back: turned, read_mask: 0xff, write_mask: 1 << bit },
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some(fragment),
+            compilation_options: compilation_options(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

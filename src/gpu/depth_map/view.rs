@@ -1,0 +1,126 @@
+//! A depth map as a camera sees it: the matrices, in `f64`, rounded once. NUMERICS.md, "Volumes from depth maps".
+
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+
+use super::errors::DepthMapEncodeError;
+use crate::ShadowCamera;
+use crate::layout::DepthMapView;
+use crate::shadow::DepthDirection;
+
+/// The distances by which depths in a format may be off: a share of the depth, and a constant. Four steps between
+/// neighbouring depths.
+fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
+    use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
+    let is_float = matches!(format, Depth32Float | Depth32FloatStencil8 | R32Float);
+    match (format, depth) {
+        (Depth16Unorm, _) => [0.0, 4.0 / 65_536.0],
+        // A step of a float is up to 2⁻²³ of it. Floats from ½ to 1 have the steps of 24 bits.
+        (_, DepthDirection::Reversed) if is_float => [4.0 / 8_388_608.0, 0.0],
+        _ => [0.0, 4.0 / 16_777_216.0],
+    }
+}
+
+/// What a difference of two depths may be off, besides a share of 2⁻²⁰, in units of 2⁻³¹: twice their steps, and rounding to
+/// units.
+pub(super) fn jump_slack(format: wgpu::TextureFormat, depth: DepthDirection) -> u32 {
+    let [_, constant] = steps(format, depth);
+    (2.0 * constant * 2_147_483_648.0) as u32 + 4
+}
+
+fn matrix(camera: &ShadowCamera) -> DMat4 {
+    Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4()
+}
+
+fn origin(camera: &ShadowCamera) -> DVec3 {
+    Vec3::from_array(camera.origin).as_dvec3()
+}
+
+/// The eye's matrix, with depths moved away by what its depth buffer may be off.
+fn eye_matrix(eye: &ShadowCamera, format: wgpu::TextureFormat) -> DMat4 {
+    let [share, constant] = steps(format, eye.depth);
+    let mut rows = matrix(eye).transpose();
+    rows.z_axis = match eye.depth {
+        DepthDirection::Reversed => (1.0 - share) * rows.z_axis - constant * rows.w_axis,
+        DepthDirection::Standard => rows.z_axis + constant * rows.w_axis,
+    };
+    rows.transpose()
+}
+
+/// The depth at infinity of a perspective map, for x, y and a constant in device coordinates. `None` for a parallel light.
+fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, DepthMapEncodeError> {
+    if matrix(light).row(3).truncate() == DVec3::ZERO {
+        return Ok(None);
+    }
+    let far = match light.depth {
+        DepthDirection::Reversed => 0.0,
+        DepthDirection::Standard => 1.0,
+    };
+    if !light.has_far_plane() {
+        return Ok(Some(DVec3::new(0.0, 0.0, far)));
+    }
+    let w = inverse.row(3);
+    let depth = -DVec3::new(w.x, w.y, w.w) / w.z;
+    let is_behind = |[x, y]: [f64; 2]| {
+        let at = depth.dot(DVec3::new(x, y, 1.0));
+        !(if light.depth == DepthDirection::Reversed { at < far } else { at > far })
+    };
+    if [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().any(is_behind) {
+        return Err(DepthMapEncodeError::FarPlane);
+    }
+    Ok(Some(depth))
+}
+
+/// The view of a map of `size` texels and the format `map`, for an eye whose depth buffer has the format `format`.
+pub(super) fn depth_map_view(
+    (light, size, map): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
+    (eye, format): (&ShadowCamera, wgpu::TextureFormat),
+    slope_bias: f32,
+) -> Result<DepthMapView, DepthMapEncodeError> {
+    light.check().map_err(DepthMapEncodeError::Light)?;
+    eye.check().map_err(DepthMapEncodeError::Camera)?;
+    let [width, height] = size.map(f64::from);
+    let (to_light, to_eye) = (matrix(light), eye_matrix(eye, format));
+    let inverse = to_light.inverse();
+    let infinity = infinity(light, &inverse)?;
+    let between = DMat4::from_translation(origin(light) - origin(eye));
+    let place = to_eye * between * inverse;
+    // Directions do not depend on the origins.
+    let ray = |depth: f64, of: DVec4| to_eye * (of + depth * inverse.z_axis).truncate().extend(0.0);
+    let [far_across, far_down, far_middle] = if let Some(depth) = infinity {
+        [ray(depth.x, inverse.x_axis) / width, -ray(depth.y, inverse.y_axis) / height, ray(depth.z, inverse.w_axis)]
+    } else {
+        let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
+        [DVec4::ZERO, DVec4::ZERO, ray(away, DVec4::ZERO)]
+    };
+    // From the eye's clip space to the lattice, where texel (0, 0) is at (1, 1).
+    let lattice = DMat4::from_cols(
+        DVec4::new(width / 2.0, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, -height / 2.0, 0.0, 0.0),
+        DVec4::Z,
+        DVec4::new(f64::midpoint(width, 1.0), f64::midpoint(height, 1.0), 0.0, 1.0),
+    );
+    let near = lattice * to_light * DMat4::from_translation(origin(eye) - origin(light)) * to_eye.inverse();
+    let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+    let f32s = |column: DVec4| column.as_vec4().to_array();
+    let [share, constant] = steps(map, light.depth).map(|steps| steps as f32);
+    let depth = infinity.unwrap_or(DVec3::ZERO);
+    Ok(DepthMapView {
+        across: f32s(place.x_axis / width),
+        down: f32s(-place.y_axis / height),
+        depth: f32s(place.z_axis),
+        middle: f32s(place.w_axis),
+        far_across: f32s(far_across),
+        far_down: f32s(far_down),
+        far_middle: f32s(far_middle),
+        near_across: f32s(near.x_axis),
+        near_up: f32s(near.y_axis),
+        near_middle: f32s(near_z * near.z_axis + near.w_axis),
+        infinity: f32s(DVec4::new(
+            depth.x / width,
+            -depth.y / height,
+            depth.z,
+            f64::from(u8::from(infinity.is_none())),
+        )),
+        bias: [0.5 * slope_bias, share, constant, 0.0],
+    })
+}

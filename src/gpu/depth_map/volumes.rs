@@ -1,0 +1,258 @@
+//! The volumes of one depth map.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
+use super::frame::DepthMapFrame;
+use super::options::{DepthEdges, DepthMap, DepthMapOptions};
+use super::pipelines::{DepthMapPipelines, layout};
+use super::view::{depth_map_view, jump_slack};
+use crate::ShadowCamera;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
+use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::entry;
+use crate::layout::{DepthMapShape, DepthMapView};
+use crate::shadow::DepthDirection;
+use crate::stages::DEPTH_CELLS;
+
+/// The largest number of cells: entries have as many bits for it.
+const MOST_CELLS: u64 = 1 << 29;
+
+/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light (after `McCool` 2000). It
+/// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
+///
+/// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
+///
+/// ```no_run
+/// use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+/// use rimline::{ShadowCamera, wgpu};
+///
+/// # fn shadows(
+/// #     device: &wgpu::Device,
+/// #     encoder: &mut wgpu::CommandEncoder,
+/// #     (depth, light): (&wgpu::TextureView, ShadowCamera),
+/// #     camera: &ShadowCamera,
+/// #     depth_stencil: &wgpu::TextureView,
+/// # ) -> Result<(), Box<dyn std::error::Error>> {
+/// // Once, with the format of your depth-stencil attachment, and a bit of the stencil:
+/// let pipelines = DepthMapPipelines::new(device, &ShadowFormat { depth: camera.depth, ..Default::default() }, 0)?;
+/// // Once for each size of map:
+/// let mut volumes = DepthMapVolumes::new(&pipelines, [512, 512], DepthMapOptions::default())?;
+/// // Every frame, after what draws the map:
+/// let shadows = volumes.encode(encoder, &DepthMap { texture: depth, light }, camera, None)?;
+/// // After your depth pass. Where bit 0 is still 0, there is light:
+/// let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+///     label: Some("light"),
+///     depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+///         view: depth_stencil,
+///         depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+///         stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: wgpu::StoreOp::Store }),
+///     }),
+///     ..Default::default()
+/// });
+/// shadows.draw(&mut pass, &pipelines)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct DepthMapVolumes {
+    shared: Pipelines,
+    /// Count, places, list.
+    stages: [Pipeline; 3],
+    shape: DepthMapShape,
+    edges: DepthEdges,
+    slope_bias: f32,
+    eye: (wgpu::TextureFormat, DepthDirection),
+    places: wgpu::Buffer,
+    cells: wgpu::Buffer,
+    draws: wgpu::Buffer,
+    encodes: Arc<AtomicU64>,
+}
+
+impl DepthMapVolumes {
+    /// Makes buffers for maps of `size` texels, on the device of `pipelines`.
+    ///
+    /// # Errors
+    /// [`DepthMapVolumesError`] if the size or an option is refused, or the buffers do not fit the device.
+    pub fn new(
+        pipelines: &DepthMapPipelines,
+        size: [u32; 2],
+        options: DepthMapOptions,
+    ) -> Result<Self, DepthMapVolumesError> {
+        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, options))
+    }
+
+    fn with(
+        pipelines: &DepthMapPipelines,
+        size: [u32; 2],
+        options: DepthMapOptions,
+    ) -> Result<Self, DepthMapVolumesError> {
+        let shared = pipelines.shared();
+        let DepthMapOptions { edges, capacity, slope_bias, memory_limit } = options;
+        let count = size.map(|side| u64::from(side) + 1).iter().copied().fold(1, u64::saturating_mul);
+        if size.contains(&0) || count > MOST_CELLS {
+            return Err(DepthMapVolumesError::Size(size[0], size[1]));
+        }
+        let (detector, threshold) = match edges {
+            DepthEdges::Differences { threshold } => (0, threshold),
+            DepthEdges::EveryCell => (1, 0.0),
+            DepthEdges::Jumps => (2, 0.0),
+        };
+        if !(0.0..=1.0).contains(&threshold) {
+            return Err(DepthMapVolumesError::Threshold(threshold));
+        }
+        if !(slope_bias.is_finite() && slope_bias >= 0.0) {
+            return Err(DepthMapVolumesError::Bias(slope_bias));
+        }
+        let limits = DispatchLimits::new(&shared.device().limits());
+        let cells = count as u32;
+        let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
+        let blocks = cells.div_ceil(WORKGROUP);
+        let shape = DepthMapShape {
+            size,
+            cells,
+            blocks,
+            capacity: capacity.unwrap_or(cells).min(cells).min(fitting),
+            detector,
+            // A threshold that a device may flush is none.
+            threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
+            is_reversed: 0,
+        };
+        let allocations = [
+            Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) },
+            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(shape.capacity) },
+            Allocation { label: "draws of depth cells", bytes: 16 },
+        ];
+        let bytes = check(&allocations, limits.buffer, memory_limit)?;
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
+        let [places, cells, draws] = guarded(shared.device(), bytes, || {
+            [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
+        })?;
+        let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
+        Ok(Self {
+            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &[])),
+            shape,
+            edges,
+            slope_bias,
+            eye: (pipelines.format().depth_stencil, pipelines.format().depth),
+            places,
+            cells,
+            draws,
+            encodes: Arc::default(),
+            shared: shared.clone(),
+        })
+    }
+
+    /// Records the stages: finds the edges of `map`, for `camera`. `timer` takes the time of each stage. What was encoded
+    /// before can no longer be drawn.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if the texture or a camera is refused. Nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        camera: &ShadowCamera,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        let device = self.shared.device();
+        check_timer(timer.as_deref(), device)?;
+        let format = self.check_texture(map.texture.texture())?;
+        if camera.depth != self.eye.1 {
+            return Err(DepthMapEncodeError::Depth { camera: camera.depth, pipelines: self.eye.1 });
+        }
+        let view = depth_map_view((&map.light, self.shape.size, format), (camera, self.eye.0), self.slope_bias)?;
+        check_alive(device)?;
+        let is_reversed = u32::from(map.light.depth == DepthDirection::Reversed);
+        let mut shape = DepthMapShape { is_reversed, ..self.shape };
+        if self.edges == DepthEdges::Jumps {
+            shape.threshold = jump_slack(format, map.light.depth);
+        }
+        let refused = |message| DepthMapEncodeError::Refused { message };
+        let bound = any_error(device, || self.bind(map.texture, &shape, &view)).map_err(refused)?;
+        for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {
+            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
+            let label = Some(stage.label);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+            pass.set_pipeline(&stage.compute);
+            pass.set_bind_group(0, group, &[0]);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+        Ok(DepthMapFrame {
+            device: device.clone(),
+            group: bound.draw,
+            draws: self.draws.clone(),
+            depth: camera.depth,
+            encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
+            encodes: Arc::clone(&self.encodes),
+        })
+    }
+
+    /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
+    /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn.
+    /// With a number larger than the capacity the entries are not complete, and every cell was drawn.
+    pub fn cells(&self) -> &wgpu::Buffer {
+        &self.cells
+    }
+
+    fn check_texture(&self, texture: &wgpu::Texture) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
+        use wgpu::TextureFormat::{
+            Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8, R32Float,
+        };
+        let formats = [Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8, R32Float];
+        let (format, samples) = (texture.format(), texture.sample_count());
+        let (given, made) = ([texture.width(), texture.height()], self.shape.size);
+        if !formats.contains(&format) {
+            return Err(DepthMapEncodeError::Format(format));
+        }
+        if samples != 1 {
+            return Err(DepthMapEncodeError::Samples(samples));
+        }
+        if given != made {
+            return Err(DepthMapEncodeError::Size { given, made });
+        }
+        if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+            return Err(DepthMapEncodeError::Usage);
+        }
+        Ok(format)
+    }
+
+    /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
+    fn bind(&self, texture: &wgpu::TextureView, shape: &DepthMapShape, view: &DepthMapView) -> Bound {
+        let device = self.shared.device();
+        let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
+        let view = filled(device, "depth map view", bytemuck::bytes_of(view), wgpu::BufferUsages::STORAGE);
+        let texture = wgpu::BindingResource::TextureView(texture);
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let rows = shape.blocks.div_ceil(most).min(most);
+        let every = [shape.blocks.div_ceil(rows).min(most), rows];
+        let mut counts = [every, [1, 1], every].into_iter();
+        let stages = self.stages.each_ref().map(|stage| {
+            let group = stage.bind(
+                device,
+                &[
+                    ("depth_map", entry::<DepthMapShape>(&uniform)),
+                    ("depth_texture", texture.clone()),
+                    ("places", self.places.as_entire_binding()),
+                    ("cells", self.cells.as_entire_binding()),
+                    ("draws", self.draws.as_entire_binding()),
+                ],
+            );
+            (group, counts.next().unwrap_or(every))
+        });
+        let resources =
+            [uniform.as_entire_binding(), texture, self.cells.as_entire_binding(), view.as_entire_binding()];
+        Bound { stages, draw: group(device, "depth surface", &layout(&self.shared), &resources) }
+    }
+}
+
+/// The bind groups of an encode, and the workgroups of each stage.
+struct Bound {
+    stages: [(wgpu::BindGroup, [u32; 2]); 3],
+    draw: wgpu::BindGroup,
+}

@@ -1,0 +1,108 @@
+//! The boundary between light and shadow of a depth map, in `f64`, by a text of its own: no code and no constant of the
+//! library. Segments cross its triangles where determinants of homogeneous points say so.
+
+use glam::{DMat4, DVec3, DVec4, Mat4};
+use rimline::{DepthDirection, ShadowCamera};
+
+use crate::maps::Map;
+
+struct Triangle {
+    corners: [DVec4; 3],
+    /// The plane: its product with a point tells the side.
+    plane: DVec4,
+    is_drawn: bool,
+}
+
+pub(crate) struct Boundary {
+    triangles: Vec<Triangle>,
+    /// Homogeneous: a place, or the direction to a light at infinity.
+    light: DVec4,
+}
+
+fn determinant(a: DVec4, b: DVec4, c: DVec4, d: DVec4) -> f64 {
+    DMat4::from_cols(a, b, c, d).determinant()
+}
+
+/// The device depth of a sample, `None` where it casts nothing.
+fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
+    let [width, height] = map.size.map(i64::from);
+    if x < 0 || y < 0 || x >= width || y >= height {
+        return None;
+    }
+    let depth = f64::from(map.depths[(y * width + x) as usize]);
+    let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
+    (!is_far).then(|| depth.clamp(0.0, 1.0))
+}
+
+impl Boundary {
+    /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
+    pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
+        let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+        let origin = DVec3::from_array(camera.origin.map(f64::from));
+        let [width, height] = map.size.map(f64::from);
+        let place = |x: i64, y: i64, depth: f64| {
+            let [x, y] = [(x as f64 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height * 2.0];
+            let point = matrix * DVec4::new(x, y, depth, 1.0);
+            point.truncate() / point.w + origin
+        };
+        let vertex = |x: i64, y: i64| {
+            if let Some(depth) = sample(map, x, y) {
+                return place(x, y, depth).extend(1.0);
+            }
+            let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+            (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
+        };
+        let is_marked = |a: [i64; 2], b: [i64; 2]| match (sample(map, a[0], a[1]), sample(map, b[0], b[1])) {
+            (None, None) => false,
+            (Some(a), Some(b)) => (a - b).abs() > threshold,
+            _ => true,
+        };
+        // How far apart two depths are among all numbers of 32 bits.
+        let rank = |[x, y]: [i64; 2]| match sample(map, x, y) {
+            Some(depth) => {
+                let unit = if depth < f64::from(f32::MIN_POSITIVE) { 0 } else { i64::from((depth as f32).to_bits()) };
+                if map.is_reversed { 0x3f80_0000 - unit } else { unit }
+            }
+            None => 0x7fff_ffff,
+        };
+        let mut triangles = Vec::new();
+        for (x, y) in (-1..i64::from(map.size[1])).flat_map(|y| (-1..i64::from(map.size[0])).map(move |x| (x, y))) {
+            let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+            let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
+            // The corner between the edges, and the two ends of the diagonal.
+            let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
+            for [between, p, q] in halves {
+                let corners = [between, p, q].map(|[x, y]| vertex(x, y));
+                if corners.iter().all(|corner| corner.w == 0.0) {
+                    continue;
+                }
+                let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
+                let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
+                triangles.push(Triangle { corners, plane, is_drawn: is_marked(between, p) || is_marked(between, q) });
+            }
+        }
+        Self { triangles, light }
+    }
+
+    fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {
+        let crosses = |triangle: &&Triangle| {
+            let [a, b, c] = triangle.corners;
+            if (triangle.plane.dot(from) > 0.0) == (triangle.plane.dot(to) > 0.0) {
+                return false;
+            }
+            let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| determinant(from, to, p, q) > 0.0);
+            sides == [sides[0]; 3]
+        };
+        self.triangles.iter().filter(|triangle| triangle.is_drawn || !drawn_only).filter(crosses).count() % 2 == 1
+    }
+
+    /// Whether the way to the light crosses the boundary.
+    pub(crate) fn is_dark(&self, point: DVec3) -> bool {
+        self.is_odd(point.extend(1.0), self.light, false)
+    }
+
+    /// The parity that a ray sees from a point of the near rectangle on.
+    pub(crate) fn parity(&self, from: DVec3, to: DVec3) -> bool {
+        self.is_odd(from.extend(1.0), to.extend(1.0), true) ^ self.is_dark(from)
+    }
+}

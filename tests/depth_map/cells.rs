@@ -1,0 +1,162 @@
+//! Which cells are listed, and what of them is drawn: the twin against big integers.
+
+use num_bigint::BigInt;
+use rimline::reference::cpu::{CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, exceeds};
+use rimline::reference::layout::DepthMapShape;
+use rimline_measure::random::Random;
+
+use crate::maps::{Edges, Map, maps};
+
+/// A finite number that is not negative, in units of 2⁻¹⁴⁹.
+fn exact(value: f32) -> BigInt {
+    let (exponent, fraction) = (value.to_bits() >> 23, value.to_bits() & 0x007f_ffff);
+    if exponent == 0 { BigInt::from(fraction) } else { BigInt::from(fraction + 0x0080_0000) << (exponent - 1) }
+}
+
+/// The depth of a texel as the documents tell: clamped, and nothing where it is far.
+fn cast(map: &Map, x: i64, y: i64) -> Option<f32> {
+    let inside = (0..i64::from(map.size[0])).contains(&x) && (0..i64::from(map.size[1])).contains(&y);
+    let depth = *inside.then(|| &map.depths[(y * i64::from(map.size[0]) + x) as usize])?;
+    let depth = if depth < f32::MIN_POSITIVE { 0.0 } else { depth.min(1.0) };
+    let far = if map.is_reversed { 0.0 } else { 1.0 };
+    (!map.depths[(y * i64::from(map.size[0]) + x) as usize].is_nan() && depth != far).then_some(depth)
+}
+
+/// The rank of a sample among all floats from near to far, with nothing behind all.
+fn rank(map: &Map, sample: Option<f32>) -> i64 {
+    let Some(depth) = sample else { return 0x7fff_ffff };
+    let bits = i64::from(depth.to_bits());
+    if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }
+}
+
+/// The entry of a cell, 0 if it is not listed.
+fn expected(map: &Map, edges: Edges, number: u32) -> u32 {
+    let across = i64::from(map.size[0]) + 1;
+    let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
+    let corner = |dx: i64, dy: i64| cast(map, x + dx, y + dy);
+    // A sample and the direction to the next.
+    let is_marked = |[i, j]: [i64; 2], [k, l]: [i64; 2]| {
+        let at = |steps: i64| corner(i + steps * (k - i), j + steps * (l - j));
+        let (a, b) = match (at(0), at(1)) {
+            (None, None) => return false,
+            (Some(a), Some(b)) => (a, b),
+            _ => return true,
+        };
+        let change = |a: f32, b: f32| BigInt::from((exact(a) - exact(b)).magnitude().clone());
+        match edges {
+            Edges::Every => true,
+            Edges::Differences(threshold) => change(a, b) > exact(threshold),
+            Edges::Jumps(slack) => {
+                // Units of 2⁻³¹, cut off.
+                let units = |depth: f32| -> BigInt { exact(depth) >> 118 };
+                let change = |a: f32, b: f32| BigInt::from((units(a) - units(b)).magnitude().clone());
+                let slack = BigInt::from(slack) + (units(a.max(b)) >> 20);
+                let beside = [at(-1).map(|before| change(before, a)), at(2).map(|after| change(after, b))];
+                let own = change(a, b);
+                own > slack && beside.into_iter().flatten().min().is_none_or(|beside| own > beside * 2 + slack)
+            }
+        }
+    };
+    let diagonal = |a: Option<f32>, b: Option<f32>| (rank(map, a) - rank(map, b)).abs();
+    let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+    let is_split = diagonal(a, d) > diagonal(b, c);
+    // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
+    let [p, q, r, t] = [[0, 0], [1, 0], [0, 1], [1, 1]];
+    let (first, second) = if is_split {
+        (is_marked(p, q) || is_marked(p, r), is_marked(t, q) || is_marked(t, r))
+    } else {
+        (is_marked(q, p) || is_marked(q, t), is_marked(r, p) || is_marked(r, t))
+    };
+    if !first && !second {
+        return 0;
+    }
+    let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+    number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
+}
+
+fn check(map: &Map, edges: Edges, shape: &DepthMapShape) -> Result<usize, String> {
+    let found = depth_cells(shape, &map.depths);
+    // An entry of 0 is no entry: an entry has a bit for a triangle.
+    let all: Vec<_> = (0..shape.cells).map(|number| expected(map, edges, number)).filter(|&entry| entry != 0).collect();
+    if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
+        return Err(format!("{:?} with {edges:?}: {} cells, {} expected", map.size, found.count, all.len()));
+    }
+    let drawn = if found.count > shape.capacity { shape.cells } else { found.count };
+    if found.draw != [6 * drawn, 1, 0, 0] {
+        return Err(format!("{:?} with {edges:?}: {:?}", map.size, found.draw));
+    }
+    Ok(all.len())
+}
+
+#[test]
+fn listed_cells_are_those_of_exact_arithmetic() {
+    const SEED: u64 = 1601;
+    println!("seed {SEED}");
+    let mut random = Random::new(SEED);
+    let mut listed = 0;
+    for round in 0..20 {
+        for map in maps(&mut random) {
+            let depths = &map.depths;
+            // A threshold that is met exactly, one that is random, none, and every cell.
+            let [a, b] = [0, 1].map(|_| depths[random.below(depths.len())]);
+            let met = (a - b).abs();
+            let met = if (0.0..=1.0).contains(&met) && met >= f32::MIN_POSITIVE { met } else { 0.125 };
+            let differences = [met, random.between(0.0, 0.3), 0.125, 0.0].map(Edges::Differences);
+            let slack = [4, 1028, random.next_u64() as u32 >> 8][random.below(3)];
+            for edges in differences.into_iter().chain([Edges::Every, Edges::Jumps(slack)]) {
+                let capacity = if round % 2 == 0 { u32::MAX } else { random.below(9) as u32 };
+                listed += check(&map, edges, &map.shape(edges, capacity)).expect("as expected");
+            }
+        }
+    }
+    assert!(listed > 100_000, "{listed}");
+}
+
+/// Negative controls: a sample, a threshold or the direction of depth that is another.
+#[test]
+fn another_map_is_noticed() {
+    let map = Map::new([7, 5], false, |texel| (texel % 11) as f32 / 16.0);
+    let shape = map.shape(Edges::Differences(0.125), u32::MAX);
+    assert!(check(&map, Edges::Differences(0.125), &shape).is_ok());
+    let mut moved = map.clone();
+    moved.depths[17] += 0.5;
+    assert!(check(&moved, Edges::Differences(0.125), &shape).is_ok());
+    assert_ne!(depth_cells(&shape, &map.depths), depth_cells(&shape, &moved.depths));
+    assert!(check(&map, Edges::Differences(0.5), &shape).is_err());
+    assert!(check(&Map { is_reversed: true, ..map.clone() }, Edges::Differences(0.125), &shape).is_err());
+}
+
+#[test]
+fn differences_are_compared_exactly() {
+    const SEED: u64 = 1602;
+    println!("seed {SEED}");
+    let mut random = Random::new(SEED);
+    let mut met = [0; 3];
+    for case in 0..300_000 {
+        // Near each other or not, with bits at both ends of the mantissa.
+        let number = |random: &mut Random, most: u32| {
+            let exponent = most.saturating_sub(random.below(60) as u32).max(1);
+            let mantissa = [random.next_u64() as u32, 1 << random.below(23), u32::MAX, 0][random.below(4)];
+            f32::from_bits((exponent << 23) | (mantissa & 0x007f_ffff)).min(1.0)
+        };
+        let large = number(&mut random, 127);
+        let small = if random.below(8) == 0 { 0.0 } else { number(&mut random, large.to_bits() >> 23).min(large) };
+        let threshold = match case % 3 {
+            0 => number(&mut random, 127),
+            1 => (large - small).max(0.0),
+            _ => f32::from_bits(((large - small).to_bits() + random.below(3) as u32).saturating_sub(1)),
+        };
+        let threshold = if threshold < f32::MIN_POSITIVE { 0.0 } else { threshold };
+        let order = (exact(large) - exact(small)).cmp(&exact(threshold));
+        met[(order as i8 + 1) as usize] += 1;
+        let found = exceeds(large.to_bits(), small.to_bits(), threshold.to_bits());
+        assert_eq!(found, order.is_gt(), "{large:e} − {small:e} > {threshold:e}");
+    }
+    assert!(met.iter().all(|&count| count > 10_000), "less, equal, more: {met:?}");
+}
+
+#[test]
+fn entries_have_room_for_every_cell() {
+    assert_eq!(CELL_MASK | SPLIT | FIRST_TRIANGLE | SECOND_TRIANGLE, u32::MAX);
+    assert_eq!(CELL_MASK & SPLIT, 0);
+}

@@ -1,0 +1,4 @@
+//! Volumes from depth maps, without a device.
+
+mod cells;
+mod maps;

@@ -1,0 +1,22 @@
+//! Volumes from depth maps on the GPU: lists against their twin, pictures against rays. Without an adapter these tests fail;
+//! they are never passed over.
+
+mod analytic;
+mod boundary;
+mod maps;
+mod parity;
+mod picture;
+mod refusals;
+#[path = "../shadow/scene.rs"]
+#[allow(dead_code, reason = "only its cameras and rays are used here")]
+mod scene;
+mod stages;
+mod textures;
+mod worlds;
+
+use rimline_measure::harness;
+
+fn main() {
+    let tests = [stages::TESTS, parity::TESTS, analytic::TESTS, refusals::TESTS];
+    harness::run(harness::gpu_trials(tests.concat()));
+}

@@ -1,0 +1,81 @@
+//! Depth maps of tests: random ones, and ones that are hard to take.
+
+use rimline::reference::layout::DepthMapShape;
+use rimline_measure::random::Random;
+
+/// A map: texels across and down, whether near is 1, and depths.
+#[derive(Clone, Debug)]
+pub(crate) struct Map {
+    pub(crate) size: [u32; 2],
+    pub(crate) is_reversed: bool,
+    pub(crate) depths: Vec<f32>,
+}
+
+/// Which edges are marked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Edges {
+    Differences(f32),
+    Every,
+    /// With this slack, in units of 2⁻³¹.
+    Jumps(u32),
+}
+
+impl Map {
+    pub(crate) fn new(size: [u32; 2], is_reversed: bool, depth: impl FnMut(u32) -> f32) -> Self {
+        Self { size, is_reversed, depths: (0..size[0] * size[1]).map(depth).collect() }
+    }
+
+    /// The shape of the map with these options.
+    pub(crate) fn shape(&self, edges: Edges, capacity: u32) -> DepthMapShape {
+        let (detector, threshold) = match edges {
+            Edges::Differences(threshold) => (0, threshold.to_bits()),
+            Edges::Every => (1, 0),
+            Edges::Jumps(slack) => (2, slack),
+        };
+        let cells = (self.size[0] + 1) * (self.size[1] + 1);
+        DepthMapShape {
+            size: self.size,
+            cells,
+            blocks: cells.div_ceil(256),
+            capacity: capacity.min(cells),
+            detector,
+            threshold,
+            is_reversed: u32::from(self.is_reversed),
+        }
+    }
+}
+
+/// A depth of any size, with those that are equal, far, not finite or out of range among them.
+fn hostile(random: &mut Random) -> f32 {
+    let exponent = 127 - random.below(30) as u32;
+    let near_exponent = random.below(256) as u32;
+    let mantissa = random.next_u64() as u32 & 0x007f_ffff;
+    match random.below(12) {
+        0 => 0.0,
+        1 => 1.0,
+        2 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, -1.5, 7.0, f32::MIN_POSITIVE / 2.0][random.below(7)],
+        3 => f32::from_bits((near_exponent << 23) | mantissa),
+        4 => 0.5,
+        5 => 1.0 - f32::EPSILON / 2.0,
+        6 => f32::from_bits((exponent << 23) | mantissa),
+        7 => f32::from_bits(0x3f00_0000 | (mantissa & 3)),
+        _ => random.between(0.0, 1.0),
+    }
+}
+
+/// Maps of odd sizes, of both directions: hostile everywhere, flat with few steps, all far, of one texel.
+pub(crate) fn maps(random: &mut Random) -> Vec<Map> {
+    let mut maps = Vec::new();
+    for is_reversed in [false, true] {
+        let far = if is_reversed { 0.0 } else { 1.0 };
+        for size in [[1, 1], [1, 9], [40, 1], [7, 5], [16, 16], [31, 50]] {
+            maps.push(Map::new(size, is_reversed, |_| hostile(random)));
+            maps.push(Map::new(size, is_reversed, |_| far));
+            maps.push(Map::new(size, is_reversed, |_| 0.5 + random.below(3) as f32 * 0.125));
+            let lone = random.below((size[0] * size[1]) as usize) as u32;
+            maps.push(Map::new(size, is_reversed, |texel| if texel == lone { 0.25 } else { far }));
+            maps.push(Map::new(size, is_reversed, |texel| 0.3 + (texel % size[0]) as f32 * 0.01));
+        }
+    }
+    maps
+}

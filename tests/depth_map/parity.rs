@@ -1,0 +1,192 @@
+//! The stencil against the crossings of each pixel's ray with the boundary, which an oracle of its own builds.
+
+use glam::{DVec2, DVec3, DVec4, Mat4};
+use rimline::gpu::{DepthEdges, DepthMapOptions};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::random::Random;
+use wgpu::TextureFormat;
+
+use crate::boundary::Boundary;
+use crate::maps::Map;
+use crate::picture::Picture;
+use crate::scene::{Eye, Rays};
+use crate::textures::texture;
+
+pub(crate) const TESTS: &[Test] = &[
+    ("parity_is_that_of_rays", every_cell),
+    ("parity_of_marked_cells_is_that_of_rays", differences),
+    ("parity_with_a_cut_near_rectangle_is_that_of_rays", cut),
+    ("parity_of_lists_that_overflow_is_that_of_rays", overflow),
+];
+
+const SIDE: u32 = 48;
+
+fn vector(random: &mut Random) -> DVec3 {
+    DVec3::from_array(random.direction().map(f64::from))
+}
+
+/// The device depth of a place.
+pub(crate) fn device_depth(camera: &ShadowCamera, place: DVec3) -> f32 {
+    let origin = DVec3::from_array(camera.origin.map(f64::from));
+    let clip = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4() * (place - origin).extend(1.0);
+    (clip.z / clip.w) as f32
+}
+
+/// The camera of a light near the middle of the scene, of any kind, and the light.
+fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
+    let away = vector(random);
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let (far, half_width) = [(None, None), (Some(40.0), None), (Some(40.0), Some(4.0))][random.below(3)];
+    let place = 8.0 * away;
+    let eye = Eye { place, forward: -away, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width };
+    (eye.camera(), if half_width.is_some() { away.extend(0.0) } else { place.extend(1.0) })
+}
+
+/// Steps, slopes, holes and lone texels.
+fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
+    let size = [1 + random.below(12) as u32, 1 + random.below(12) as u32];
+    let is_reversed = camera.depth == DepthDirection::Reversed;
+    let far = if is_reversed { 0.0 } else { 1.0 };
+    let share = random.below(4);
+    let slope = [random.between(-0.3, 0.3), random.between(-0.3, 0.3)];
+    let axis = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+    let origin = DVec3::from_array(camera.origin.map(f64::from));
+    let place = |depth: f64| {
+        let place = axis * DVec4::new(0.0, 0.0, depth, 1.0);
+        place.truncate() / place.w + origin
+    };
+    let (near, ahead) = (place(f64::from(u8::from(is_reversed))), place(0.5));
+    let forward = (ahead - near).normalize();
+    Map::new(size, is_reversed, |texel| {
+        if random.below(4) < share {
+            return if random.below(7) == 0 { f32::NAN } else { far };
+        }
+        let [x, y] = [texel % size[0], texel / size[0]].map(|place| place as f32);
+        let step = random.below(3) as f32 * 1.5;
+        let distance = (5.0 + step + slope[0] * x + slope[1] * y).max(0.1);
+        device_depth(camera, near + f64::from(distance) * forward)
+    })
+}
+
+/// What each pixel sees: places that are near to or far from it alike, on a wavy surface.
+fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) -> (DVec3, DVec3) + use<'a> {
+    let middle = f64::from(random.between(3.0, 14.0));
+    let waves = [0; 4].map(|_| f64::from(random.between(-0.2, 0.2)));
+    move |place: DVec2| {
+        let (near, direction) = rays.at(place);
+        let wave = (waves[0] * place.x + waves[1] * place.y).sin() * 0.4 + (waves[2] * place.x + waves[3]).cos() * 0.3;
+        (near, near + direction * middle * (1.0 + wave))
+    }
+}
+
+/// What a trial found: pixels with a dark and a lit truth, those too near to a border to tell, and wrong ones.
+#[derive(Debug, Default)]
+struct Tally {
+    dark: usize,
+    lit: usize,
+    near_borders: usize,
+    cut: usize,
+    wrong: usize,
+}
+
+fn trial(
+    gpu: &Gpu,
+    random: &mut Random,
+    tally: &mut Tally,
+    near: f32,
+    threshold: f32,
+    capacity: Option<u32>,
+) -> Result<(), String> {
+    let (camera, light) = light(random);
+    let map = map(random, &camera);
+    let place = f64::from(random.between(0.5, 9.0)) * vector(random);
+    let forward = vector(random) * 3.0 - place;
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let near = f64::from(near);
+    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
+    let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    let rays = Rays::new(&eye, SIDE);
+    let seen = seen(random, &rays);
+    let centres =
+        (0..SIDE * SIDE).map(|pixel| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5));
+    let centres: Vec<_> = centres.collect();
+    let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
+    let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
+    let options = DepthMapOptions { edges, capacity, slope_bias: 0.0, ..Default::default() };
+    let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+    let bit = random.below(8) as u32;
+    let picture = Picture { map: &texture, light: camera, eye, depths: &depths, side: SIDE, options, bit };
+    let stencil = picture.stencil(gpu)?;
+    let boundary = Boundary::new(&map, &camera, light, f64::from(threshold));
+    for (&centre, value) in centres.iter().zip(stencil) {
+        if value & !(1 << bit) != 0 {
+            return Err(format!("{value:08b} where bit {bit} is drawn"));
+        }
+        let around =
+            [(0.0, 0.0, 1.003), (0.06, 0.05, 0.997), (-0.06, 0.05, 1.003), (0.05, -0.06, 1.003), (-0.05, -0.06, 0.997)];
+        let truths = around.map(|(x, y, share)| {
+            let (near, place) = seen(centre + DVec2::new(x, y));
+            let place = near + share * (place - near);
+            (boundary.parity(near, place), boundary.is_dark(near), boundary.is_dark(place))
+        });
+        // With every edge marked, parity is darkness.
+        if threshold < 0.0 && truths.iter().any(|truth| truth.0 != truth.2) {
+            tally.near_borders += 1;
+            continue;
+        }
+        if truths != [truths[0]; 5] {
+            tally.near_borders += 1;
+            continue;
+        }
+        let (truth, is_cut, _) = truths[0];
+        *(if truth { &mut tally.dark } else { &mut tally.lit }) += 1;
+        tally.cut += usize::from(is_cut);
+        tally.wrong += usize::from((value != 0) != truth);
+    }
+    Ok(())
+}
+
+fn trials(seed: u64, count: u32, near: [f32; 2], threshold: f32, overflows: bool) -> Result<Tally, String> {
+    println!("seed {seed}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(seed);
+    let mut tally = Tally::default();
+    for number in 0..count {
+        let near = random.between(near[0], near[1]);
+        let capacity = overflows.then(|| random.below(3) as u32);
+        let before = tally.wrong;
+        trial(&gpu, &mut random, &mut tally, near, threshold, capacity)?;
+        if tally.wrong > before {
+            println!("trial {number}: {} wrong", tally.wrong - before);
+        }
+    }
+    println!("{tally:?}");
+    let pixels = tally.dark + tally.lit + tally.near_borders;
+    if tally.wrong > 0 || tally.dark < pixels / 50 || tally.lit < pixels / 10 || tally.near_borders > pixels / 4 {
+        return Err(format!("{tally:?}"));
+    }
+    Ok(tally)
+}
+
+fn every_cell() -> Result<(), String> {
+    trials(1621, 60, [0.05, 0.2], -1.0, false).map(drop)
+}
+
+fn differences() -> Result<(), String> {
+    trials(1622, 60, [0.05, 0.2], 0.01, false).map(drop)
+}
+
+/// Near rectangles that are large: most cut the boundary.
+fn cut() -> Result<(), String> {
+    let tally = trials(1623, 60, [0.5, 6.0], -1.0, false)?;
+    if tally.cut < 1000 {
+        return Err(format!("the near rectangle is cut too rarely: {tally:?}"));
+    }
+    Ok(())
+}
+
+fn overflow() -> Result<(), String> {
+    trials(1624, 20, [0.05, 2.0], 0.01, true).map(drop)
+}

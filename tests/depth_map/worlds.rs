@@ -1,0 +1,87 @@
+//! What casts in the tests of shadows: distance fields with analytic forms, and meshes; each on a ground.
+
+use glam::DVec3;
+use rimline_measure::rays;
+use rimline_measure::shapes::Shape;
+
+/// Half the side of the ground, which is a square at height 0.
+const GROUND: f64 = 6.0;
+
+pub(crate) enum World {
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
+    /// Around the y axis.
+    Torus {
+        centre: DVec3,
+        major: f64,
+        minor: f64,
+    },
+    Cuboid {
+        centre: DVec3,
+        half: DVec3,
+    },
+    Mesh(rays::Tracer<()>),
+}
+
+impl World {
+    pub(crate) fn mesh(shape: &Shape, scale: f64, centre: DVec3) -> Self {
+        let corner = |v: u32| DVec3::from_array(shape.positions[v as usize].map(f64::from)) * scale + centre;
+        Self::Mesh(rays::Tracer::build(shape.faces.iter().map(|face| (face.map(corner), ()))))
+    }
+
+    fn distance(&self, p: DVec3) -> f64 {
+        match *self {
+            Self::Sphere { centre, radius } => (p - centre).length() - radius,
+            Self::Torus { centre, major, minor } => {
+                let q = p - centre;
+                glam::DVec2::new(glam::DVec2::new(q.x, q.z).length() - major, q.y).length() - minor
+            }
+            Self::Cuboid { centre, half } => {
+                let q = (p - centre).abs() - half;
+                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+            }
+            Self::Mesh(_) => f64::INFINITY,
+        }
+    }
+
+    /// Whether a point is in the body of a distance field, or below the ground.
+    pub(crate) fn is_inside(&self, point: DVec3) -> bool {
+        point.y <= 0.0 || self.distance(point) <= 0.0
+    }
+
+    /// Where a ray meets the shape first, and the normal there.
+    fn shape(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+        if let Self::Mesh(tracer) = self {
+            let meetings = tracer.meetings((from, direction)).filter(|(t, _)| *t > 0.0);
+            let (t, triangle) = meetings.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let [a, b, c] = triangle.corners;
+            return Some((t, (b - a).cross(c - a).normalize()));
+        }
+        let mut t = 0.0;
+        for _ in 0..2000 {
+            let distance = self.distance(from + t * direction);
+            if distance < 1e-9 {
+                let at = from + t * direction;
+                let slope = |axis: DVec3| self.distance(at + 1e-5 * axis) - self.distance(at - 1e-5 * axis);
+                return Some((t, DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize()));
+            }
+            t += distance;
+            if t > 60.0 {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Where a ray meets anything first, and the normal there, against the ray. The direction has length 1.
+    pub(crate) fn first(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+        let t = -from.y / direction.y;
+        let at = from + t * direction;
+        let ground = (t > 0.0 && at.x.abs() < GROUND && at.z.abs() < GROUND).then_some((t, DVec3::Y));
+        let shape = self.shape(from, direction);
+        let found = [ground, shape].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+        found.map(|(t, normal)| (t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
+    }
+}

@@ -1,0 +1,124 @@
+// The edge code of a cell: which of its four edges are marked, how it is split, and which of its triangles are drawn. Both
+// cells of an edge decide about it from the same two samples, so they agree.
+
+// An entry is the number of the cell and these bits.
+const CELL_MASK: u32 = 0x1fffffffu;
+// The cell is split from sample (1, 0) to (0, 1), not from (0, 0) to (1, 1).
+const SPLIT: u32 = 0x20000000u;
+const FIRST_TRIANGLE: u32 = 0x40000000u;
+const SECOND_TRIANGLE: u32 = 0x80000000u;
+
+fn mantissa(bits: u32) -> u32 {
+  return select((bits & 0x7fffffu) | 0x800000u, 0u, bits == 0u);
+}
+
+// A mantissa with 32 further bits, moved down by `places`: high and low word.
+fn moved_down(word: u32, places: u32) -> vec2<u32> {
+  if (places == 0u) {
+    return vec2<u32>(word, 0u);
+  }
+  if (places < 32u) {
+    return vec2<u32>(word >> places, word << (32u - places));
+  }
+  return vec2<u32>(0u, select(word >> (places & 31u), 0u, places >= 64u));
+}
+
+// Whether `large` is more than `small` + `threshold`, exactly: bits of numbers from 0 to 1, none subnormal, small <= large.
+// What the sum loses by the move cannot change the result (NUMERICS.md).
+fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
+  if (threshold >= large) {
+    return false;
+  }
+  let exponent = large >> 23u;
+  let a = moved_down(mantissa(small), exponent - (small >> 23u));
+  let b = moved_down(mantissa(threshold), exponent - (threshold >> 23u));
+  let low = a.y + b.y;
+  let high = a.x + b.x + select(0u, 1u, low < a.y);
+  let own = mantissa(large);
+  return own > high;
+}
+
+// A depth in units of 2^-31, rounded down.
+fn units(key: u32) -> u32 {
+  let bits = depth_bits(key);
+  let exponent = bits >> 23u;
+  if (exponent >= 119u) {
+    return mantissa(bits) << (exponent - 119u);
+  }
+  return select(mantissa(bits) >> ((119u - exponent) & 31u), 0u, exponent < 95u);
+}
+
+fn distance_in_units(a: u32, b: u32) -> u32 {
+  let depths = vec2<u32>(units(a), units(b));
+  return max(depths.x, depths.y) - min(depths.x, depths.y);
+}
+
+// Whether the depth changes by more than twice as much from a to b as it does beside them, on the side where that is less.
+fn is_jump(before: u32, a: u32, b: u32, after: u32) -> bool {
+  let own = distance_in_units(a, b);
+  let slack = depth_map.threshold + (max(units(a), units(b)) >> 20u);
+  if (own <= slack) {
+    return false;
+  }
+  var beside = 0xffffffffu;
+  if (before != FAR_KEY) {
+    beside = distance_in_units(before, a);
+  }
+  if (after != FAR_KEY) {
+    beside = min(beside, distance_in_units(b, after));
+  }
+  return beside == 0xffffffffu || (own - slack - 1u) / 2u >= beside;
+}
+
+// Whether the edge from sample `first` to the one at `step` from it is marked. `a` and `b` are their keys.
+fn is_marked(a: u32, b: u32, first: vec2<u32>, step: vec2<u32>) -> bool {
+  if (a == FAR_KEY || b == FAR_KEY) {
+    return a != b;
+  }
+  if (depth_map.detector == EVERY_CELL) {
+    return true;
+  }
+  if (depth_map.detector == JUMPS) {
+    return is_jump(key_at(first - step), a, b, key_at(first + 2u * step));
+  }
+  let depths = vec2<u32>(depth_bits(a), depth_bits(b));
+  return exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
+}
+
+fn key_distance(a: u32, b: u32) -> u32 {
+  return max(a, b) - min(a, b);
+}
+
+const RIGHT: vec2<u32> = vec2<u32>(1u, 0u);
+const DOWN: vec2<u32> = vec2<u32>(0u, 1u);
+
+// Bits: the edges at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+fn edge_code(keys: vec4<u32>, at: vec2<u32>) -> u32 {
+  return select(0u, 1u, is_marked(keys.x, keys.y, at, RIGHT)) | select(0u, 2u, is_marked(keys.y, keys.w, at + RIGHT, DOWN))
+    | select(0u, 4u, is_marked(keys.z, keys.w, at + DOWN, RIGHT)) | select(0u, 8u, is_marked(keys.x, keys.z, at, DOWN));
+}
+
+fn is_cell_split(keys: vec4<u32>) -> bool {
+  return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
+}
+
+fn corner_of_cell(cell: u32) -> vec2<u32> {
+  let across = depth_map.size.x + 1u;
+  return vec2<u32>(cell % across, cell / across);
+}
+
+fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
+  return vec4<u32>(key_at(at), key_at(at + RIGHT), key_at(at + DOWN), key_at(at + RIGHT + DOWN));
+}
+
+// The entry of a cell. It is listed if it has a triangle. A triangle is drawn if one of its edges that lie on the border of the
+// cell is marked.
+fn entry_of_cell(cell: u32) -> u32 {
+  let at = corner_of_cell(cell);
+  let keys = keys_of_cell(at);
+  let code = edge_code(keys, at);
+  let is_split = is_cell_split(keys);
+  let first = select(3u, 9u, is_split);
+  return cell | select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
+    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+}

@@ -1,0 +1,56 @@
+// The samples of a depth map on a lattice that has one row and column more on each side, which are far. NUMERICS.md,
+// "Volumes from depth maps".
+
+struct DepthMapShape {
+  // Texels across and down.
+  size: vec2<u32>,
+  // Cells between four samples of the lattice, and blocks of them.
+  cells: u32,
+  blocks: u32,
+  // Cells that the list has room for.
+  capacity: u32,
+  // The edges that are marked: DIFFERENCES, EVERY_CELL or JUMPS.
+  detector: u32,
+  // Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2^-31.
+  threshold: u32,
+  // 1: near is 1 and far is 0.
+  is_reversed: u32,
+}
+
+@group(0) @binding(0) var<uniform> depth_map: DepthMapShape;
+@group(0) @binding(1) var depth_texture: texture_2d<f32>;
+
+// The key of a sample that casts nothing. All other keys are smaller. A larger key is farther.
+const FAR_KEY: u32 = 0x7fffffffu;
+const ONE: u32 = 0x3f800000u;
+
+const DIFFERENCES: u32 = 0u;
+const EVERY_CELL: u32 = 1u;
+const JUMPS: u32 = 2u;
+
+// Works on bits, because a device may flush a subnormal and may assume that there is no NaN.
+fn sample_key(bits: u32) -> u32 {
+  let size = bits & 0x7fffffffu;
+  if (size > 0x7f800000u) {
+    return FAR_KEY;
+  }
+  let is_zero = (bits >> 31u) == 1u || size < 0x00800000u;
+  let unit = select(min(size, ONE), 0u, is_zero);
+  if (depth_map.is_reversed != 0u) {
+    return select(ONE - unit, FAR_KEY, unit == 0u);
+  }
+  return select(unit, FAR_KEY, unit == ONE);
+}
+
+// The bits of the depth of a key that is not far.
+fn depth_bits(key: u32) -> u32 {
+  return select(key, ONE - key, depth_map.is_reversed != 0u);
+}
+
+// Sample (1, 1) of the lattice is texel (0, 0).
+fn key_at(at: vec2<u32>) -> u32 {
+  if (any(at == vec2<u32>(0u)) || any(at > depth_map.size)) {
+    return FAR_KEY;
+  }
+  return sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(at) - 1, 0).x));
+}
