@@ -165,6 +165,11 @@ pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 
+    /// A light, as of `extract`: of polygons it says how many face it, and how many are twisted as seen from it. The option can be
+    /// repeated
+    #[arg(long = "light", value_name = "SPEC", allow_hyphen_values = true, value_parser = spec::light)]
+    pub(crate) lights: Vec<LightSpec>,
+
     /// Print JSON instead of text
     #[arg(long)]
     pub(crate) json: bool,
@@ -174,6 +179,7 @@ const INFO_EXAMPLES: &str = "\
 Examples:
   rimline info fox.glb
   rimline info fox.glb --json
+  rimline info house.obj --light dir:1,2,0
 ";
 
 const INFO_KEYS: &str = "\
@@ -181,7 +187,8 @@ Keys of --json: file, instances, meshes (a list), total (each mesh once), placed
 in world space); each of these three with name, vertices (before, after, apart), faces, degenerate_faces, \
 duplicate_faces, edges (consistent, inconsistent, boundary), non_manifold_edges, components, closed, \
 why_open, offending_edges (kind, vertices, positions), joints_per_vertex, morph_targets, bounds (min, \
-max); and of a glTF file skins (name, joints), animations (name, duration_seconds, channels), lights \
+max); polygons (null where all faces are triangles; triangles, quadrilaterals, larger, most_corners, with_holes, \
+nonplanar, non_finite, seen: for each light facing, averted, in_plane, twisted); and of a glTF file skins (name, joints), animations (name, duration_seconds, channels), lights \
 (name, kind, xyzw), skipped_primitives (points, lines, without_position).";
 
 #[derive(Args, Debug)]

@@ -2,9 +2,13 @@
 
 mod asset;
 mod json;
+mod polygons;
 mod report;
 mod text;
 
+use std::borrow::Cow;
+
+use rimline::Light;
 use rimline::reference::cpu::{self, Threads};
 use serde_json::{Value, json};
 
@@ -13,12 +17,14 @@ use crate::failure::Failure;
 use crate::input::{Input, Shape, Source};
 use crate::output::print;
 use crate::shown::Line;
+use polygons::PolygonReport;
 use report::MeshReport;
 use text::Text;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let input = Input::open(&args.model)?;
-    let report = Report::new(&input)?;
+    let lights = input.lights(&args.lights, None, 0.0)?;
+    let report = Report::new(&input, &lights)?;
     print(&if args.json { format!("{:#}\n", report.json(&input)?) } else { report.text(&input)? })
 }
 
@@ -28,24 +34,25 @@ struct Report {
     total: MeshReport,
     /// All instances at rest, in world space: what `extract` works on.
     placed: MeshReport,
+    /// Its polygons, if it has some.
+    polygons: Option<PolygonReport>,
 }
 
 impl Report {
-    fn new(input: &Input) -> Result<Self, Failure> {
+    fn new(input: &Input, lights: &[Light]) -> Result<Self, Failure> {
         let geometries = input.model().geometries().iter().enumerate();
         let meshes = geometries
             .map(|(index, geometry)| MeshReport::of_geometry(geometry, input.weld_counts(index)))
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| Failure::input(&input.file)(error.into()))?;
         let scene = input.scene(None, 0.0, false)?;
-        let placed = match &scene.shape {
-            Shape::World(positions) => MeshReport::of_mesh(&scene.mesh, positions),
-            Shape::Posed { model, pose } => {
-                let positions = cpu::deform(model, pose, 0.0, None, Threads::all())?;
-                MeshReport::of_mesh(&scene.mesh, &positions)
-            }
+        let positions = match &scene.shape {
+            Shape::World(positions) => Cow::Borrowed(*positions),
+            Shape::Posed { model, pose } => Cow::Owned(cpu::deform(model, pose, 0.0, None, Threads::all())?),
         };
-        Ok(Self { total: MeshReport::total(&meshes), meshes, placed })
+        let placed = MeshReport::of_mesh(&scene.mesh, &positions);
+        let polygons = PolygonReport::of_mesh(&scene.mesh, &positions, lights);
+        Ok(Self { total: MeshReport::total(&meshes), meshes, placed, polygons })
     }
 
     /// Keys are stable: they are only ever added to.
@@ -56,6 +63,7 @@ impl Report {
             "meshes": self.meshes.iter().map(json::mesh).collect::<Vec<_>>(),
             "total": json::mesh(&self.total),
             "placed": json::mesh(&self.placed),
+            "polygons": self.polygons.as_ref().map(PolygonReport::json),
         });
         if let (Source::Gltf(asset), Value::Object(value)) = (&input.source, &mut value) {
             asset::json(asset, &asset::lights(asset, input)?, value);
@@ -81,6 +89,9 @@ impl Report {
         }
         text.heading("all instances, at rest in world space");
         text.mesh(&self.placed);
+        if let Some(polygons) = &self.polygons {
+            polygons.text(&mut text);
+        }
         Ok(text.finish())
     }
 }

@@ -3,7 +3,7 @@
 use super::convex::convex;
 use super::edge_pair::{Edge, edge_pair};
 use super::half_space::fits_half_space;
-use super::turn::turn_as_given;
+use super::turn::{turn, turn_as_given};
 use crate::cpu::common::positions::{is_finite, position};
 
 /// How a light sees an outline.
@@ -86,6 +86,14 @@ impl Outline {
             Some(0) if windings.iter().all(|&winding| winding == 0) => Seen::Averted,
             _ => Seen::Twisted,
         }
+    }
+
+    /// Whether all corners are in one plane.
+    pub fn is_planar(&self) -> bool {
+        let Some(&[a, b]) = self.edges.first() else { return true };
+        let is_aside = |&&c: &&[f32; 3]| turn(a, b, c, [1.0, 0.0, 0.0, 0.0]) != 0;
+        let Some(&c) = self.corners.iter().find(is_aside) else { return true };
+        self.corners.iter().all(|&[x, y, z]| turn_as_given(a, b, c, [x, y, z, 1.0]) == 0)
     }
 
     /// Whether each edge is in one plane with the light and each corner.

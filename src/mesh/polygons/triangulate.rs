@@ -63,6 +63,9 @@ impl Triangulator {
         let at = |vertex: u32| positions[vertex as usize].map(f64::from);
         let Some([u, v]) = plane(loops.clone().map(|corners| corners.iter().map(|&vertex| at(vertex)))) else { return };
         let flat = |vertex: u32| [at(vertex)[u], at(vertex)[v]];
+        if is_too_tangled(loops.clone().flatten().map(|&vertex| positions[vertex as usize])) {
+            return;
+        }
         self.vertices.clear();
         self.holes.clear();
         for (index, corners) in loops.enumerate() {
@@ -79,6 +82,21 @@ impl Triangulator {
         // The projection is counter-clockwise, and so are these.
         triangles.extend(found.filter(|&[a, b, c]| a != b && b != c && c != a));
     }
+}
+
+/// The most corners at one place, and the most in all, for which ears are cut. `earcut` may take time with the cube of what it is
+/// given where it finds no ears. Fans fill what it leaves, however much that is.
+const MOST_AT_A_PLACE: usize = 16;
+const MOST_CORNERS: usize = 1 << 15;
+
+/// Whether loops come to a place again and again, as only loops without a sensible surface do, or have very many corners.
+fn is_too_tangled(corners: impl Iterator<Item = [f32; 3]>) -> bool {
+    let mut places: Vec<[u32; 3]> = corners.map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
+    if places.len() <= MOST_AT_A_PLACE {
+        return false;
+    }
+    places.sort_unstable();
+    places.len() > MOST_CORNERS || places.windows(MOST_AT_A_PLACE + 1).any(|run| run[0] == run[MOST_AT_A_PLACE])
 }
 
 /// The two axes onto which loops are projected: they are counter-clockwise there. `None` for loops without an area, or

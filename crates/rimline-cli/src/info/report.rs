@@ -45,7 +45,7 @@ impl MeshReport {
         let ends = |edge: &Edge| edge.vertices.map(|v| positions[v as usize]);
         Self {
             vertices: mesh.weld_counts(),
-            faces: mesh.faces().len(),
+            faces: mesh.face_count(),
             listed_positions: diagnostics.listed_edges.iter().map(ends).collect(),
             diagnostics,
             bounds: Bounds::of(positions),

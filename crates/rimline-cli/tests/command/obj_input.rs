@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 
 use rimline_measure::random::Random;
+use serde_json::json;
 
 use super::archive::read_zip;
 use super::run::{Run, folder, is_empty, rimline};
@@ -11,6 +12,8 @@ use super::{Outcome, Test, ensure};
 pub(crate) const TESTS: &[Test] = &[
     ("obj_input::every_way_to_write_a_model_reads_alike", ways),
     ("obj_input::polygons_stay_whole", polygons),
+    ("obj_input::info_says_how_lights_see_polygons", seen),
+    ("obj_input::gpu_and_cpu_extract_polygons_alike", on_gpu),
     ("obj_input::triangles_are_a_plain_mesh", triangles),
     ("obj_input::bad_files_are_named_by_line", bad),
     ("obj_input::what_takes_more_than_the_limit_is_refused", limits),
@@ -35,6 +38,48 @@ fn extract(model: &[u8]) -> Result<(Run, Vec<u8>), String> {
         is_empty(folder.path())?;
     }
     Ok((run, result))
+}
+
+/// A square, a bow tie as seen from above, a triangle, and a square that stands on end.
+const SEEN: &str = "\
+v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n\
+v 3 0 0\nv 4 1 .1\nv 4 0 .2\nv 3 1 -.1\nf 5 6 7 8\n\
+v 6 0 0\nv 7 0 0\nv 6 1 0\nf 9 10 11\n\
+v 8 0 0\nv 9 0 0\nv 9 0 1\nv 8 0 1\nf 12 13 14 15\n";
+
+fn seen() -> Outcome {
+    let folder = folder();
+    let file = folder.path().join("model.obj");
+    std::fs::write(&file, SEEN).map_err(|error| error.to_string())?;
+    let words = ["info", "--json", "--light", "dir:0,0,1", "--light", "dir:0,0,-1"];
+    let info = rimline(words.map(OsString::from).into_iter().chain([file.into_os_string()])).json()?;
+    let above = json!({ "facing": 2, "averted": 0, "in_plane": 1, "twisted": 1 });
+    let below = json!({ "facing": 0, "averted": 2, "in_plane": 1, "twisted": 1 });
+    let expected = json!({
+        "triangles": 1, "quadrilaterals": 3, "larger": 0, "most_corners": 4, "with_holes": 0, "nonplanar": 1,
+        "non_finite": 0, "seen": [above, below],
+    });
+    ensure!(info["polygons"] == expected, "{}", info["polygons"]);
+    ensure!(info["placed"]["faces"] == 4, "{}", info["placed"]);
+    Ok(())
+}
+
+/// Not only these: the archives are equal byte for byte.
+fn on_gpu() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name).into_os_string();
+    for (number, model) in [CUBE, SEEN].into_iter().enumerate() {
+        std::fs::write(at("model.obj"), model).map_err(|error| error.to_string())?;
+        let found = ["cpu", "gpu"].map(|device| {
+            let out = at(&format!("{device}{number}.npz"));
+            let words = ["extract", "--device", device, "--light", "point:2,3,4", "--light", "dir:0,0,1", "--out"];
+            rimline(words.map(OsString::from).into_iter().chain([out.clone(), at("model.obj")])).expect(0, &[])?;
+            std::fs::read(out).map_err(|error| error.to_string())
+        });
+        let [cpu, gpu] = found;
+        ensure!(cpu? == gpu?, "model {number}");
+    }
+    Ok(())
 }
 
 fn words(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
