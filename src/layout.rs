@@ -528,7 +528,7 @@ shared_structs! {
         capacity: u32,
         /// The edges that are marked: 0 by their differences, 1 every one, 2 where depth jumps.
         detector: u32,
-        /// Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2⁻³¹.
+        /// Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2⁻²⁹.
         threshold: u32,
         /// 1: near is 1 and far is 0.
         is_reversed: u32,

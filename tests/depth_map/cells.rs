@@ -47,13 +47,16 @@ fn expected(map: &Map, edges: Edges, number: u32) -> u32 {
             Edges::Every => true,
             Edges::Differences(threshold) => change(a, b) > exact(threshold),
             Edges::Jumps(slack) => {
-                // Units of 2⁻³¹, cut off.
-                let units = |depth: f32| -> BigInt { exact(depth) >> 118 };
-                let change = |a: f32, b: f32| BigInt::from((units(a) - units(b)).magnitude().clone());
-                let slack = BigInt::from(slack) + (units(a.max(b)) >> 20);
-                let beside = [at(-1).map(|before| change(before, a)), at(2).map(|after| change(after, b))];
-                let own = change(a, b);
-                own > slack && beside.into_iter().flatten().min().is_none_or(|beside| own > beside * 2 + slack)
+                // Units of 2⁻²⁹, cut off.
+                let units = |depth: f32| -> BigInt { exact(depth) >> 120 };
+                let own = BigInt::from((units(a) - units(b)).magnitude().clone());
+                let slack: BigInt = BigInt::from(slack) + (units(a.max(b)) >> 20) + (&own >> 4);
+                // Whether the middle of three samples is half way between the others.
+                let is_line = |outer: Option<f32>, middle: f32, inner: f32| {
+                    let bend = |outer: f32| -> BigInt { units(outer) + units(inner) - units(middle) * 2 };
+                    outer.is_some_and(|outer| bend(outer).magnitude() <= slack.magnitude())
+                };
+                own > slack && !is_line(at(-1), a, b) && !is_line(at(2), b, a)
             }
         }
     };

@@ -16,7 +16,7 @@ pub(crate) struct Map {
 pub(crate) enum Edges {
     Differences(f32),
     Every,
-    /// With this slack, in units of 2⁻³¹.
+    /// With this slack, in units of 2⁻²⁹.
     Jumps(u32),
 }
 

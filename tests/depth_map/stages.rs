@@ -86,9 +86,9 @@ fn lists() -> Result<(), String> {
             // Eight steps of the format: 2⁻²⁴ or 2⁻¹⁶ or, of reversed floats, none but a share.
             let is_float = matches!(format, TextureFormat::R32Float | TextureFormat::Depth32Float);
             let slack = match format {
-                TextureFormat::Depth16Unorm => 8 << 15,
+                TextureFormat::Depth16Unorm => 8 << 13,
                 _ if is_float && map.is_reversed => 0,
-                _ => 8 << 7,
+                _ => 8 << 5,
             };
             let random_threshold = Edges::Differences(random.between(0.0, 0.3));
             for edges in [Edges::Every, Edges::Differences(0.0), random_threshold, Edges::Jumps(slack + 4)] {

@@ -38,36 +38,24 @@ fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   return own > high;
 }
 
-// A depth in units of 2^-31, rounded down.
-fn units(key: u32) -> u32 {
+// A depth in units of 2^-29, rounded down.
+fn units(key: u32) -> i32 {
   let bits = depth_bits(key);
   let exponent = bits >> 23u;
-  if (exponent >= 119u) {
-    return mantissa(bits) << (exponent - 119u);
+  if (exponent >= 121u) {
+    return i32(mantissa(bits) << (exponent - 121u));
   }
-  return select(mantissa(bits) >> ((119u - exponent) & 31u), 0u, exponent < 95u);
+  return i32(select(mantissa(bits) >> ((121u - exponent) & 31u), 0u, exponent < 97u));
 }
 
-fn distance_in_units(a: u32, b: u32) -> u32 {
-  let depths = vec2<u32>(units(a), units(b));
-  return max(depths.x, depths.y) - min(depths.x, depths.y);
-}
-
-// Whether the depth changes by more than twice as much from a to b as it does beside them, on the side where that is less.
+// Whether neither the line from `before` to a goes on to b, nor that from `after` to b goes on to a. They may be off by what
+// depths may, and by a sixteenth of the difference.
 fn is_jump(before: u32, a: u32, b: u32, after: u32) -> bool {
-  let own = distance_in_units(a, b);
-  let slack = depth_map.threshold + (max(units(a), units(b)) >> 20u);
-  if (own <= slack) {
-    return false;
-  }
-  var beside = 0xffffffffu;
-  if (before != FAR_KEY) {
-    beside = distance_in_units(before, a);
-  }
-  if (after != FAR_KEY) {
-    beside = min(beside, distance_in_units(b, after));
-  }
-  return beside == 0xffffffffu || (own - slack - 1u) / 2u >= beside;
+  let places = vec2<i32>(units(a), units(b));
+  let own = places.y - places.x;
+  let slack = i32(depth_map.threshold) + (max(places.x, places.y) >> 20u) + (abs(own) >> 4u);
+  let goes_on = before != FAR_KEY && abs(own - (places.x - units(before))) <= slack;
+  return abs(own) > slack && !goes_on && !(after != FAR_KEY && abs(units(after) - places.y - own) <= slack);
 }
 
 // Whether the edge from sample `first` to the one at `step` from it is marked. `a` and `b` are their keys.

@@ -11,7 +11,7 @@ struct DepthMapShape {
   capacity: u32,
   // The edges that are marked: DIFFERENCES, EVERY_CELL or JUMPS.
   detector: u32,
-  // Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2^-31.
+  // Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2^-29.
   threshold: u32,
   // 1: near is 1 and far is 0.
   is_reversed: u32,

@@ -102,16 +102,15 @@ fn is_marked(samples: &Samples<'_>, first: [u32; 2], step: [u32; 2]) -> bool {
     }
 }
 
-/// Whether the depth changes by more than twice as much from p to q as it does beside them, on the side where that is less.
+/// Whether neither the line from `before` to p goes on to q, nor that from `after` to q goes on to p.
 fn is_jump(samples: &Samples<'_>, before: Key, [p, q]: [u32; 2], after: Key) -> bool {
-    // In units of 2⁻³¹. Doubling a float is exact, and the conversion cuts off.
-    let units = |steps: u32| (f64::from(samples.depth(steps)) * 2_147_483_648.0) as u64;
-    let difference = |a: u32, b: u32| units(a).abs_diff(units(b));
-    let beside = [(before, p), (after, q)].into_iter().filter_map(|(beside, own)| match beside {
-        Key::Steps(beside) => Some(difference(beside, own)),
-        Key::Far => None,
-    });
-    let slack = u64::from(samples.shape.threshold) + (units(p).max(units(q)) >> 20);
-    let own = difference(p, q);
-    own > slack && beside.min().is_none_or(|beside| own > 2 * beside + slack)
+    // In units of 2⁻²⁹. The product is exact, and the conversion cuts off.
+    let units = |steps: u32| (f64::from(samples.depth(steps)) * 536_870_912.0) as i64;
+    let (p, q) = (units(p), units(q));
+    let slack = i64::from(samples.shape.threshold) + (p.max(q) >> 20) + ((q - p).abs() >> 4);
+    let is_line = |a: Key, b: i64, c: i64| match a {
+        Key::Steps(a) => (units(a) - 2 * b + c).abs() <= slack,
+        Key::Far => false,
+    };
+    (q - p).abs() > slack && !is_line(before, p, q) && !is_line(after, q, p)
 }

@@ -138,7 +138,8 @@ impl DepthMapVolumes {
             stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &[])),
             shape,
             edges,
-            slope_bias,
+            // Triangles that are left out must stay on their surface.
+            slope_bias: if edges == DepthEdges::EveryCell { slope_bias } else { 0.0 },
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             places,
             cells,

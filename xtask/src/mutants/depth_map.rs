@@ -59,6 +59,27 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: LISTS,
     },
     Mutation {
+        name: "depth maps: jumps are not asked from their other side",
+        changes: &[
+            (
+                "wgsl/depth_map/edge_code.wgsl",
+                "return abs(own) > slack && !goes_on && !(after != FAR_KEY &&",
+                "return abs(own) > slack && !goes_on && !(false &&",
+            ),
+            (
+                "src/cpu/depth_map/edge_code.rs",
+                "!is_line(before, p, q) && !is_line(after, q, p)",
+                "!is_line(before, p, q)",
+            ),
+        ],
+        tests: LISTS,
+    },
+    Mutation {
+        name: "depth maps: triangles that are left out move with their slope",
+        changes: &[("src/gpu/depth_map/volumes.rs", "edges == DepthEdges::EveryCell {", "true {")],
+        tests: PICTURES,
+    },
+    Mutation {
         name: "depth maps: far samples are at the far plane",
         changes: &[(
             "wgsl/depth_map/depth_surface.wgsl",
