@@ -45,12 +45,12 @@ impl Boundary {
             let point = matrix * DVec4::new(x, y, depth, 1.0);
             point.truncate() / point.w + origin
         };
-        let vertex = |x: i64, y: i64| match sample(map, x, y) {
-            Some(depth) => place(x, y, depth).extend(1.0),
-            None => {
-                let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
-                (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
+        let vertex = |x: i64, y: i64| {
+            if let Some(depth) = sample(map, x, y) {
+                return place(x, y, depth).extend(1.0);
             }
+            let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+            (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
         };
         let is_marked = |a: [i64; 2], b: [i64; 2]| match (sample(map, a[0], a[1]), sample(map, b[0], b[1])) {
             (None, None) => false,

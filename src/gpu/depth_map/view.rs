@@ -86,14 +86,11 @@ pub(super) fn depth_map_view(
     let place = to_eye * between * inverse;
     // Directions do not depend on the origins.
     let ray = |depth: f64, of: DVec4| to_eye * (of + depth * inverse.z_axis).truncate().extend(0.0);
-    let [far_across, far_down, far_middle] = match infinity {
-        Some(depth) => {
-            [ray(depth.x, inverse.x_axis) / width, -ray(depth.y, inverse.y_axis) / height, ray(depth.z, inverse.w_axis)]
-        }
-        None => {
-            let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
-            [DVec4::ZERO, DVec4::ZERO, ray(away, DVec4::ZERO)]
-        }
+    let [far_across, far_down, far_middle] = if let Some(depth) = infinity {
+        [ray(depth.x, inverse.x_axis) / width, -ray(depth.y, inverse.y_axis) / height, ray(depth.z, inverse.w_axis)]
+    } else {
+        let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
+        [DVec4::ZERO, DVec4::ZERO, ray(away, DVec4::ZERO)]
     };
     // From the eye's clip space to the lattice, where texel (0, 0) is at (1, 1).
     let lattice = DMat4::from_cols(

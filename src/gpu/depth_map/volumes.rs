@@ -22,8 +22,10 @@ use crate::stages::DEPTH_CELLS;
 /// The largest number of cells: entries have as many bits for it.
 const MOST_CELLS: u64 = 1 << 29;
 
-/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light (after McCool 2000). It
+/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
+///
+/// NUMERICS.md, "Volumes from depth maps", has the method and its source.
 ///
 /// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
 ///
