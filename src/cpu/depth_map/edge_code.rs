@@ -11,11 +11,6 @@ pub const FIRST_TRIANGLE: u32 = 1 << 30;
 /// The other triangle is drawn.
 pub const SECOND_TRIANGLE: u32 = 1 << 31;
 
-/// Value of [`DepthMapShape::detector`](crate::layout::DepthMapShape::detector): every edge that is not far.
-pub const EVERY_CELL: u32 = 1;
-/// Value of [`DepthMapShape::detector`](crate::layout::DepthMapShape::detector): where depth jumps.
-pub const JUMPS: u32 = 2;
-
 /// A cell between the samples (0, 0), (1, 0), (0, 1) and (1, 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -47,12 +42,7 @@ impl Cell {
         let across = samples.shape.size[0] + 1;
         let at @ [x, y] = [number % across, number / across];
         let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(|at| samples.at(at));
-        let marked = [
-            is_marked(samples, [x, y], [1, 0]),
-            is_marked(samples, [x + 1, y], [0, 1]),
-            is_marked(samples, [x, y + 1], [1, 0]),
-            is_marked(samples, [x, y], [0, 1]),
-        ];
+        let marked = [(a, b), (b, d), (c, d), (a, c)].map(|(p, q)| is_marked(samples, p, q));
         let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
         Self { at, marked, is_split: distance(a, d) > distance(b, c) }
     }
@@ -81,36 +71,13 @@ impl Cell {
     }
 }
 
-/// Whether the edge from sample `first` to the one at `step` from it is marked.
-fn is_marked(samples: &Samples<'_>, first: [u32; 2], step: [u32; 2]) -> bool {
-    let next = |[x, y]: [u32; 2]| [x + step[0], y + step[1]];
-    let second = next(first);
-    let (Key::Steps(p), Key::Steps(q)) = (samples.at(first), samples.at(second)) else {
-        return samples.at(first) != samples.at(second);
-    };
-    match samples.shape.detector {
-        EVERY_CELL => true,
-        JUMPS => {
-            // A sample that is not far is not on the border of the lattice.
-            let before = samples.at([first[0] - step[0], first[1] - step[1]]);
-            is_jump(samples, before, [p, q], samples.at(next(second)))
-        }
-        _ => {
+fn is_marked(samples: &Samples<'_>, p: Key, q: Key) -> bool {
+    match (p, q) {
+        (Key::Far, Key::Far) => false,
+        (Key::Steps(p), Key::Steps(q)) => {
             let [p, q] = [p, q].map(|steps| samples.depth(steps).to_bits());
-            exceeds(p.max(q), p.min(q), samples.shape.threshold)
+            samples.shape.every_cell == 1 || exceeds(p.max(q), p.min(q), samples.shape.threshold)
         }
+        _ => true,
     }
-}
-
-/// Whether neither the line from `before` to p goes on to q, nor that from `after` to q goes on to p.
-fn is_jump(samples: &Samples<'_>, before: Key, [p, q]: [u32; 2], after: Key) -> bool {
-    // In units of 2⁻²⁹. The product is exact, and the conversion cuts off.
-    let units = |steps: u32| (f64::from(samples.depth(steps)) * 536_870_912.0) as i64;
-    let (p, q) = (units(p), units(q));
-    let slack = i64::from(samples.shape.threshold) + (p.max(q) >> 20) + ((q - p).abs() >> 4);
-    let is_line = |a: Key, b: i64, c: i64| match a {
-        Key::Steps(a) => (units(a) - 2 * b + c).abs() <= slack,
-        Key::Far => false,
-    };
-    (q - p).abs() > slack && !is_line(before, p, q) && !is_line(after, q, p)
 }

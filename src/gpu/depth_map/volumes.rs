@@ -7,7 +7,7 @@ use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout};
-use super::view::{depth_map_view, jump_slack};
+use super::view::depth_map_view;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -66,7 +66,6 @@ pub struct DepthMapVolumes {
     /// Count, places, list.
     stages: [Pipeline; 3],
     shape: DepthMapShape,
-    edges: DepthEdges,
     slope_bias: f32,
     eye: (wgpu::TextureFormat, DepthDirection),
     places: wgpu::Buffer,
@@ -99,10 +98,9 @@ impl DepthMapVolumes {
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
-        let (detector, threshold) = match edges {
-            DepthEdges::Differences { threshold } => (0, threshold),
+        let (every_cell, threshold) = match edges {
             DepthEdges::EveryCell => (1, 0.0),
-            DepthEdges::Jumps => (2, 0.0),
+            DepthEdges::Differences { threshold } => (0, threshold),
         };
         if !(0.0..=1.0).contains(&threshold) {
             return Err(DepthMapVolumesError::Threshold(threshold));
@@ -119,7 +117,7 @@ impl DepthMapVolumes {
             cells,
             blocks,
             capacity: capacity.unwrap_or(cells).min(cells).min(fitting),
-            detector,
+            every_cell,
             // A threshold that a device may flush is none.
             threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
             is_reversed: 0,
@@ -139,9 +137,7 @@ impl DepthMapVolumes {
         Ok(Self {
             stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &[])),
             shape,
-            edges,
-            // Triangles that are left out must stay on their surface.
-            slope_bias: if edges == DepthEdges::EveryCell { slope_bias } else { 0.0 },
+            slope_bias,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             places,
             cells,
@@ -172,10 +168,7 @@ impl DepthMapVolumes {
         let view = depth_map_view((&map.light, self.shape.size, format), (camera, self.eye.0), self.slope_bias)?;
         check_alive(device)?;
         let is_reversed = u32::from(map.light.depth == DepthDirection::Reversed);
-        let mut shape = DepthMapShape { is_reversed, ..self.shape };
-        if self.edges == DepthEdges::Jumps {
-            shape.threshold = jump_slack(format, map.light.depth);
-        }
+        let shape = DepthMapShape { is_reversed, ..self.shape };
         let refused = |message| DepthMapEncodeError::Refused { message };
         let bound = any_error(device, || self.bind(map.texture, &shape, &view)).map_err(refused)?;
         for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {

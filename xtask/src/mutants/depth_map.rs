@@ -54,30 +54,9 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: an edge of nothing is compared like others",
         changes: &[
             ("wgsl/depth_map/edge_code.wgsl", "    return a != b;", "    return false;"),
-            ("src/cpu/depth_map/edge_code.rs", "return samples.at(first) != samples.at(second);", "return false;"),
+            ("src/cpu/depth_map/edge_code.rs", "        _ => true,\n", "        _ => false,\n"),
         ],
         tests: LISTS,
-    },
-    Mutation {
-        name: "depth maps: jumps are not asked from their other side",
-        changes: &[
-            (
-                "wgsl/depth_map/edge_code.wgsl",
-                "return abs(own) > slack && !goes_on && !(after != FAR_KEY &&",
-                "return abs(own) > slack && !goes_on && !(false &&",
-            ),
-            (
-                "src/cpu/depth_map/edge_code.rs",
-                "!is_line(before, p, q) && !is_line(after, q, p)",
-                "!is_line(before, p, q)",
-            ),
-        ],
-        tests: LISTS,
-    },
-    Mutation {
-        name: "depth maps: triangles that are left out move with their slope",
-        changes: &[("src/gpu/depth_map/volumes.rs", "edges == DepthEdges::EveryCell {", "true {")],
-        tests: PICTURES,
     },
     Mutation {
         name: "depth maps: far samples are at the far plane",
@@ -97,8 +76,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: near caps take the other triangle of a cell",
         changes: &[(
             "wgsl/depth_map/depth_surface.wgsl",
-            "let is_split = is_cell_split(keys_of_cell(at));",
-            "let is_split = !is_cell_split(keys_of_cell(at));",
+            "let is_split = (entry & SPLIT) != 0u;",
+            "let is_split = (entry & SPLIT) == 0u;",
         )],
         tests: PICTURES,
     },
