@@ -105,13 +105,4 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[("src/gpu/depth_map/view.rs", "share, constant, 0.0],", "0.0 * share, 0.0 * constant, 0.0],")],
         tests: PICTURES,
     },
-    Mutation {
-        name: "depth maps: depths do not move for the eye's precision",
-        changes: &[(
-            "src/gpu/depth_map/view.rs",
-            "let [share, constant] = steps(format, eye.depth);",
-            "let [share, constant] = steps(format, eye.depth).map(|step| 0.0 * step);",
-        )],
-        tests: PICTURES,
-    },
 ];
