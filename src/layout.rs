@@ -528,9 +528,9 @@ shared_structs! {
         blocks: u32,
         /// Cells that the list has room for.
         capacity: u32,
-        /// The edges that are marked: 0 by their differences, 1 every one, 2 where depth jumps.
-        detector: u32,
-        /// Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2⁻³¹.
+        /// 1: every cell that is not far is marked.
+        every_cell: u32,
+        /// Bits of the threshold, in device depth.
         threshold: u32,
         /// 1: near is 1 and far is 0.
         is_reversed: u32,

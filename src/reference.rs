@@ -92,9 +92,7 @@ pub mod cpu {
     pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells};
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
-    pub use crate::cpu::depth_map::edge_code::{
-        CELL_MASK, Cell, EVERY_CELL, FIRST_TRIANGLE, JUMPS, SECOND_TRIANGLE, SPLIT, exceeds,
-    };
+    pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};
     pub use crate::cpu::depth_map::samples::{Key, Samples};
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};

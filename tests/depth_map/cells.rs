@@ -5,7 +5,7 @@ use rimline::reference::cpu::{CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT,
 use rimline::reference::layout::DepthMapShape;
 use rimline_measure::random::Random;
 
-use crate::maps::{Edges, Map, maps};
+use crate::maps::{Map, maps};
 
 /// A finite number that is not negative, in units of 2⁻¹⁴⁹.
 fn exact(value: f32) -> BigInt {
@@ -30,42 +30,26 @@ fn rank(map: &Map, sample: Option<f32>) -> i64 {
 }
 
 /// The entry of a cell, 0 if it is not listed.
-fn expected(map: &Map, edges: Edges, number: u32) -> u32 {
+fn expected(map: &Map, threshold: f32, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
     let corner = |dx: i64, dy: i64| cast(map, x + dx, y + dy);
-    // A sample and the direction to the next.
-    let is_marked = |[i, j]: [i64; 2], [k, l]: [i64; 2]| {
-        let at = |steps: i64| corner(i + steps * (k - i), j + steps * (l - j));
-        let (a, b) = match (at(0), at(1)) {
-            (None, None) => return false,
-            (Some(a), Some(b)) => (a, b),
-            _ => return true,
-        };
-        let change = |a: f32, b: f32| BigInt::from((exact(a) - exact(b)).magnitude().clone());
-        match edges {
-            Edges::Every => true,
-            Edges::Differences(threshold) => change(a, b) > exact(threshold),
-            Edges::Jumps(slack) => {
-                // Units of 2⁻³¹, cut off.
-                let units = |depth: f32| -> BigInt { exact(depth) >> 118 };
-                let change = |a: f32, b: f32| BigInt::from((units(a) - units(b)).magnitude().clone());
-                let slack = BigInt::from(slack) + (units(a.max(b)) >> 20);
-                let beside = [at(-1).map(|before| change(before, a)), at(2).map(|after| change(after, b))];
-                let own = change(a, b);
-                own > slack && beside.into_iter().flatten().min().is_none_or(|beside| own > beside * 2 + slack)
-            }
+    let is_marked = |a: Option<f32>, b: Option<f32>| match (a, b) {
+        (None, None) => false,
+        (Some(a), Some(b)) => {
+            let difference = exact(a) - exact(b);
+            threshold < 0.0 || difference.magnitude() > exact(threshold).magnitude()
         }
+        _ => true,
     };
     let diagonal = |a: Option<f32>, b: Option<f32>| (rank(map, a) - rank(map, b)).abs();
     let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
     let is_split = diagonal(a, d) > diagonal(b, c);
     // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
-    let [p, q, r, t] = [[0, 0], [1, 0], [0, 1], [1, 1]];
     let (first, second) = if is_split {
-        (is_marked(p, q) || is_marked(p, r), is_marked(t, q) || is_marked(t, r))
+        (is_marked(a, b) || is_marked(a, c), is_marked(d, b) || is_marked(d, c))
     } else {
-        (is_marked(q, p) || is_marked(q, t), is_marked(r, p) || is_marked(r, t))
+        (is_marked(b, a) || is_marked(b, d), is_marked(c, a) || is_marked(c, d))
     };
     if !first && !second {
         return 0;
@@ -74,16 +58,17 @@ fn expected(map: &Map, edges: Edges, number: u32) -> u32 {
     number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
 }
 
-fn check(map: &Map, edges: Edges, shape: &DepthMapShape) -> Result<usize, String> {
+fn check(map: &Map, threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
     let found = depth_cells(shape, &map.depths);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
-    let all: Vec<_> = (0..shape.cells).map(|number| expected(map, edges, number)).filter(|&entry| entry != 0).collect();
+    let all: Vec<_> =
+        (0..shape.cells).map(|number| expected(map, threshold, number)).filter(|&entry| entry != 0).collect();
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
-        return Err(format!("{:?} with {edges:?}: {} cells, {} expected", map.size, found.count, all.len()));
+        return Err(format!("{:?} with {threshold}: {} cells, {} expected", map.size, found.count, all.len()));
     }
     let drawn = if found.count > shape.capacity { shape.cells } else { found.count };
     if found.draw != [6 * drawn, 1, 0, 0] {
-        return Err(format!("{:?} with {edges:?}: {:?}", map.size, found.draw));
+        return Err(format!("{:?} with {threshold}: {:?}", map.size, found.draw));
     }
     Ok(all.len())
 }
@@ -101,11 +86,9 @@ fn listed_cells_are_those_of_exact_arithmetic() {
             let [a, b] = [0, 1].map(|_| depths[random.below(depths.len())]);
             let met = (a - b).abs();
             let met = if (0.0..=1.0).contains(&met) && met >= f32::MIN_POSITIVE { met } else { 0.125 };
-            let differences = [met, random.between(0.0, 0.3), 0.125, 0.0].map(Edges::Differences);
-            let slack = [4, 1028, random.next_u64() as u32 >> 8][random.below(3)];
-            for edges in differences.into_iter().chain([Edges::Every, Edges::Jumps(slack)]) {
+            for threshold in [met, random.between(0.0, 0.3), 0.125, 0.0, -1.0] {
                 let capacity = if round % 2 == 0 { u32::MAX } else { random.below(9) as u32 };
-                listed += check(&map, edges, &map.shape(edges, capacity)).expect("as expected");
+                listed += check(&map, threshold, &map.shape(threshold, capacity)).expect("as expected");
             }
         }
     }
@@ -116,14 +99,14 @@ fn listed_cells_are_those_of_exact_arithmetic() {
 #[test]
 fn another_map_is_noticed() {
     let map = Map::new([7, 5], false, |texel| (texel % 11) as f32 / 16.0);
-    let shape = map.shape(Edges::Differences(0.125), u32::MAX);
-    assert!(check(&map, Edges::Differences(0.125), &shape).is_ok());
+    let shape = map.shape(0.125, u32::MAX);
+    assert!(check(&map, 0.125, &shape).is_ok());
     let mut moved = map.clone();
     moved.depths[17] += 0.5;
-    assert!(check(&moved, Edges::Differences(0.125), &shape).is_ok());
+    assert!(check(&moved, 0.125, &shape).is_ok());
     assert_ne!(depth_cells(&shape, &map.depths), depth_cells(&shape, &moved.depths));
-    assert!(check(&map, Edges::Differences(0.5), &shape).is_err());
-    assert!(check(&Map { is_reversed: true, ..map.clone() }, Edges::Differences(0.125), &shape).is_err());
+    assert!(check(&map, 0.5, &shape).is_err());
+    assert!(check(&Map { is_reversed: true, ..map.clone() }, 0.125, &shape).is_err());
 }
 
 #[test]

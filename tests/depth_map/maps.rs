@@ -11,35 +11,21 @@ pub(crate) struct Map {
     pub(crate) depths: Vec<f32>,
 }
 
-/// Which edges are marked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Edges {
-    Differences(f32),
-    Every,
-    /// With this slack, in units of 2⁻³¹.
-    Jumps(u32),
-}
-
 impl Map {
     pub(crate) fn new(size: [u32; 2], is_reversed: bool, depth: impl FnMut(u32) -> f32) -> Self {
         Self { size, is_reversed, depths: (0..size[0] * size[1]).map(depth).collect() }
     }
 
-    /// The shape of the map with these options.
-    pub(crate) fn shape(&self, edges: Edges, capacity: u32) -> DepthMapShape {
-        let (detector, threshold) = match edges {
-            Edges::Differences(threshold) => (0, threshold.to_bits()),
-            Edges::Every => (1, 0),
-            Edges::Jumps(slack) => (2, slack),
-        };
+    /// The shape of the map with these options. A negative threshold marks every cell.
+    pub(crate) fn shape(&self, threshold: f32, capacity: u32) -> DepthMapShape {
         let cells = (self.size[0] + 1) * (self.size[1] + 1);
         DepthMapShape {
             size: self.size,
             cells,
             blocks: cells.div_ceil(256),
             capacity: capacity.min(cells),
-            detector,
-            threshold,
+            every_cell: u32::from(threshold < 0.0),
+            threshold: threshold.max(0.0).to_bits(),
             is_reversed: u32::from(self.is_reversed),
         }
     }

@@ -10,7 +10,7 @@ use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::maps::{Edges, Map, maps};
+use crate::maps::{Map, maps};
 use crate::scene::Eye;
 use crate::textures::{depth_view, read, texture};
 
@@ -37,13 +37,8 @@ fn direction(map: &Map) -> DepthDirection {
     if map.is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard }
 }
 
-/// The slack of jumps is the library's.
-fn options(edges: Edges, capacity: Option<u32>) -> DepthMapOptions {
-    let edges = match edges {
-        Edges::Differences(threshold) => DepthEdges::Differences { threshold },
-        Edges::Every => DepthEdges::EveryCell,
-        Edges::Jumps(_) => DepthEdges::Jumps,
-    };
+fn options(threshold: f32, capacity: Option<u32>) -> DepthMapOptions {
+    let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
     DepthMapOptions { edges, capacity, ..Default::default() }
 }
 
@@ -52,7 +47,7 @@ fn check(
     (gpu, pipelines): (&Gpu, &DepthMapPipelines),
     map: &Map,
     format: TextureFormat,
-    edges: Edges,
+    threshold: f32,
     capacity: Option<u32>,
 ) -> Result<u32, String> {
     // A depth attachment takes finite depths from 0 to 1 alone.
@@ -61,15 +56,15 @@ fn check(
     let depths = if format == TextureFormat::R32Float { &map.depths } else { &clamped };
     let texture = texture(gpu, map.size, format, depths)?;
     let depths = read(gpu, &texture)?;
-    let mut volumes = DepthMapVolumes::new(pipelines, map.size, options(edges, capacity)).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(pipelines, map.size, options(threshold, capacity)).map_err(text)?;
     let (view, light) = (depth_view(&texture), camera(direction(map)));
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &view, light };
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let expected = depth_cells(&map.shape(edges, capacity.unwrap_or(u32::MAX)), &depths);
+    let expected = depth_cells(&map.shape(threshold, capacity.unwrap_or(u32::MAX)), &depths);
     let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-    let what = format!("{format:?} {:?}, reversed {}, {edges:?}", map.size, map.is_reversed);
+    let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}", map.size, map.is_reversed);
     same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
     Ok(expected.count)
 }
@@ -83,17 +78,9 @@ fn lists() -> Result<(), String> {
     let mut listed = 0;
     for format in FORMATS {
         for map in maps(&mut random) {
-            // Eight steps of the format: 2⁻²⁴ or 2⁻¹⁶ or, of reversed floats, none but a share.
-            let is_float = matches!(format, TextureFormat::R32Float | TextureFormat::Depth32Float);
-            let slack = match format {
-                TextureFormat::Depth16Unorm => 8 << 15,
-                _ if is_float && map.is_reversed => 0,
-                _ => 8 << 7,
-            };
-            let random_threshold = Edges::Differences(random.between(0.0, 0.3));
-            for edges in [Edges::Every, Edges::Differences(0.0), random_threshold, Edges::Jumps(slack + 4)] {
+            for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3)] {
                 let capacity = (random.below(3) == 0).then(|| random.below(300) as u32);
-                listed += check((&gpu, &pipelines), &map, format, edges, capacity)?;
+                listed += check((&gpu, &pipelines), &map, format, threshold, capacity)?;
             }
         }
     }
@@ -101,13 +88,12 @@ fn lists() -> Result<(), String> {
     // Negative control: the list of another map.
     let map = Map::new([9, 9], false, |texel| (texel % 5) as f32 / 8.0);
     let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let mut volumes =
-        DepthMapVolumes::new(&pipelines, map.size, options(Edges::Differences(0.125), None)).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options(0.125, None)).map_err(text)?;
     let given = DepthMap { texture: &depth_view(&texture), light: camera(DepthDirection::Reversed) };
     gpu.submit(|encoder| {
         volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let expected = depth_cells(&map.shape(Edges::Differences(0.125), u32::MAX), &map.depths);
+    let expected = depth_cells(&map.shape(0.125, u32::MAX), &map.depths);
     let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
     must_fail("the other direction", &same("cells", &found, &[&[expected.count], &expected.entries[..]].concat()))
 }
@@ -120,8 +106,8 @@ fn large() -> Result<(), String> {
     let map = Map::new([700, 401], true, |texel| {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
     });
-    for edges in [Edges::Every, Edges::Differences(0.01), Edges::Jumps(4)] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, edges, None)?;
+    for threshold in [-1.0, 0.01] {
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None)?;
         if listed < 100_000 {
             return Err(format!("only {listed} cells"));
         }
@@ -134,8 +120,7 @@ fn two_encodes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let maps = [0.25, 0.75].map(|depth| Map::new([12, 7], false, |texel| if texel % 7 < 3 { depth } else { 1.0 }));
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 0).map_err(text)?;
-    let mut volumes =
-        DepthMapVolumes::new(&pipelines, [12, 7], options(Edges::Differences(0.0), None)).map_err(text)?;
+    let mut volumes = DepthMapVolumes::new(&pipelines, [12, 7], options(0.0, None)).map_err(text)?;
     let textures = [
         texture(&gpu, maps[0].size, TextureFormat::Depth32Float, &maps[0].depths)?,
         texture(&gpu, maps[1].size, TextureFormat::R32Float, &maps[1].depths)?,
@@ -153,7 +138,7 @@ fn two_encodes() -> Result<(), String> {
     })?;
     for (number, (map, copy)) in maps.into_iter().zip(&copies).enumerate() {
         let map = Map { is_reversed: number == 1, ..map };
-        let expected = depth_cells(&map.shape(Edges::Differences(0.0), u32::MAX), &map.depths);
+        let expected = depth_cells(&map.shape(0.0, u32::MAX), &map.depths);
         let found: Vec<u32> = gpu.read(copy, 1 + expected.entries.len())?;
         same(&format!("encode {number}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
     }

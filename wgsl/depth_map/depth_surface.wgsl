@@ -130,7 +130,8 @@ fn is_behind(place: vec2<f32>) -> bool {
   let cell = floor(lattice);
   let at = vec2<u32>(cell);
   let part = lattice - cell;
-  let is_split = is_cell_split(keys_of_cell(at));
+  let entry = templates(keys_of_cell(at));
+  let is_split = (entry & SPLIT) != 0u;
   let second = select((part.x < part.y), (part.x + part.y > 1.0), is_split);
   // The shares of the samples (0, 0), (1, 0), (0, 1), (1, 1).
   var shares = vec4<f32>(1.0 - part.x, part.x - part.y, 0.0, part.y);

@@ -38,48 +38,12 @@ fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
   return own > high;
 }
 
-// A depth in units of 2^-31, rounded down.
-fn units(key: u32) -> u32 {
-  let bits = depth_bits(key);
-  let exponent = bits >> 23u;
-  if (exponent >= 119u) {
-    return mantissa(bits) << (exponent - 119u);
-  }
-  return select(mantissa(bits) >> ((119u - exponent) & 31u), 0u, exponent < 95u);
-}
-
-fn distance_in_units(a: u32, b: u32) -> u32 {
-  let depths = vec2<u32>(units(a), units(b));
-  return max(depths.x, depths.y) - min(depths.x, depths.y);
-}
-
-// Whether the depth changes by more than twice as much from a to b as it does beside them, on the side where that is less.
-fn is_jump(before: u32, a: u32, b: u32, after: u32) -> bool {
-  let own = distance_in_units(a, b);
-  let slack = depth_map.threshold + (max(units(a), units(b)) >> 20u);
-  if (own <= slack) {
-    return false;
-  }
-  var beside = 0xffffffffu;
-  if (before != FAR_KEY) {
-    beside = distance_in_units(before, a);
-  }
-  if (after != FAR_KEY) {
-    beside = min(beside, distance_in_units(b, after));
-  }
-  return beside == 0xffffffffu || (own - slack - 1u) / 2u >= beside;
-}
-
-// Whether the edge from sample `first` to the one at `step` from it is marked. `a` and `b` are their keys.
-fn is_marked(a: u32, b: u32, first: vec2<u32>, step: vec2<u32>) -> bool {
+fn is_marked(a: u32, b: u32) -> bool {
   if (a == FAR_KEY || b == FAR_KEY) {
     return a != b;
   }
-  if (depth_map.detector == EVERY_CELL) {
+  if (depth_map.every_cell != 0u) {
     return true;
-  }
-  if (depth_map.detector == JUMPS) {
-    return is_jump(key_at(first - step), a, b, key_at(first + 2u * step));
   }
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
   return exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
@@ -89,17 +53,19 @@ fn key_distance(a: u32, b: u32) -> u32 {
   return max(a, b) - min(a, b);
 }
 
-const RIGHT: vec2<u32> = vec2<u32>(1u, 0u);
-const DOWN: vec2<u32> = vec2<u32>(0u, 1u);
-
 // Bits: the edges at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
-fn edge_code(keys: vec4<u32>, at: vec2<u32>) -> u32 {
-  return select(0u, 1u, is_marked(keys.x, keys.y, at, RIGHT)) | select(0u, 2u, is_marked(keys.y, keys.w, at + RIGHT, DOWN))
-    | select(0u, 4u, is_marked(keys.z, keys.w, at + DOWN, RIGHT)) | select(0u, 8u, is_marked(keys.x, keys.z, at, DOWN));
+fn edge_code(keys: vec4<u32>) -> u32 {
+  return select(0u, 1u, is_marked(keys.x, keys.y)) | select(0u, 2u, is_marked(keys.y, keys.w))
+    | select(0u, 4u, is_marked(keys.z, keys.w)) | select(0u, 8u, is_marked(keys.x, keys.z));
 }
 
-fn is_cell_split(keys: vec4<u32>) -> bool {
-  return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
+// A triangle is drawn if one of its edges that lie on the border of the cell is marked.
+fn templates(keys: vec4<u32>) -> u32 {
+  let code = edge_code(keys);
+  let is_split = key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
+  let first = select(3u, 9u, is_split);
+  return select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
+    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
 }
 
 fn corner_of_cell(cell: u32) -> vec2<u32> {
@@ -108,17 +74,11 @@ fn corner_of_cell(cell: u32) -> vec2<u32> {
 }
 
 fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
-  return vec4<u32>(key_at(at), key_at(at + RIGHT), key_at(at + DOWN), key_at(at + RIGHT + DOWN));
+  return vec4<u32>(
+    key_at(at), key_at(at + vec2<u32>(1u, 0u)), key_at(at + vec2<u32>(0u, 1u)), key_at(at + vec2<u32>(1u, 1u)));
 }
 
-// The entry of a cell. It is listed if it has a triangle. A triangle is drawn if one of its edges that lie on the border of the
-// cell is marked.
+// The entry of a cell. It is listed if it has a triangle.
 fn entry_of_cell(cell: u32) -> u32 {
-  let at = corner_of_cell(cell);
-  let keys = keys_of_cell(at);
-  let code = edge_code(keys, at);
-  let is_split = is_cell_split(keys);
-  let first = select(3u, 9u, is_split);
-  return cell | select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
-    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+  return cell | templates(keys_of_cell(corner_of_cell(cell)));
 }

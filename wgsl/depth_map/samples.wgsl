@@ -9,9 +9,9 @@ struct DepthMapShape {
   blocks: u32,
   // Cells that the list has room for.
   capacity: u32,
-  // The edges that are marked: DIFFERENCES, EVERY_CELL or JUMPS.
-  detector: u32,
-  // Bits of the threshold in device depth, or for jumps what a difference may be off, in units of 2^-31.
+  // 1: every cell that is not far is marked. 0: differences above the threshold are.
+  every_cell: u32,
+  // Bits of the threshold, in device depth.
   threshold: u32,
   // 1: near is 1 and far is 0.
   is_reversed: u32,
@@ -23,10 +23,6 @@ struct DepthMapShape {
 // The key of a sample that casts nothing. All other keys are smaller. A larger key is farther.
 const FAR_KEY: u32 = 0x7fffffffu;
 const ONE: u32 = 0x3f800000u;
-
-const DIFFERENCES: u32 = 0u;
-const EVERY_CELL: u32 = 1u;
-const JUMPS: u32 = 2u;
 
 // Works on bits, because a device may flush a subnormal and may assume that there is no NaN.
 fn sample_key(bits: u32) -> u32 {

@@ -11,11 +11,6 @@ pub const FIRST_TRIANGLE: u32 = 1 << 30;
 /// The other triangle is drawn.
 pub const SECOND_TRIANGLE: u32 = 1 << 31;
 
-/// Value of [`DepthMapShape::detector`](crate::layout::DepthMapShape::detector): every edge that is not far.
-pub const EVERY_CELL: u32 = 1;
-/// Value of [`DepthMapShape::detector`](crate::layout::DepthMapShape::detector): where depth jumps.
-pub const JUMPS: u32 = 2;
-
 /// A cell between the samples (0, 0), (1, 0), (0, 1) and (1, 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -47,12 +42,7 @@ impl Cell {
         let across = samples.shape.size[0] + 1;
         let at @ [x, y] = [number % across, number / across];
         let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(|at| samples.at(at));
-        let marked = [
-            is_marked(samples, [x, y], [1, 0]),
-            is_marked(samples, [x + 1, y], [0, 1]),
-            is_marked(samples, [x, y + 1], [1, 0]),
-            is_marked(samples, [x, y], [0, 1]),
-        ];
+        let marked = [(a, b), (b, d), (c, d), (a, c)].map(|(p, q)| is_marked(samples, p, q));
         let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
         Self { at, marked, is_split: distance(a, d) > distance(b, c) }
     }
@@ -81,37 +71,13 @@ impl Cell {
     }
 }
 
-/// Whether the edge from sample `first` to the one at `step` from it is marked.
-fn is_marked(samples: &Samples<'_>, first: [u32; 2], step: [u32; 2]) -> bool {
-    let next = |[x, y]: [u32; 2]| [x + step[0], y + step[1]];
-    let second = next(first);
-    let (Key::Steps(p), Key::Steps(q)) = (samples.at(first), samples.at(second)) else {
-        return samples.at(first) != samples.at(second);
-    };
-    match samples.shape.detector {
-        EVERY_CELL => true,
-        JUMPS => {
-            // A sample that is not far is not on the border of the lattice.
-            let before = samples.at([first[0] - step[0], first[1] - step[1]]);
-            is_jump(samples, before, [p, q], samples.at(next(second)))
-        }
-        _ => {
+fn is_marked(samples: &Samples<'_>, p: Key, q: Key) -> bool {
+    match (p, q) {
+        (Key::Far, Key::Far) => false,
+        (Key::Steps(p), Key::Steps(q)) => {
             let [p, q] = [p, q].map(|steps| samples.depth(steps).to_bits());
-            exceeds(p.max(q), p.min(q), samples.shape.threshold)
+            samples.shape.every_cell == 1 || exceeds(p.max(q), p.min(q), samples.shape.threshold)
         }
+        _ => true,
     }
-}
-
-/// Whether the depth changes by more than twice as much from p to q as it does beside them, on the side where that is less.
-fn is_jump(samples: &Samples<'_>, before: Key, [p, q]: [u32; 2], after: Key) -> bool {
-    // In units of 2⁻³¹. Doubling a float is exact, and the conversion cuts off.
-    let units = |steps: u32| (f64::from(samples.depth(steps)) * 2_147_483_648.0) as u64;
-    let difference = |a: u32, b: u32| units(a).abs_diff(units(b));
-    let beside = [(before, p), (after, q)].into_iter().filter_map(|(beside, own)| match beside {
-        Key::Steps(beside) => Some(difference(beside, own)),
-        Key::Far => None,
-    });
-    let slack = u64::from(samples.shape.threshold) + (units(p).max(units(q)) >> 20);
-    let own = difference(p, q);
-    own > slack && beside.min().is_none_or(|beside| own > 2 * beside + slack)
 }

@@ -27,13 +27,10 @@ pub enum DepthEdges {
     /// not far.
     #[default]
     EveryCell,
-    /// Those where the depth jumps: it changes by more than twice as much as beside them, on the side where it changes less, and
-    /// by more than the map's precision. Far fewer triangles, and no threshold: it depends neither on units nor on distances. A
-    /// step that is small against the slopes of the surfaces on both of its sides is missed.
-    Jumps,
     /// Those between depths that differ by more than `threshold`, and those between a depth and nothing. Far fewer
-    /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is missed. One
-    /// missed edge can turn light and shadow round along all rays through the gap.
+    /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is
+    /// missed. One missed edge can turn light and shadow round along all rays through the gap, in streaks. A threshold above the
+    /// depth differences of steep surfaces has the same effect. Take it small: 0.0005 was right for scenes some ten metres across.
     Differences {
         /// In device depth, from 0 to 1. It is compared exactly. In a perspective map a step in device depth is larger in the
         /// world the farther away it is.
@@ -49,9 +46,10 @@ pub struct DepthMapOptions {
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
     /// drawn, and the vertex shader decides again: slower, never wrong.
     pub capacity: Option<u32>,
-    /// How far the surface moves away from the light where it slopes: in multiples of the depth difference over half a texel
-    /// in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope
-    /// is at most the one measured there. With less, steep surfaces may have specks of shadow; with more, shadows detach from what they touch.
+    /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
+    /// texel in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope
+    /// is at most the one measured there. With less, steep surfaces may have specks of shadow. With more, shadows detach
+    /// from what they touch.
     pub slope_bias: f32,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,

@@ -20,13 +20,6 @@ fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
     }
 }
 
-/// What a difference of two depths may be off, besides a share of 2⁻²⁰, in units of 2⁻³¹: twice their steps, and rounding to
-/// units.
-pub(super) fn jump_slack(format: wgpu::TextureFormat, depth: DepthDirection) -> u32 {
-    let [_, constant] = steps(format, depth);
-    (2.0 * constant * 2_147_483_648.0) as u32 + 4
-}
-
 fn matrix(camera: &ShadowCamera) -> DMat4 {
     Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4()
 }

@@ -7,7 +7,7 @@ use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout};
-use super::view::{depth_map_view, jump_slack};
+use super::view::depth_map_view;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -22,8 +22,10 @@ use crate::stages::DEPTH_CELLS;
 /// The largest number of cells: entries have as many bits for it.
 const MOST_CELLS: u64 = 1 << 29;
 
-/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light (after `McCool` 2000). It
+/// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
+///
+/// NUMERICS.md, "Volumes from depth maps", has the method and its source.
 ///
 /// Shadows are as precise as the map: a border can be off by the shadow of one texel. Outside the map nothing casts.
 ///
@@ -64,7 +66,6 @@ pub struct DepthMapVolumes {
     /// Count, places, list.
     stages: [Pipeline; 3],
     shape: DepthMapShape,
-    edges: DepthEdges,
     slope_bias: f32,
     eye: (wgpu::TextureFormat, DepthDirection),
     places: wgpu::Buffer,
@@ -97,10 +98,9 @@ impl DepthMapVolumes {
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
-        let (detector, threshold) = match edges {
-            DepthEdges::Differences { threshold } => (0, threshold),
+        let (every_cell, threshold) = match edges {
             DepthEdges::EveryCell => (1, 0.0),
-            DepthEdges::Jumps => (2, 0.0),
+            DepthEdges::Differences { threshold } => (0, threshold),
         };
         if !(0.0..=1.0).contains(&threshold) {
             return Err(DepthMapVolumesError::Threshold(threshold));
@@ -117,7 +117,7 @@ impl DepthMapVolumes {
             cells,
             blocks,
             capacity: capacity.unwrap_or(cells).min(cells).min(fitting),
-            detector,
+            every_cell,
             // A threshold that a device may flush is none.
             threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
             is_reversed: 0,
@@ -137,7 +137,6 @@ impl DepthMapVolumes {
         Ok(Self {
             stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &[])),
             shape,
-            edges,
             slope_bias,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
             places,
@@ -169,10 +168,7 @@ impl DepthMapVolumes {
         let view = depth_map_view((&map.light, self.shape.size, format), (camera, self.eye.0), self.slope_bias)?;
         check_alive(device)?;
         let is_reversed = u32::from(map.light.depth == DepthDirection::Reversed);
-        let mut shape = DepthMapShape { is_reversed, ..self.shape };
-        if self.edges == DepthEdges::Jumps {
-            shape.threshold = jump_slack(format, map.light.depth);
-        }
+        let shape = DepthMapShape { is_reversed, ..self.shape };
         let refused = |message| DepthMapEncodeError::Refused { message };
         let bound = any_error(device, || self.bind(map.texture, &shape, &view)).map_err(refused)?;
         for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {
