@@ -61,7 +61,7 @@ fn standard_input() -> Outcome {
     let gltf = own_gltf::text(&Names { buffer: &buffer, ..Names::default() });
     ensure!(faces(fed(gltf.as_bytes(), &["info", "-", "--json"])?)? == 4, "a glTF is read otherwise");
     // Whatever it is, and where the glTF would lie.
-    fed(b"neither", &["info", "-"])?.expect(1, &["use .glb, .gltf or .npz"])?;
+    fed(b"neither", &["info", "-"])?.expect(1, &["use .glb, .gltf, .obj or .npz"])?;
     fed(own_gltf::text(&Names::default()).as_bytes(), &["info", "-"])?.expect(1, &["body.bin", "folder"])?;
 
     fs::write(at("model.npz"), tetrahedron()).map_err(text)?;

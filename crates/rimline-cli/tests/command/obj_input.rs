@@ -43,7 +43,7 @@ fn extract(model: &[u8]) -> Result<(Run, Vec<u8>), String> {
 /// A square, a bow tie as seen from above, a triangle, and a square that stands on end.
 const SEEN: &str = "\
 v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n\
-v 3 0 0\nv 4 1 .1\nv 4 0 .2\nv 3 1 -.1\nf 5 6 7 8\n\
+v 3 0 0\nv 4 1 .1\nv 4 0 .2\nv 3 1 -.2\nf 5 6 7 8\n\
 v 6 0 0\nv 7 0 0\nv 6 1 0\nf 9 10 11\n\
 v 8 0 0\nv 9 0 0\nv 9 0 1\nv 8 0 1\nf 12 13 14 15\n";
 
