@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use rimline::cpu::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions};
+use rimline::cpu::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions, Threads};
 use rimline::mesh::Weld;
 use rimline::{Light, LightError, Mesh};
 use rimline_measure::random::Random;
@@ -11,17 +11,27 @@ use rimline_measure::shapes;
 use crate::oracle::{Place, between, corner, hides, light, sign};
 use crate::static_scenes::{Own, StaticScene};
 
-fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
+pub(crate) fn find(scene: &StaticScene, options: HiddenOptions) -> HiddenFaces {
     HiddenFaces::find(scene.light, &casters(scene), options, |_, _| ControlFlow::Continue(())).expect("found")
 }
 
-fn casters(scene: &StaticScene) -> Vec<HiddenCaster<'_>> {
+pub(crate) fn casters(scene: &StaticScene) -> Vec<HiddenCaster<'_>> {
     let casters = scene.casters.iter();
     casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect()
 }
 
 /// Asks for each hidden face whether places in it are hidden by faces that stay and that cast in any case.
 fn check(scene: &StaticScene, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
+    check_some(scene, hidden, random, usize::MAX)
+}
+
+/// The same of so many hidden faces at random.
+pub(crate) fn check_some(
+    scene: &StaticScene,
+    hidden: &[Vec<u32>],
+    random: &mut Random,
+    most: usize,
+) -> Result<usize, String> {
     let from = light(scene.light);
     let (mut hiders, mut hidden_faces): (Vec<[Place; 3]>, Vec<_>) = Default::default();
     for (number, own) in scene.casters.iter().enumerate() {
@@ -36,6 +46,10 @@ fn check(scene: &StaticScene, hidden: &[Vec<u32>], random: &mut Random) -> Resul
             }
         }
     }
+    let all = hidden_faces.len();
+    if most < all {
+        hidden_faces = (0..most).map(|_| hidden_faces[random.below(all)].clone()).collect();
+    }
     for (number, face, corners) in &hidden_faces {
         let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
         weights.extend((0..5).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
@@ -46,16 +60,16 @@ fn check(scene: &StaticScene, hidden: &[Vec<u32>], random: &mut Random) -> Resul
             }
         }
     }
-    Ok(hidden_faces.len())
+    Ok(all)
 }
 
 /// By the measure's oracle, whose sign convention is that of facing.
-fn faces_light(own: &Own, face: usize, light: Light) -> bool {
+pub(crate) fn faces_light(own: &Own, face: usize, light: Light) -> bool {
     rimline_measure::oracle::ExactFace::new(&own.positions, own.mesh.faces()[face])
         .is_some_and(|face| face.sign(light) > 0)
 }
 
-fn lists(scene: &StaticScene, found: &HiddenFaces) -> Vec<Vec<u32>> {
+pub(crate) fn lists(scene: &StaticScene, found: &HiddenFaces) -> Vec<Vec<u32>> {
     (0..scene.casters.len()).map(|number| found.faces(number).to_vec()).collect()
 }
 
@@ -65,14 +79,15 @@ fn hidden_faces_are_hidden_in_random_scenes() {
     for seed in 5000..5400 {
         let scene = StaticScene::random(seed);
         let mut random = Random::new(seed);
-        let found = find(&scene, HiddenOptions::default());
+        let all_of_them = HiddenOptions { leave_out_all: true, ..HiddenOptions::default() };
+        let found = find(&scene, all_of_them);
         let lists = lists(&scene, &found);
         let count = check(&scene, &lists, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         assert_eq!(count, found.statistics().hidden, "seed {seed}");
         all += count;
         scenes += usize::from(count > 0);
         // Small bounds leave faces, and are right.
-        let options = HiddenOptions { max_nodes: random.below(40), max_steps: random.below(30) };
+        let options = HiddenOptions { max_nodes: random.below(40), max_steps: random.below(30), ..all_of_them };
         let less = find(&scene, options);
         let of_less = self::lists(&scene, &less);
         check(&scene, &of_less, &mut random).unwrap_or_else(|error| panic!("seed {seed}, {options:?}: {error}"));
@@ -147,13 +162,16 @@ fn one_of_two_casters_in_one_place_stays() {
 #[test]
 fn searches_can_be_cancelled_and_say_what_is_wrong() {
     let scene = wall_before(&[shapes::sphere(16)], 5.0);
-    let (options, mut calls) = (HiddenOptions::default(), Vec::new());
+    let (options, mut calls) = (HiddenOptions { threads: Threads::ONE, ..HiddenOptions::default() }, Vec::new());
     let ended = HiddenFaces::find(scene.light, &casters(&scene), options, |done, all| {
         calls.push((done, all));
         if done == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
     assert_eq!(ended, Err(HiddenError::Cancelled));
     assert_eq!(calls.iter().map(|call| call.0).collect::<Vec<_>>(), [0, 256]);
+    let several = HiddenOptions { threads: Threads::new(3), ..options };
+    let ended = HiddenFaces::find(scene.light, &casters(&scene), several, |_, _| ControlFlow::Break(()));
+    assert_eq!(ended, Err(HiddenError::Cancelled));
     let go_on = |_, _| ControlFlow::Continue(());
     let own = &scene.casters[1];
     let short = [HiddenCaster { mesh: &own.mesh, positions: &own.positions[1..], version: None }];
@@ -168,4 +186,34 @@ fn searches_can_be_cancelled_and_say_what_is_wrong() {
     let holed = [HiddenCaster { mesh: &own.mesh, positions: &holed, version: None }];
     let found = HiddenFaces::find(scene.light, &holed, options, go_on).expect("found");
     assert!(found.statistics().tried < own.mesh.faces().len());
+}
+
+#[test]
+fn faces_edge_on_to_the_light_are_hidden_only_where_others_hide_them() {
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+        mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
+        positions,
+    };
+    let roof = |x: f32, y: f32| {
+        let positions = vec![[-x, -y, 5.0], [x, -y, 5.0], [x, y, 5.0], [-x, y, 5.0]];
+        of(positions, &[[0, 1, 2], [0, 2, 3]])
+    };
+    let cube = || of(shapes::cube().positions, &shapes::cube().faces);
+    // The light is in the planes of the cube's four walls.
+    let light = Light::directional([0.0, 0.0, 1.0]);
+    let scene = StaticScene { casters: vec![roof(2.0, 2.0), cube()], light };
+    let found = find(&scene, HiddenOptions::default());
+    assert_eq!(found.faces(1).len(), 12);
+    assert_eq!([found.statistics().sides, found.statistics().sides_left], [8, 4]);
+    // An edge of each of these is in the plane of a wall, and hides a part of it.
+    let blade = vec![[1.0, -0.5, 5.0], [-3.0, 0.0, 5.0], [1.0, 0.5, 5.0]];
+    let mut hiders = vec![roof(1.0, 0.5), roof(0.5, 1.0)];
+    hiders.extend([[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|face| of(blade.clone(), &[face])));
+    for (number, hider) in hiders.into_iter().enumerate() {
+        let scene = StaticScene { casters: vec![hider, cube()], light };
+        let found = find(&scene, HiddenOptions { leave_out_all: true, ..HiddenOptions::default() });
+        let hidden = lists(&scene, &found);
+        let count = check(&scene, &hidden, &mut Random::new(9)).unwrap_or_else(|error| panic!("{number}: {error}"));
+        assert!(count < 4, "{number}: {hidden:?}");
+    }
 }

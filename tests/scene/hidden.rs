@@ -3,7 +3,9 @@
 use std::ops::ControlFlow;
 
 use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
-use rimline::gpu::{Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneError};
+use rimline::gpu::{
+    Caster, CasterHandle, CasterPositions, HiddenCounts, LightHandle, LightMask, Scene, SceneError, SceneOptions,
+};
 use rimline::{Light, Mesh};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -37,8 +39,9 @@ struct Placed {
     casters: Vec<CasterHandle>,
 }
 
-fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)]) -> Result<Placed, String> {
-    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, roomy(40)).map_err(text)?;
+fn casters(gpu: &Gpu, meshes: &[(Shape, Mesh)], skip_hidden_faces: bool) -> Result<Placed, String> {
+    let options = SceneOptions { skip_hidden_faces, ..roomy(40) };
+    let mut scene = Scene::new(&gpu.pipelines, &gpu.queue, options).map_err(text)?;
     let lights = [scene.add_light(LIGHT).map_err(text)?, scene.add_light(Light::point([9.0; 3])).map_err(text)?];
     let mut casters = Vec::new();
     for (number, (shape, mesh)) in meshes.iter().enumerate() {
@@ -93,9 +96,9 @@ fn holds() -> Result<(), String> {
     if sphere != meshes[1].0.faces.len() || torus == 0 || torus == meshes[2].0.faces.len() {
         return Err(format!("{sphere} faces of the sphere and {torus} of the torus are hidden"));
     }
-    let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes)?;
+    let Placed { mut scene, lights: [light, other], casters } = casters(gpu, &meshes, true)?;
     let plain = seen(gpu, &mut scene)?;
-    let mut by_caller = self::casters(gpu, &meshes)?;
+    let mut by_caller = self::casters(gpu, &meshes, true)?;
     for (number, &caster) in by_caller.casters.iter().enumerate() {
         by_caller.scene.set_excluded(caster, by_caller.lights[0], hidden.faces(number)).map_err(text)?;
     }
@@ -107,11 +110,11 @@ fn holds() -> Result<(), String> {
         let (excluded, lists, counts) = seen(gpu, scene)?;
         same(what, &excluded, &expected.0)?;
         same(what, &lists, &expected.1)?;
-        same(what, &[counts], &[HiddenCounts { faces: count, ignored: 0 }])
+        same(what, &[counts], &[HiddenCounts { faces: count, ignored: 0, ignored_faces: 0 }])
     };
     let ignored = |scene: &mut Scene, what: &str| {
         let counts = seen(gpu, scene)?.2;
-        same(what, &[counts], &[HiddenCounts { faces: 0, ignored: 1 }])
+        same(what, &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
     };
     used(&mut scene, "set")?;
     used(&mut scene, "again")?;
@@ -151,14 +154,21 @@ fn holds() -> Result<(), String> {
     ignored(&mut scene, "removed")?;
     scene.remove_light(light).map_err(text)?;
     let counts = seen(gpu, &mut scene)?.2;
-    same("without its light", &[counts], &[HiddenCounts::default()])
+    same("without its light", &[counts], &[HiddenCounts::default()])?;
+    // Switched off.
+    let mut off = self::casters(gpu, &meshes, false)?;
+    off.scene.set_hidden_faces(off.lights[0], &off.casters, Some(&hidden)).map_err(text)?;
+    let (excluded, lists, counts) = seen(gpu, &mut off.scene)?;
+    same("off", &excluded, &plain.0)?;
+    same("off", &lists, &plain.1)?;
+    same("off", &[counts], &[HiddenCounts { faces: 0, ignored: 1, ignored_faces: count }])
 }
 
 fn refused() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let meshes = meshes()?;
     let hidden = search(&meshes)?;
-    let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes)?;
+    let Placed { mut scene, lights: [light, _], casters } = casters(gpu, &meshes, true)?;
     let mut set = |casters: &[CasterHandle]| scene.set_hidden_faces(light, casters, Some(&hidden)).err();
     let [wall, ball, ring] = [casters[0], casters[1], casters[2]];
     let [sphere, torus] = [1, 2].map(|number| meshes[number].0.faces.len());

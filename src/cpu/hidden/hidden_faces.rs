@@ -2,12 +2,17 @@
 
 use std::ops::ControlFlow;
 
+use super::cones::cones;
+use super::options::HiddenOptions;
 use super::order::order;
-use super::tree::{Face, Found, Tree};
+use super::outline::Outline;
+use super::search::search;
+use super::tree::Face;
 use crate::cpu::common::positions::{is_finite, position};
 use crate::cpu::extract::exact_facing::exact_facing;
+use crate::cpu::polygon::polygon_turns::convex;
 use crate::light::{Light, LightError, check_shadow_lights};
-use crate::mesh::{Mesh, is_degenerate};
+use crate::mesh::{Mesh, Polygons, is_degenerate};
 
 /// A static caster in world space.
 #[derive(Clone, Copy, Debug)]
@@ -20,22 +25,6 @@ pub struct HiddenCaster<'a> {
     /// The version of the positions, as in [`Scene::set_position_version`](crate::gpu::Scene::set_position_version). `None` for
     /// a rigid caster.
     pub version: Option<u64>,
-}
-
-/// Bounds on the work. What they leave out stays a caster.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HiddenOptions {
-    /// The most nodes of the tree. A node and its planes take up to some 400 bytes. From there on no face hides others that did
-    /// not before.
-    pub max_nodes: usize,
-    /// The most nodes and leaves that a face visits.
-    pub max_steps: usize,
-}
-
-impl Default for HiddenOptions {
-    fn default() -> Self {
-        Self { max_nodes: 1 << 21, max_steps: 4096 }
-    }
 }
 
 /// Why no hidden faces were found.
@@ -63,24 +52,34 @@ pub enum HiddenError {
 /// Counts of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HiddenStatistics {
-    /// Faces that were tried: all but those that are not finite or have the light in their plane.
+    /// Faces that were tried: all but those that are not finite, and polygons that are not exactly planar and strictly convex as
+    /// seen from the light.
     pub tried: usize,
     /// Faces that are hidden.
     pub hidden: usize,
-    /// Faces that stay since they met the bound on steps.
+    /// Hidden faces that are left out.
+    pub left_out: usize,
+    /// Sides of all casters' volumes with all faces, where of closed meshes the averted ones cast: edges of silhouettes, each as
+    /// often as its side is drawn.
+    pub sides: usize,
+    /// The same without the faces left out. It is at most [`Self::sides`], but for [`HiddenOptions::leave_out_all`].
+    pub sides_left: usize,
+    /// Faces that stay since they met the bound on steps. Here and in the next, a face counts in each cone of directions that it
+    /// reaches, and a polygon by its triangles.
     pub undecided: usize,
     /// Faces that stay and hide nothing new, since the tree was full.
     pub without_room: usize,
-    /// Nodes of the tree.
+    /// Nodes of all trees.
     pub nodes: usize,
 }
 
 /// The faces of static casters whose shadow lies wholly in the shadow of other faces, for one light. They need not cast: see
 /// [`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces). All decisions are exact.
 ///
-/// The faces that hide others are averted ones of closed meshes, and all of others. They are never hidden themselves. The
+/// The faces that hide others are averted ones of closed meshes, and all of others. They are never hidden themselves. Polygons take
+/// part if they are exactly planar and strictly convex, as a whole. The
 /// method is Batagelo and Costa Júnior's (1999): an SVBSP grows front to back, and a face that straddles a plane goes to both
-/// sides.
+/// sides. Of the hidden faces those are left out without which silhouettes have the fewest edges, so they never have more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HiddenFaces {
     light: Light,
@@ -97,9 +96,6 @@ pub(crate) struct HiddenOfCaster {
     pub(crate) faces: Vec<u32>,
 }
 
-/// Faces from one call of the progress to the next.
-const STRIDE: usize = 256;
-
 impl HiddenFaces {
     /// Finds the hidden faces. It takes no device and may run on a thread of its own. `progress` is called now and then with the
     /// number of faces tried and of all to try; [`ControlFlow::Break`] ends the search.
@@ -113,7 +109,7 @@ impl HiddenFaces {
         mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> Result<Self, HiddenError> {
         check_shadow_lights(&[light], 1)?;
-        let (mut faces, mut owners) = (Vec::new(), Vec::new());
+        let (mut faces, mut owners, mut facing, mut tried) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for (number, caster) in casters.iter().enumerate() {
             let needed = caster.mesh.vertex_count();
             if caster.positions.len() < needed as usize {
@@ -121,39 +117,56 @@ impl HiddenFaces {
                 return Err(HiddenError::TooFewPositions { caster: number, given, needed });
             }
             let found = participants(caster, light);
+            let mut is_facing = vec![false; caster.mesh.face_count()];
+            for (number, face) in &found {
+                if let Some(is_facing) = is_facing.get_mut(*number as usize) {
+                    *is_facing = face.side > 0;
+                }
+            }
+            facing.push(is_facing);
             owners.extend(found.iter().map(|&(face, _)| (number, face)));
+            tried += found.chunk_by(|(before, _), (face, _)| before == face).count();
             faces.extend(found.into_iter().map(|(_, face)| face));
         }
-        let mut tree = Tree::new(light, options.max_nodes, options.max_steps);
-        let mut statistics = HiddenStatistics { tried: faces.len(), ..Default::default() };
         let mut of_casters: Vec<HiddenOfCaster> = casters
             .iter()
             .map(|caster| HiddenOfCaster {
                 version: caster.version,
-                face_count: caster.mesh.faces().len(),
+                face_count: caster.mesh.face_count(),
                 faces: Vec::new(),
             })
             .collect();
-        for (done, number) in order(&faces, light).into_iter().enumerate() {
-            if done % STRIDE == 0 && progress(done, faces.len()).is_break() {
+        let cones = cones(&faces, order(&faces, light), light);
+        let searched = search(&faces, light, options, &cones, &mut progress).ok_or(HiddenError::Cancelled)?;
+        let mut statistics = HiddenStatistics {
+            tried,
+            undecided: searched.undecided,
+            without_room: searched.without_room,
+            nodes: searched.nodes,
+            ..Default::default()
+        };
+        let mut staying = searched.staying.into_iter().peekable();
+        for (number, &(caster, own)) in owners.iter().enumerate() {
+            if staying.next_if_eq(&number).is_none()
+                && let Some(of_caster) = of_casters.get_mut(caster)
+            {
+                of_caster.faces.push(own);
+            }
+        }
+        for ((caster, facing), of_caster) in casters.iter().zip(&facing).zip(&mut of_casters) {
+            if progress(faces.len(), faces.len()).is_break() {
                 return Err(HiddenError::Cancelled);
             }
-            let (Some(face), Some(&(caster, own))) = (faces.get(number), owners.get(number)) else { continue };
-            match tree.take(face) {
-                Found::Hidden => {
-                    statistics.hidden += 1;
-                    if let Some(of_caster) = of_casters.get_mut(caster) {
-                        of_caster.faces.push(own);
-                    }
-                }
-                Found::Undecided => statistics.undecided += 1,
-                Found::Seen => statistics.without_room += usize::from(face.may_hide && tree.is_full()),
+            of_caster.faces = whole(caster.mesh, std::mem::take(&mut of_caster.faces));
+            statistics.hidden += of_caster.faces.len();
+            let outline = Outline { mesh: caster.mesh, facing };
+            statistics.sides += outline.sides(&[]);
+            if !options.leave_out_all {
+                of_caster.faces = outline.shortest(&of_caster.faces);
             }
+            statistics.left_out += of_caster.faces.len();
+            statistics.sides_left += outline.sides(&of_caster.faces);
         }
-        for of_caster in &mut of_casters {
-            of_caster.faces.sort_unstable();
-        }
-        statistics.nodes = tree.nodes();
         Ok(Self { light, casters: of_casters, statistics })
     }
 
@@ -162,7 +175,8 @@ impl HiddenFaces {
         self.light
     }
 
-    /// The hidden faces of a caster, by its number in the list that was given. They are ascending numbers of faces in its mesh.
+    /// The hidden faces of a caster that are left out, by its number in the list that was given. They are ascending numbers of
+    /// faces in its mesh.
     pub fn faces(&self, caster: usize) -> &[u32] {
         self.casters.get(caster).map_or(&[], |of_caster| &of_caster.faces)
     }
@@ -177,18 +191,58 @@ impl HiddenFaces {
     }
 }
 
-/// The faces of a caster that cast at all, with their numbers.
+/// The faces of a caster that take part, with their numbers, ascending. A polygon takes part as a fan of triangles.
 fn participants(caster: &HiddenCaster<'_>, light: Light) -> Vec<(u32, Face)> {
     let is_closed = caster.mesh.is_closed();
-    let face = |face: &[u32; 3]| {
-        let corners = face.map(|vertex| position(caster.positions, vertex));
-        if is_degenerate(*face) || !corners.into_iter().all(is_finite) {
+    let may_hide = |side: i32| side < 0 || (side > 0 && !is_closed);
+    let face = |corners: [[f32; 3]; 3], side: i32| Face { corners, side, may_hide: may_hide(side) };
+    let triangle = |(number, of): (u32, &[u32; 3])| {
+        let corners = of.map(|vertex| position(caster.positions, vertex));
+        if is_degenerate(*of) || !corners.into_iter().all(is_finite) {
             return None;
         }
         let [a, b, c] = corners;
         let side = exact_facing(a, b, c, light.to_array());
-        (side != 0).then_some(Face { corners, side, may_hide: side < 0 || !is_closed })
+        Some((number, face(corners, side)))
     };
-    let faces = (0_u32..).zip(caster.mesh.faces());
-    faces.filter_map(|(number, corners)| Some((number, face(corners)?))).collect()
+    let Some(polygons) = caster.mesh.polygons() else {
+        return (0_u32..).zip(caster.mesh.faces()).filter_map(triangle).collect();
+    };
+    let mut participants = Vec::new();
+    for number in 0..polygons.len() {
+        let Some(outline) = single_loop(polygons, number) else { continue };
+        let corners: Vec<[f32; 3]> = outline.iter().map(|&vertex| position(caster.positions, vertex)).collect();
+        let side = planar_and_convex(&corners, light);
+        if let (Some(&first), true) = (corners.first(), side != 0) {
+            let fan = corners.windows(2).skip(1).take(corners.len() - 2);
+            participants.extend(fan.map(|pair| (number as u32, face([first, pair[0], pair[1]], side))));
+        }
+    }
+    participants
+}
+
+/// The corners of a polygon without holes.
+fn single_loop(polygons: &Polygons, number: usize) -> Option<&[u32]> {
+    let mut loops = polygons.loops(number);
+    loops.next().filter(|_| loops.len() == 0)
+}
+
+/// The side of its plane that the light is on, if the polygon lies in a plane exactly and is strictly convex. Otherwise 0.
+fn planar_and_convex(corners: &[[f32; 3]], light: Light) -> i32 {
+    let [a, b, c, rest @ ..] = corners else { return 0 };
+    let is_finite = corners.iter().copied().all(is_finite);
+    if is_finite && rest.iter().all(|&[x, y, z]| exact_facing(*a, *b, *c, [x, y, z, 1.0]) == 0) {
+        convex(corners, light.to_array())
+    } else {
+        0
+    }
+}
+
+/// The faces of which each triangle is among the hidden, ascending.
+fn whole(mesh: &Mesh, mut hidden: Vec<u32>) -> Vec<u32> {
+    hidden.sort_unstable();
+    let Some(polygons) = mesh.polygons() else { return hidden };
+    let triangles = |face: u32| single_loop(polygons, face as usize).map_or(0, <[u32]>::len).saturating_sub(2);
+    let faces = hidden.chunk_by(|before, face| before == face);
+    faces.filter_map(|of| of.first().copied().filter(|&face| of.len() == triangles(face))).collect()
 }

@@ -1,6 +1,12 @@
 //! Faces hidden by faces: those whose shadow lies wholly in the shadow of others; NUMERICS.md, "Faces hidden by faces".
 
+pub(crate) mod clipped;
+pub(crate) mod cones;
 pub(crate) mod hidden_faces;
+pub(crate) mod min_cut;
+pub(crate) mod options;
 pub(crate) mod order;
+pub(crate) mod outline;
 pub(crate) mod plane;
+pub(crate) mod search;
 pub(crate) mod tree;

@@ -54,6 +54,14 @@ impl Plane {
         Self { normal, sizes, from: a, to: b, third: Third::Corner(c) }
     }
 
+    /// The value at a place that is off by so much along each axis, and the error's bound.
+    pub(crate) fn value(&self, place: [f64; 3], off: f64) -> (f64, f64) {
+        let x: [f64; 3] = std::array::from_fn(|axis| place[axis] - f64::from(self.from[axis]));
+        let value: f64 = self.normal.iter().zip(x).map(|(n, x)| n * x).sum();
+        let error: f64 = self.sizes.iter().zip(x).map(|(size, x)| size * (BOUND * x.abs() + off)).sum();
+        (value, 2.0 * error)
+    }
+
     /// The exact side of a finite place: 1, 0 or −1.
     pub(crate) fn side(&self, place: [f32; 3]) -> i32 {
         let x = apart(self.from, place);

@@ -1,15 +1,16 @@
 //! The shadow volume BSP tree (Chin and Feiner 1989), as Batagelo and Costa Júnior (1999) grow it: no face is split.
 
+use super::clipped::Clipped;
 use super::plane::Plane;
 use crate::light::Light;
 
-/// A face that may be hidden, with the light off its plane.
+/// A face that may be hidden.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
     pub(crate) corners: [[f32; 3]; 3],
-    /// The side of its plane that the light is on: 1 or −1.
+    /// The side of its plane that the light is on: 1 or −1, or 0 if the light is in it.
     pub(crate) side: i32,
-    /// Whether it may hide others.
+    /// Whether it may hide others. The light is off its plane then.
     pub(crate) may_hide: bool,
 }
 
@@ -30,6 +31,8 @@ enum Place {
     /// All directions of the leaf meet this hider.
     In(u32),
     Node(u32),
+    /// Outside of the cone of this tree.
+    Elsewhere,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -55,22 +58,32 @@ pub(crate) struct Tree {
     nodes: Vec<Node>,
     planes: Vec<Plane>,
     hiders: Vec<Hider>,
+    /// The first nodes, which bound the cone.
+    cone: usize,
     max_nodes: usize,
     max_steps: usize,
     /// Places that the current face still has to visit, with its edges that are on planes passed, as bits. It is kept, so that
     /// it is allocated once.
-    waiting: Vec<(Link, u8)>,
+    waiting: Vec<(Link, u8, Clipped)>,
     /// Leaves that are out which the current face reached.
     outs: Vec<(Link, u8)>,
 }
 
 impl Tree {
-    pub(crate) fn new(light: Light, max_nodes: usize, max_steps: usize) -> Self {
+    /// A tree for the directions on one side of each of some planes through the light.
+    pub(crate) fn new(light: Light, cone: &[(Plane, i32)], max_nodes: usize, max_steps: usize) -> Self {
+        let node = |(number, &(_, side)): (usize, &(Plane, i32))| {
+            let is_last = number + 1 == cone.len();
+            let next = if is_last { Place::Out } else { Place::Node(number as u32 + 1) };
+            let sides = if side > 0 { [next, Place::Elsewhere] } else { [Place::Elsewhere, next] };
+            Node { plane: number as u32, sides }
+        };
         Self {
             light,
-            root: Place::Out,
-            nodes: Vec::new(),
-            planes: Vec::new(),
+            root: if cone.is_empty() { Place::Out } else { Place::Node(0) },
+            nodes: cone.iter().enumerate().map(node).collect(),
+            planes: cone.iter().map(|(plane, _)| *plane).collect(),
+            cone: cone.len(),
             hiders: Vec::new(),
             max_nodes: max_nodes.min(u32::MAX as usize / 4),
             max_steps,
@@ -80,7 +93,7 @@ impl Tree {
     }
 
     pub(crate) fn nodes(&self) -> usize {
-        self.nodes.len()
+        self.nodes.len() - self.cone
     }
 
     /// Tells whether a face is hidden. If it is not, and may hide others, the tree grows by it.
@@ -103,9 +116,9 @@ impl Tree {
     fn find(&mut self, face: &Face) -> Found {
         self.outs.clear();
         self.waiting.clear();
-        self.waiting.push((None, 0));
+        self.waiting.push((None, 0, Clipped::whole(face.corners)));
         let (mut steps, mut is_hidden) = (0, true);
-        while let Some((link, edges)) = self.waiting.pop() {
+        while let Some((link, edges, part)) = self.waiting.pop() {
             steps += 1;
             if steps > self.max_steps {
                 return Found::Undecided;
@@ -120,26 +133,31 @@ impl Tree {
                     let on = |edge: usize| sides[edge] == 0 && sides[(edge + 1) % 3] == 0;
                     let edges = (0..3).filter(|&edge| on(edge)).fold(edges, |edges, edge| edges | 1 << edge);
                     for (child, sign) in [1, -1].into_iter().enumerate() {
-                        if sides.contains(&sign) {
-                            self.waiting.push((Some((number, child)), edges));
+                        // What lies in the plane is on both sides.
+                        if (sides.contains(&sign) || sides == [0; 3])
+                            && let Some(part) = part.cut(plane, sign)
+                        {
+                            self.waiting.push((Some((number, child)), edges, part));
                         }
                     }
                 }
-                Some(Place::In(hider)) => is_hidden &= self.is_behind(face, hider),
+                Some(Place::In(hider)) => is_hidden &= self.is_behind(face, &part, hider),
                 Some(Place::Out) => {
                     is_hidden = false;
                     self.outs.push((link, edges));
                 }
+                Some(Place::Elsewhere) => {}
                 None => return Found::Undecided,
             }
         }
         if is_hidden { Found::Hidden } else { Found::Seen }
     }
 
-    /// Whether no part of the face is in front of the hider's plane, as seen from the light.
-    fn is_behind(&self, face: &Face, hider: u32) -> bool {
-        let hider = self.hiders.get(hider as usize);
-        hider.is_some_and(|hider| face.corners.iter().all(|&corner| hider.plane.side(corner) != hider.side))
+    /// Whether no part of the face that is in the leaf is in front of the hider's plane, as seen from the light.
+    fn is_behind(&self, face: &Face, part: &Clipped, hider: u32) -> bool {
+        self.hiders.get(hider as usize).is_some_and(|Hider { plane, side }| {
+            part.is_on(plane, -side) || face.corners.iter().all(|&corner| plane.side(corner) != *side)
+        })
     }
 
     /// Grows the leaves that are out and that the face reached, as long as there is room for nodes.
@@ -153,7 +171,7 @@ impl Tree {
         let inner = usize::from(face.side < 0);
         for (link, edges) in std::mem::take(&mut self.outs) {
             // An edge on a plane that was passed needs no plane of its own: the face is on the side that was taken.
-            if self.nodes.len() + 3 > self.max_nodes {
+            if self.is_full() {
                 break;
             }
             let mut place = Place::In(hider);
@@ -176,6 +194,6 @@ impl Tree {
 
     /// Whether there is no room for another hider.
     pub(crate) fn is_full(&self) -> bool {
-        self.nodes.len() + 3 > self.max_nodes
+        self.nodes() + 3 > self.max_nodes
     }
 }

@@ -16,8 +16,11 @@ use crate::cpu::HiddenFaces;
 pub struct HiddenCounts {
     /// Faces left out, summed over lights.
     pub faces: usize,
-    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed.
+    /// Lights whose hidden faces the scene ignored, since the light, a caster or what it casts for had changed, or the options
+    /// switch them off.
     pub ignored: usize,
+    /// The faces that would have been left out for these lights, and cast.
+    pub ignored_faces: usize,
 }
 
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -31,7 +34,8 @@ impl Scene {
     /// [`SceneFrame::hidden`](crate::gpu::SceneFrame::hidden) counts that. The light has the same bits. Each caster is there and
     /// casts for the light. It is rigid with the identity for its transform, or its positions have the version that was searched.
     /// [`Self::set_excluded`] excludes no face of it for the light. What was ignored is used again once it holds again. A
-    /// change lays the scene out anew.
+    /// change lays the scene out anew. [`SceneOptions::skip_hidden_faces`](crate::gpu::SceneOptions::skip_hidden_faces) switches
+    /// all of it off.
     ///
     /// The caller sees to it that the positions are those that were searched: of a rigid caster those of its mesh.
     ///
@@ -112,6 +116,9 @@ impl Scene {
 
     /// Whether the light and all casters are as they were.
     fn holds(&self, of: &HiddenOfLight) -> bool {
+        if !self.options.skip_hidden_faces {
+            return false;
+        }
         let light = self.lights.get(of.light.bit);
         let is_same = |source: &HiddenSource| {
             self.casters.get(source.key).is_some_and(|entry| {
@@ -128,8 +135,8 @@ impl Scene {
     }
 
     pub(super) fn count_hidden(&self) -> HiddenCounts {
-        let used = self.hidden.iter().filter(|of| of.is_used);
-        let faces = used.map(|of| of.count).sum();
-        HiddenCounts { faces, ignored: self.hidden.iter().filter(|of| !of.is_used).count() }
+        let (used, ignored): (Vec<_>, Vec<_>) = self.hidden.iter().partition(|of| of.is_used);
+        let faces = |of: &[&HiddenOfLight]| of.iter().map(|of| of.count).sum();
+        HiddenCounts { faces: faces(&used), ignored: ignored.len(), ignored_faces: faces(&ignored) }
     }
 }

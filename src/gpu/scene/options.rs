@@ -39,6 +39,8 @@ pub struct SceneOptions {
     /// ([`Scene::set_occluders`](crate::gpu::Scene::set_occluders)). Off by default: without occluders it does nothing, and they
     /// are promises.
     pub skip_occluded: bool,
+    /// Leave out faces that other faces hide from a light ([`Scene::set_hidden_faces`](crate::gpu::Scene::set_hidden_faces)).
+    pub skip_hidden_faces: bool,
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
@@ -125,6 +127,7 @@ impl Default for SceneOptions {
             skip_hidden: true,
             skip_unneeded: true,
             skip_occluded: false,
+            skip_hidden_faces: true,
             end_at_range: false,
             count_batches: 1,
             keep_bits: true,

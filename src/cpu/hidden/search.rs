@@ -1,0 +1,114 @@
+//! The search of all cones, on several threads.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use super::cones::Cone;
+use super::options::HiddenOptions;
+use super::tree::{Face, Found, Tree};
+use crate::light::Light;
+
+/// Faces from one call of the progress to the next.
+const STRIDE: usize = 256;
+
+/// What came of faces.
+#[derive(Default)]
+pub(crate) struct Searched {
+    /// Those that are not hidden in some cone, in no order.
+    pub(crate) staying: Vec<usize>,
+    pub(crate) undecided: usize,
+    pub(crate) without_room: usize,
+    pub(crate) nodes: usize,
+}
+
+/// What threads share.
+struct Work<'a> {
+    faces: &'a [Face],
+    light: Light,
+    options: HiddenOptions,
+    cones: &'a [Cone],
+    /// Faces of all cones.
+    total: usize,
+    next: AtomicUsize,
+    done: AtomicUsize,
+    is_cancelled: AtomicBool,
+}
+
+/// Searches all cones, each by itself. What comes out does not depend on the number of threads. `None` if `progress`, which is
+/// called on this thread, ends it.
+pub(crate) fn search(
+    faces: &[Face],
+    light: Light,
+    options: HiddenOptions,
+    cones: &[Cone],
+    mut progress: impl FnMut(usize, usize) -> ControlFlow<()>,
+) -> Option<Searched> {
+    let work = Work {
+        faces,
+        light,
+        options,
+        cones,
+        total: cones.iter().map(|cone| cone.faces.len()).sum(),
+        next: AtomicUsize::new(0),
+        done: AtomicUsize::new(0),
+        is_cancelled: AtomicBool::new(false),
+    };
+    let threads = options.threads.count().min(cones.len());
+    let mut searched = std::thread::scope(|scope| {
+        let workers: Vec<_> =
+            (1..threads).map(|_| scope.spawn(|| work.run(|_, _| ControlFlow::Continue(())))).collect();
+        let mut searched = work.run(&mut progress);
+        for worker in workers {
+            searched.add(worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        searched
+    });
+    searched.staying.sort_unstable();
+    searched.staying.dedup();
+    (!work.is_cancelled.into_inner()).then_some(searched)
+}
+
+impl Work<'_> {
+    /// Takes one cone after the other.
+    fn run(&self, mut progress: impl FnMut(usize, usize) -> ControlFlow<()>) -> Searched {
+        let mut searched = Searched::default();
+        while let Some(cone) = self.cones.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+            let mut tree = Tree::new(self.light, &cone.planes, self.room(cone), self.options.max_steps);
+            for faces in cone.faces.chunks(STRIDE) {
+                if progress(self.done.fetch_add(faces.len(), Ordering::Relaxed), self.total).is_break() {
+                    self.is_cancelled.store(true, Ordering::Relaxed);
+                }
+                if self.is_cancelled.load(Ordering::Relaxed) {
+                    return searched;
+                }
+                for &number in faces {
+                    let Some(face) = self.faces.get(number) else { continue };
+                    let found = tree.take(face);
+                    match found {
+                        Found::Hidden => continue,
+                        Found::Undecided => searched.undecided += 1,
+                        Found::Seen => searched.without_room += usize::from(face.may_hide && tree.is_full()),
+                    }
+                    searched.staying.push(number);
+                }
+            }
+            searched.nodes += tree.nodes();
+        }
+        searched
+    }
+
+    /// A cone's share of all nodes.
+    fn room(&self, cone: &Cone) -> usize {
+        let share = self.options.max_nodes as u128 * cone.faces.len() as u128 / self.total.max(1) as u128;
+        usize::try_from(share).unwrap_or(usize::MAX)
+    }
+}
+
+impl Searched {
+    fn add(&mut self, other: Self) {
+        self.staying.extend(other.staying);
+        self.undecided += other.undecided;
+        self.without_room += other.without_room;
+        self.nodes += other.nodes;
+    }
+}

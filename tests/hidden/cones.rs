@@ -1,0 +1,54 @@
+//! Scenes of so many faces that cones of directions are searched one by one.
+
+use rimline::Light;
+use rimline::Mesh;
+use rimline::cpu::{HiddenOptions, Threads};
+use rimline::mesh::Weld;
+use rimline_measure::random::Random;
+use rimline_measure::shapes;
+
+use crate::hidden_faces::{check_some, find, lists};
+use crate::static_scenes::{Own, StaticScene};
+
+/// Towers around the light or under it.
+fn towers(random: &mut Random, light: Light) -> StaticScene {
+    let shape = shapes::cube();
+    let tower = |_| {
+        let high = random.between(1.0, 8.0);
+        let at = [random.between(-30.0, 30.0), random.between(-30.0, 30.0), high];
+        let place = |p: &[f32; 3]| [p[0] + at[0], p[1] + at[1], high * p[2] + at[2]];
+        let positions: Vec<[f32; 3]> = shape.positions.iter().map(place).collect();
+        Own { mesh: Mesh::new(&positions, &shape.faces, Weld::Position).expect("a mesh"), positions }
+    };
+    StaticScene { casters: (0..500).map(tower).collect(), light }
+}
+
+#[test]
+fn hidden_faces_are_hidden_in_scenes_of_many_cones() {
+    let lights = [
+        Light::directional([1.0, 0.3, 0.4]),
+        Light::directional([0.0, 0.0, 1.0]),
+        Light::point([0.0, 0.0, 9.5]),
+        Light::point([1e4, 3e3, 4e3]),
+    ];
+    let (mut hidden, mut refuted) = (0, 0);
+    for (seed, light) in (8000..).zip(lights) {
+        let mut random = Random::new(seed);
+        let scene = towers(&mut random, light);
+        let options = HiddenOptions { leave_out_all: true, threads: Threads::new(3), ..HiddenOptions::default() };
+        let found = find(&scene, options);
+        let mut faces = lists(&scene, &found);
+        let count = check_some(&scene, &faces, &mut random, 40).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(count, found.statistics().hidden, "seed {seed}");
+        hidden += count;
+        // So many threads find the same.
+        assert_eq!(find(&scene, HiddenOptions { threads: Threads::ONE, ..options }), found, "seed {seed}");
+        // With faces that stay, the check must fail, as a rule.
+        for (own, faces) in scene.casters.iter().zip(&mut faces).take(50) {
+            *faces = (0..own.mesh.faces().len() as u32).collect();
+        }
+        refuted += usize::from(check_some(&scene, &faces, &mut random, 40).is_err());
+    }
+    println!("{hidden} hidden faces; {refuted} wrong lists refuted");
+    assert!(hidden > 4000 && refuted > 2, "{hidden} {refuted}");
+}

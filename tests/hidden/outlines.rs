@@ -1,0 +1,146 @@
+//! The hidden faces that are left out are those without which the fewest sides are drawn.
+
+use rimline::cpu::{HiddenFaces, HiddenOptions};
+use rimline::mesh::{EdgeKind, Weld};
+use rimline::{Light, Mesh};
+use rimline_measure::random::Random;
+use rimline_measure::shapes;
+
+use crate::hidden_faces::{faces_light, find};
+use crate::least_cut::least;
+use crate::static_scenes::{Own, StaticScene};
+
+/// The sides of a caster of which some faces cast, by the definition: a face adds its direction to each of its records, and
+/// the opposite direction if it faces the light.
+fn sides(own: &Own, facing: &[bool], casts: impl Fn(u32) -> bool) -> u32 {
+    let add = |face: u32, direction: i32| match (casts(face), facing[face as usize]) {
+        (false, _) => 0,
+        (true, true) => -direction,
+        (true, false) => direction,
+    };
+    let of_record = |edge: rimline::mesh::Edge| {
+        let along = if edge.kind == EdgeKind::Inconsistent { 1 } else { -1 };
+        (add(edge.face_0, 1) + edge.face_1.map_or(0, |face| add(face, along))).unsigned_abs()
+    };
+    own.mesh.edges().iter().map(of_record).sum()
+}
+
+/// Sides where averted faces of closed casters cast, and where every face does.
+fn both_ways(own: &Own, facing: &[bool], left_out: &[u32]) -> [u32; 2] {
+    let is_closed = own.mesh.is_closed();
+    [true, false].map(|averted| {
+        sides(own, facing, |face| !(left_out.contains(&face) || averted && is_closed && facing[face as usize]))
+    })
+}
+
+/// Asks whether what is left out has no more sides than any other choice among the hidden faces. Says how many choices it tried.
+fn check(own: &Own, facing: &[bool], hidden: &[u32], left_out: &[u32]) -> Result<usize, String> {
+    if let Some(face) = left_out.iter().find(|face| !hidden.contains(face)) {
+        return Err(format!("face {face} is left out and not hidden"));
+    }
+    let found = both_ways(own, facing, left_out);
+    let no_more = |of: [u32; 2]| found.iter().zip(of).all(|(found, of)| *found <= of);
+    let all = both_ways(own, facing, &[]);
+    if !no_more(all) || !no_more(both_ways(own, facing, hidden)) {
+        return Err(format!("{found:?} sides, and {all:?} with all faces"));
+    }
+    if hidden.len() > 8 {
+        return Ok(0);
+    }
+    for choice in 0..1_u32 << hidden.len() {
+        let other: Vec<u32> =
+            (0..).zip(hidden).filter(|(bit, _)| choice >> bit & 1 != 0).map(|(_, &face)| face).collect();
+        let of = both_ways(own, facing, &other);
+        if !no_more(of) || (of == found && other.len() > left_out.len()) {
+            return Err(format!("{found:?} sides without {left_out:?}, and {of:?} without {other:?}"));
+        }
+    }
+    Ok(1 << hidden.len())
+}
+
+#[test]
+fn no_other_choice_has_fewer_sides() {
+    let (mut tried, mut kept, mut grown, mut fewer, mut refuted) = (0, 0, 0, 0, 0);
+    for seed in 5400..5900 {
+        let scene = StaticScene::random(seed);
+        let mut random = Random::new(seed);
+        let all = find(&scene, HiddenOptions { leave_out_all: true, ..HiddenOptions::default() });
+        let found = find(&scene, HiddenOptions::default());
+        let statistics = found.statistics();
+        let [mut before, mut left] = [0, 0];
+        for (number, own) in scene.casters.iter().enumerate() {
+            let facing: Vec<bool> =
+                (0..own.mesh.faces().len()).map(|face| faces_light(own, face, scene.light)).collect();
+            let of = |found: &HiddenFaces| found.faces(number).to_vec();
+            let (hidden, left_out) = (of(&all), of(&found));
+            tried += check(own, &facing, &hidden, &left_out).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+            before += both_ways(own, &facing, &[])[0] as usize;
+            left += both_ways(own, &facing, &left_out)[0] as usize;
+            // One face more or less must be worse, as a rule.
+            if !hidden.is_empty() {
+                let face = hidden[random.below(hidden.len())];
+                let mut wrong = left_out.clone();
+                match wrong.iter().position(|left| *left == face) {
+                    Some(at) => drop(wrong.remove(at)),
+                    None => wrong.push(face),
+                }
+                refuted += usize::from(check(own, &facing, &hidden, &wrong).is_err());
+            }
+        }
+        assert_eq!([statistics.sides, statistics.sides_left], [before, left], "seed {seed}");
+        assert_eq!(statistics.hidden, all.statistics().left_out, "seed {seed}");
+        assert!(left <= before, "seed {seed}");
+        fewer += usize::from(left < before);
+        grown += usize::from(all.statistics().sides_left > before);
+        kept += statistics.hidden - statistics.left_out;
+    }
+    println!(
+        "{tried} choices tried; sides fall in {fewer} scenes; {kept} hidden faces cast; without all of them sides would grow in \
+         {grown} scenes; {refuted} wrong choices refuted"
+    );
+    assert!(tried > 5000 && fewer > 200 && kept > 100 && grown > 20 && refuted > 100);
+}
+
+/// A sphere under some blades, which hide parts of it. `count` is that of the blades.
+fn under_blades(random: &mut Random, count: usize) -> StaticScene {
+    let of = |positions: Vec<[f32; 3]>, faces: &[[u32; 3]]| Own {
+        mesh: Mesh::new(&positions, faces, Weld::Position).expect("a mesh"),
+        positions,
+    };
+    let body = shapes::sphere(4);
+    let mut casters = vec![of(body.positions, &body.faces)];
+    for _ in 0..count {
+        let corners = (0..3).map(|_| [random.between(-2.0, 2.0), random.between(-2.0, 2.0), 2.0]).collect();
+        casters.push(of(corners, &[[0, 1, 2]]));
+    }
+    StaticScene { casters, light: Light::directional([random.between(-0.5, 0.5), 0.25, 1.0]) }
+}
+
+#[test]
+fn a_flow_on_a_table_finds_no_fewer_sides() {
+    let (mut faces, mut some, mut refuted) = (0, 0, 0);
+    for seed in 6000..6060 {
+        let mut random = Random::new(seed);
+        let count = 2 + random.below(5);
+        let scene = under_blades(&mut random, count);
+        let all = find(&scene, HiddenOptions { leave_out_all: true, ..HiddenOptions::default() });
+        let found = find(&scene, HiddenOptions::default());
+        let own = &scene.casters[0];
+        let facing: Vec<bool> = (0..own.mesh.faces().len()).map(|face| faces_light(own, face, scene.light)).collect();
+        let hidden = all.faces(0);
+        let cost = |numbers: &[usize]| {
+            let left_out: Vec<u32> = numbers.iter().map(|&number| hidden[number]).collect();
+            i64::from(both_ways(own, &facing, &left_out)[1])
+        };
+        let least = least(hidden.len(), cost);
+        let sides = |left_out: &[u32]| i64::from(both_ways(own, &facing, left_out)[1]);
+        assert_eq!(sides(found.faces(0)), least, "seed {seed}: {} hidden faces", hidden.len());
+        refuted += usize::from(sides(hidden) != least);
+        faces += hidden.len();
+        some += usize::from(!found.faces(0).is_empty() && found.faces(0).len() < hidden.len());
+    }
+    println!(
+        "{faces} hidden faces; {some} times some of them are left out and some are not; all would be wrong {refuted} times"
+    );
+    assert!(faces > 1000 && some > 10 && refuted > 20);
+}

@@ -1,0 +1,145 @@
+//! Polygons hide and are hidden as a whole, if they are exactly planar and convex.
+
+use std::ops::ControlFlow;
+
+use rimline::cpu::{HiddenCaster, HiddenFaces, HiddenOptions};
+use rimline::mesh::Weld;
+use rimline::{Light, Mesh};
+use rimline_measure::oracle::ExactFace;
+use rimline_measure::polygons::{PolygonSet, quad_box, quad_torus, random_polygon};
+use rimline_measure::random::Random;
+
+use crate::oracle::{Place, between, corner, hides, light, sign};
+
+struct Own {
+    mesh: Mesh,
+    positions: Vec<[f32; 3]>,
+}
+
+fn placed(mut set: PolygonSet, size: f32, at: [f32; 3]) -> Own {
+    for place in &mut set.positions {
+        *place = std::array::from_fn(|axis| size * place[axis] + at[axis]);
+    }
+    Own { mesh: set.mesh(Weld::Position).expect("a mesh"), positions: set.positions }
+}
+
+fn wall(sides: usize, size: f32, height: f32) -> Own {
+    let corner = |turn: usize| {
+        // Whole numbers, so that all are in one plane.
+        let (sine, cosine) = (turn as f32 * std::f32::consts::TAU / sides as f32).sin_cos();
+        [(64.0 * cosine).round(), (64.0 * sine).round(), 0.0]
+    };
+    let mut set = PolygonSet::default();
+    set.push_points(&[(0..sides).map(corner).collect()]);
+    placed(set, size / 64.0, [0.0, 0.0, height])
+}
+
+fn find(own: &[Own], light: Light) -> HiddenFaces {
+    let casters = own.iter();
+    let casters: Vec<HiddenCaster<'_>> =
+        casters.map(|own| HiddenCaster { mesh: &own.mesh, positions: &own.positions, version: None }).collect();
+    let options = HiddenOptions { leave_out_all: true, ..HiddenOptions::default() };
+    HiddenFaces::find(light, &casters, options, |_, _| ControlFlow::Continue(())).expect("found")
+}
+
+/// The triangles of a face. A mesh of nothing but triangles has no polygons.
+fn triangles(own: &Own, face: usize) -> &[[u32; 3]] {
+    let range = own.mesh.polygons().map_or(face..face + 1, |polygons| polygons.triangles(face));
+    &own.mesh.faces()[range]
+}
+
+/// Whether all corners lie in one plane, by the oracle's integers.
+fn is_planar(own: &Own, polygon: usize) -> bool {
+    let all: Vec<[Place; 3]> =
+        triangles(own, polygon).iter().map(|face| face.map(|v| corner(own.positions[v as usize]))).collect();
+    let Some([a, b, c]) = all.first() else { return true };
+    all.iter().flatten().all(|place| sign([a, b, c, place]) == 0)
+}
+
+/// Asks for each hidden polygon whether places in its triangles are hidden by planar polygons that stay.
+fn check(own: &[Own], from: Light, hidden: &[Vec<u32>], random: &mut Random) -> Result<usize, String> {
+    let at = light(from);
+    let (mut hiders, mut hidden_ones) = (Vec::new(), Vec::new());
+    for (number, own) in own.iter().enumerate() {
+        for polygon in 0..own.mesh.face_count() {
+            let is_hidden = hidden[number].contains(&(polygon as u32));
+            if is_hidden && !is_planar(own, polygon) {
+                return Err(format!("caster {number}, polygon {polygon} is hidden and not planar"));
+            }
+            for &face in triangles(own, polygon) {
+                let corners = face.map(|vertex| corner(own.positions[vertex as usize]));
+                let faces_light = ExactFace::new(&own.positions, face).is_some_and(|face| face.sign(from) > 0);
+                if is_hidden {
+                    hidden_ones.push((number, polygon, corners));
+                } else if is_planar(own, polygon) && !(own.mesh.is_closed() && faces_light) {
+                    hiders.push(corners);
+                }
+            }
+        }
+    }
+    for (number, polygon, corners) in &hidden_ones {
+        let mut weights = vec![[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1]];
+        weights.extend((0..3).map(|_| [(); 3].map(|()| 1 + random.below(1 << 20) as u32)));
+        for weights in weights {
+            let place = between(corners, weights);
+            if !hiders.iter().any(|hider| hides(hider, &at, &place)) {
+                return Err(format!("caster {number}, polygon {polygon}: the place {weights:?} is not hidden"));
+            }
+        }
+    }
+    Ok(hidden.iter().map(Vec::len).sum())
+}
+
+#[test]
+fn polygons_under_a_wall_are_hidden_as_a_whole() {
+    let (mut all, mut refuted, mut bumped) = (0, 0, 0);
+    for seed in 7000..7100 {
+        let mut random = Random::new(seed);
+        let (sides, size) = (3 + random.below(9), random.between(1.0, 4.0));
+        let mut own = vec![wall(sides, size, 3.0)];
+        for _ in 0..4 {
+            let at = [random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(-3.0, 2.0)].map(f32::round);
+            own.push(match random.below(4) {
+                0 => placed(quad_box(1 + random.below(2) as u32), 1.0, at),
+                1 => wall(3 + random.below(5), 1.0, at[2]),
+                2 => placed(quad_torus(&mut random, 4, 4, 0.1), 1.0, at),
+                _ => placed(random_polygon(&mut random, 7).1, 1.0, at),
+            });
+        }
+        let light = Light::point([random.between(-1.0, 1.0), 0.5, 9.0]);
+        let found = find(&own, light);
+        let mut hidden: Vec<Vec<u32>> = (0..own.len()).map(|number| found.faces(number).to_vec()).collect();
+        let count = check(&own, light, &hidden, &mut random).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert_eq!(count, found.statistics().hidden, "seed {seed}");
+        all += count;
+        bumped += own
+            .iter()
+            .map(|own| (0..own.mesh.face_count()).filter(|&face| !is_planar(own, face)).count())
+            .sum::<usize>();
+        let number = random.below(own.len());
+        let face = random.below(own[number].mesh.face_count()) as u32;
+        if !hidden[number].contains(&face) {
+            hidden[number].push(face);
+            refuted += usize::from(check(&own, light, &hidden, &mut random).is_err());
+        }
+    }
+    println!("{all} hidden polygons, {bumped} that are not planar; {refuted} wrong ones refuted");
+    assert!(all > 200 && bumped > 100 && refuted > 30);
+}
+
+#[test]
+fn a_polygon_that_is_hidden_in_part_stays() {
+    let small = |sides| wall(sides, 1.0, 0.0);
+    let light = Light::point([0.0, 0.0, 10.0]);
+    for sides in [3, 4, 6, 11] {
+        let found = find(&[wall(4, 4.0, 5.0), small(sides)], light);
+        assert_eq!([found.faces(0), found.faces(1)], [&[][..], &[0]], "{sides}");
+        let statistics = found.statistics();
+        assert_eq!([statistics.tried, statistics.hidden, statistics.left_out], [2, 1, 1], "{sides}");
+        // A hider that covers one half leaves triangles of the fan hidden, and the polygon whole.
+        let mut half = PolygonSet::default();
+        half.push_points(&[vec![[0.0, -4.0, 5.0], [4.0, -4.0, 5.0], [4.0, 4.0, 5.0], [0.0, 4.0, 5.0]]]);
+        let found = find(&[placed(half, 1.0, [0.0; 3]), small(sides)], light);
+        assert!(found.faces(1).is_empty(), "{sides}");
+    }
+}
