@@ -79,6 +79,13 @@ impl Default for Placed {
     }
 }
 
+/// Something else to draw: vertices without buffers, by shaders of its own.
+pub(crate) struct Extra {
+    /// In ambient light and for a light.
+    pipelines: [wgpu::RenderPipeline; 2],
+    vertices: u32,
+}
+
 /// The renderer.
 pub(crate) struct Stage<'a> {
     canvas: &'a Canvas,
@@ -91,6 +98,9 @@ pub(crate) struct Stage<'a> {
     /// In ambient light and for a light: bodies, floor.
     ambient: [wgpu::RenderPipeline; 2],
     lit: [wgpu::RenderPipeline; 2],
+    /// Depth and stencil of these.
+    states: [wgpu::DepthStencilState; 2],
+    extras: Vec<Extra>,
     tone: (wgpu::RenderPipeline, BindGroup),
     /// A layer a part.
     color: wgpu::Texture,
@@ -189,22 +199,10 @@ impl<'a> Stage<'a> {
                     })
                 })
         };
-        // Ambient light goes everywhere, and leaves its depths.
-        let nearer = wgpu::DepthStencilState {
-            format: DEPTH_STENCIL,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        };
+        let nearer = nearer();
+        let states = [nearer.clone(), lit.clone()];
         let ambient = pipelines("ambient", None, nearer);
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let add = wgpu::BlendState { color: add, alpha: add };
-        let lit = pipelines("lit", Some(add), lit);
+        let lit = pipelines("lit", Some(ADD), lit);
         let read = canvas.layout(&[texture]);
         let tone = canvas.pipeline(&PipelineOptions {
             layouts: &[&read],
@@ -218,7 +216,21 @@ impl<'a> Stage<'a> {
         let dimension = Some(wgpu::TextureViewDimension::D2Array);
         let layers = color.create_view(&wgpu::TextureViewDescriptor { dimension, ..view });
         let tone = (tone, canvas.group(&read, &[wgpu::BindingResource::TextureView(&layers)]));
-        Self { canvas, layouts, slots: buffer, frame, cameras, lamps, ambient, lit, tone, color, depth }
+        Self {
+            canvas,
+            layouts,
+            slots: buffer,
+            frame,
+            cameras,
+            lamps,
+            ambient,
+            lit,
+            states,
+            extras: Vec::new(),
+            tone,
+            color,
+            depth,
+        }
     }
 
     /// Sets how bright the light is that comes from everywhere.
@@ -226,6 +238,43 @@ impl<'a> Stage<'a> {
         for part in 0..self.cameras.len() {
             let at = (part * (1 + self.lamps)) as u64 * SLOT + 4 * 19;
             self.canvas.queue.write_buffer(&self.slots, at, bytemuck::bytes_of(&ambient));
+        }
+    }
+
+    /// Also draws what a vertex shader of `wgsl` makes of so many vertices, which goes behind `stage.wgsl`. The fragment shaders are
+    /// for ambient light and for a light.
+    pub(crate) fn add_extra(&mut self, wgsl: &str, vertex: &str, fragments: [&str; 2], vertices: u32) {
+        let wgsl = format!("{}{wgsl}", include_str!("stage.wgsl"));
+        let pipeline = |at: usize| {
+            self.canvas.pipeline(&PipelineOptions {
+                layouts: &[&self.layouts[0]],
+                wgsl: &wgsl,
+                entry_points: [vertex, fragments[at]],
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                format: COLOR,
+                blend: (at == 1).then_some(ADD),
+                depth_stencil: Some(self.states[at].clone()),
+            })
+        };
+        self.extras.push(Extra { pipelines: [0, 1].map(pipeline), vertices });
+    }
+
+    /// Draws these once more, as another camera sees them, into a depth map with reversed depth. It has the depth format of the
+    /// picture.
+    pub(crate) fn draw_extras_into(&self, encoder: &mut wgpu::CommandEncoder, camera: &Camera, map: &wgpu::Texture) {
+        let mut frame = [0.0_f32; 128];
+        frame[..16].copy_from_slice(camera.view_projection.as_flattened());
+        frame[16..19].copy_from_slice(&camera.eye);
+        let buffer = self.canvas.uniform(bytemuck::cast_slice(&frame));
+        let part = |size| BufferBinding { buffer: &buffer, offset: 0, size: BufferSize::new(size) };
+        let group = self.canvas.group(&self.layouts[0], &[part(80), part(32)].map(wgpu::BindingResource::Buffer));
+        let unused = self.canvas.target([map.width(), map.height()], 1, COLOR);
+        let [color, depth] = [&unused, map].map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
+        let mut pass = begin(encoder, &color, &depth, (LoadOp::Clear(wgpu::Color::BLACK), LoadOp::Clear(0.0)));
+        pass.set_bind_group(0, &group, &[0, 0]);
+        for extra in &self.extras {
+            pass.set_pipeline(&extra.pipelines[0]);
+            pass.draw(0..extra.vertices, 0..1);
         }
     }
 
@@ -325,6 +374,10 @@ impl<'a> Stage<'a> {
         }
         pass.set_pipeline(floor);
         pass.draw(0..4, 0..1);
+        for extra in &self.extras {
+            pass.set_pipeline(&extra.pipelines[usize::from(slots[0] != slots[1])]);
+            pass.draw(0..extra.vertices, 0..1);
+        }
     }
 
     fn pass<'e>(
@@ -333,27 +386,56 @@ impl<'a> Stage<'a> {
         part: usize,
         (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
     ) -> wgpu::RenderPass<'e> {
-        let store = StoreOp::Store;
         let view = &self.color.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2),
             base_array_layer: part as u32,
             array_layer_count: Some(1),
             ..wgpu::TextureViewDescriptor::default()
         });
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("stage"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: color, store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations { load: depth, store }),
-                stencil_ops: Some(wgpu::Operations { load: LoadOp::Clear(0), store }),
-            }),
-            ..wgpu::RenderPassDescriptor::default()
-        })
+        begin(encoder, view, &self.depth, (color, depth))
     }
+}
+
+/// Ambient light goes everywhere, and leaves its depths.
+fn nearer() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_STENCIL,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// Adds to what is there.
+const ADD: wgpu::BlendState = wgpu::BlendState { color: ADD_COMPONENT, alpha: ADD_COMPONENT };
+const ADD_COMPONENT: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::One,
+    dst_factor: wgpu::BlendFactor::One,
+    operation: wgpu::BlendOperation::Add,
+};
+
+/// A pass with a stencil of zeros.
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    depth_view: &wgpu::TextureView,
+    (color, depth): (LoadOp<wgpu::Color>, LoadOp<f32>),
+) -> wgpu::RenderPass<'e> {
+    let store = StoreOp::Store;
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("stage"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: color, store },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth_view,
+            depth_ops: Some(wgpu::Operations { load: depth, store }),
+            stencil_ops: Some(wgpu::Operations { load: LoadOp::Clear(0), store }),
+        }),
+        ..wgpu::RenderPassDescriptor::default()
+    })
 }

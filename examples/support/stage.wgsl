@@ -68,15 +68,23 @@ fn point(from_eye: vec3<f32>, normal: vec3<f32>, albedo: vec3<f32>) -> Point {
   return point(vec3<f32>(at.x, 0.0, at.y) - frame.eye, vec3<f32>(0.0, 1.0, 0.0), vec3<f32>(0.80, 0.79, 0.77));
 }
 
-@fragment fn ambient(in: Point) -> @location(0) vec4<f32> {
-  return vec4<f32>(frame.ambient * in.albedo * vec3<f32>(0.88, 0.95, 1.06) * (0.75 + 0.25 * in.normal.y), 1.0);
+fn ambient_light(normal: vec3<f32>, albedo: vec3<f32>) -> vec4<f32> {
+  return vec4<f32>(frame.ambient * albedo * vec3<f32>(0.88, 0.95, 1.06) * (0.75 + 0.25 * normal.y), 1.0);
 }
 
 // Light counts where it is on the eye's side of the face.
-@fragment fn lit(in: Point) -> @location(0) vec4<f32> {
-  let side = sign(dot(in.normal, frame.eye - in.position));
-  let towards = lamp.light.xyz - lamp.light.w * in.position;
-  let facing = max(0.0, side * dot(in.normal, normalize(towards)));
+fn lamp_light(position: vec3<f32>, normal: vec3<f32>, albedo: vec3<f32>) -> vec4<f32> {
+  let side = sign(dot(normal, frame.eye - position));
+  let towards = lamp.light.xyz - lamp.light.w * position;
+  let facing = max(0.0, side * dot(normal, normalize(towards)));
   let falloff = max(0.0, 1.0 - lamp.light.w * lamp.reach * dot(towards, towards));
-  return vec4<f32>(in.albedo * lamp.color * facing * falloff * falloff, 0.0);
+  return vec4<f32>(albedo * lamp.color * facing * falloff * falloff, 0.0);
+}
+
+@fragment fn ambient(in: Point) -> @location(0) vec4<f32> {
+  return ambient_light(in.normal, in.albedo);
+}
+
+@fragment fn lit(in: Point) -> @location(0) vec4<f32> {
+  return lamp_light(in.position, in.normal, in.albedo);
 }

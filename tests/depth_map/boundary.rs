@@ -1,6 +1,8 @@
 //! The boundary between light and shadow of a depth map, in `f64`, by a text of its own: no code and no constant of the
 //! library. Segments cross its triangles where determinants of homogeneous points say so.
 
+use std::collections::HashMap;
+
 use glam::{DMat4, DVec3, DVec4, Mat4};
 use rimline::{DepthDirection, ShadowCamera};
 
@@ -34,6 +36,46 @@ fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     (!is_far).then(|| depth.clamp(0.0, 1.0))
 }
 
+/// The triangles of cells, from their first corners.
+fn triangles(
+    is_reversed: bool,
+    threshold: f64,
+    places: impl Iterator<Item = [i64; 2]>,
+    sample: &dyn Fn([i64; 2]) -> Option<f64>,
+    vertex: &dyn Fn([i64; 2]) -> DVec4,
+) -> Vec<Triangle> {
+    let is_marked = |a: [i64; 2], b: [i64; 2]| match (sample(a), sample(b)) {
+        (None, None) => false,
+        (Some(a), Some(b)) => (a - b).abs() > threshold,
+        _ => true,
+    };
+    // How far apart two depths are among all numbers of 32 bits.
+    let rank = |at: [i64; 2]| match sample(at) {
+        Some(depth) => {
+            let unit = if depth < f64::from(f32::MIN_POSITIVE) { 0 } else { i64::from((depth as f32).to_bits()) };
+            if is_reversed { 0x3f80_0000 - unit } else { unit }
+        }
+        None => 0x7fff_ffff,
+    };
+    let mut triangles = Vec::new();
+    for [x, y] in places {
+        let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
+        // The corner between the edges, and the two ends of the diagonal.
+        let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
+        for [between, p, q] in halves {
+            let corners = [between, p, q].map(vertex);
+            if corners.iter().all(|corner| corner.w == 0.0) {
+                continue;
+            }
+            let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
+            let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
+            triangles.push(Triangle { corners, plane, is_drawn: is_marked(between, p) || is_marked(between, q) });
+        }
+    }
+    triangles
+}
+
 impl Boundary {
     /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
     pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
@@ -52,36 +94,58 @@ impl Boundary {
             let near = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
             (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
         };
-        let is_marked = |a: [i64; 2], b: [i64; 2]| match (sample(map, a[0], a[1]), sample(map, b[0], b[1])) {
-            (None, None) => false,
-            (Some(a), Some(b)) => (a - b).abs() > threshold,
-            _ => true,
+        let places = (-1..height as i64).flat_map(|y| (-1..width as i64).map(move |x| [x, y]));
+        let triangles =
+            triangles(map.is_reversed, threshold, places, &|[x, y]| sample(map, x, y), &|[x, y]| vertex(x, y));
+        Self { triangles, light }
+    }
+
+    /// The boundary of six maps around a light. Samples whose rays are the same are one.
+    pub(crate) fn cube(maps: &[Option<Map>; 6], cameras: &[ShadowCamera; 6], light: DVec3, threshold: f64) -> Self {
+        let side = maps.iter().flatten().map(|map| i64::from(map.size[0])).max().unwrap_or(3);
+        let is_reversed = cameras[0].depth == DepthDirection::Reversed;
+        let near = if is_reversed { 1.0 } else { 0.0 };
+        let place = |face: usize, x: i64, y: i64, depth: f64| {
+            let [x, y] = [x, y].map(|place| (place as f64 + 0.5) / side as f64 * 2.0 - 1.0);
+            let matrix = Mat4::from_cols_array_2d(&cameras[face].view_projection).as_dmat4().inverse();
+            let point = matrix * DVec4::new(x, -y, depth, 1.0);
+            point.truncate() / point.w + DVec3::from_array(cameras[face].origin.map(f64::from))
         };
-        // How far apart two depths are among all numbers of 32 bits.
-        let rank = |[x, y]: [i64; 2]| match sample(map, x, y) {
-            Some(depth) => {
-                let unit = if depth < f64::from(f32::MIN_POSITIVE) { 0 } else { i64::from((depth as f32).to_bits()) };
-                if map.is_reversed { 0x3f80_0000 - unit } else { unit }
-            }
-            None => 0x7fff_ffff,
+        // Along the axes of the cube, the largest component as many as there are cells: all are near integers.
+        let middle = |face: usize| {
+            let matrix = Mat4::from_cols_array_2d(&cameras[face].view_projection).as_dmat4().inverse();
+            let point = matrix * DVec4::new(0.0, 0.0, near, 1.0);
+            (point.truncate() / point.w + DVec3::from_array(cameras[face].origin.map(f64::from)) - light).normalize()
         };
-        let mut triangles = Vec::new();
-        for (x, y) in (-1..i64::from(map.size[1])).flat_map(|y| (-1..i64::from(map.size[0])).map(move |x| (x, y))) {
-            let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
-            let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
-            // The corner between the edges, and the two ends of the diagonal.
-            let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
-            for [between, p, q] in halves {
-                let corners = [between, p, q].map(|[x, y]| vertex(x, y));
-                if corners.iter().all(|corner| corner.w == 0.0) {
-                    continue;
-                }
-                let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
-                let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-                triangles.push(Triangle { corners, plane, is_drawn: is_marked(between, p) || is_marked(between, q) });
+        let axes = [middle(0), middle(2), middle(4)];
+        let name = |face: usize, [x, y]: [i64; 2]| {
+            let ray = place(face, x, y, near) - light;
+            let ray = DVec3::from_array(axes.map(|axis| axis.dot(ray)));
+            (ray / ray.abs().max_element() * (side as f64 - 1.0)).to_array().map(|part| part.round() as i64)
+        };
+        // The nearest depth of each ray, and the first sample that it has.
+        let mut rays: HashMap<[i64; 3], (Option<f64>, DVec4)> = HashMap::new();
+        let all = || (0..6).flat_map(move |face| (0..side * side).map(move |at| (face, [at % side, at / side])));
+        for (face, at) in all() {
+            let own = maps[face].as_ref().and_then(|map| sample(map, at[0], at[1]));
+            let there = rays.entry(name(face, at)).or_insert((own, DVec4::ZERO));
+            there.0 = match (there.0, own) {
+                (Some(a), Some(b)) => Some(if is_reversed { a.max(b) } else { a.min(b) }),
+                (a, b) => a.or(b),
+            };
+        }
+        for (face, at) in all() {
+            if let Some((depth, vertex)) = rays.get_mut(&name(face, at)).filter(|ray| ray.1 == DVec4::ZERO) {
+                let far = || (place(face, at[0], at[1], near) - light).normalize().extend(0.0);
+                *vertex = depth.map_or_else(far, |depth| place(face, at[0], at[1], depth).extend(1.0));
             }
         }
-        Self { triangles, light }
+        let of_face = |face: usize| {
+            let places = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
+            let ray = |at: [i64; 2]| rays[&name(face, at)];
+            triangles(is_reversed, threshold, places, &|at| ray(at).0, &|at| ray(at).1)
+        };
+        Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }
 
     fn is_odd(&self, from: DVec4, to: DVec4, drawn_only: bool) -> bool {

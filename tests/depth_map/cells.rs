@@ -1,7 +1,9 @@
 //! Which cells are listed, and what of them is drawn: the twin against big integers.
 
 use num_bigint::BigInt;
-use rimline::reference::cpu::{CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, exceeds};
+use rimline::reference::cpu::{
+    CELL_MASK, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, depth_cells, depth_cells_of_objects, exceeds, world_step,
+};
 use rimline::reference::layout::DepthMapShape;
 use rimline_measure::random::Random;
 
@@ -29,20 +31,25 @@ fn rank(map: &Map, sample: Option<f32>) -> i64 {
     if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }
 }
 
-/// The entry of a cell, 0 if it is not listed.
-fn expected(map: &Map, threshold: f32, number: u32) -> u32 {
+/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel.
+fn expected(map: &Map, objects: &[u32], threshold: f32, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
-    let corner = |dx: i64, dy: i64| cast(map, x + dx, y + dy);
-    let is_marked = |a: Option<f32>, b: Option<f32>| match (a, b) {
+    // What is cast, and the object.
+    let corner = |dx: i64, dy: i64| {
+        let texel = (y + dy) * i64::from(map.size[0]) + x + dx;
+        cast(map, x + dx, y + dy).map(|depth| (depth, objects.get(texel as usize).copied()))
+    };
+    let is_marked = |a: Option<(f32, Option<u32>)>, b: Option<(f32, Option<u32>)>| match (a, b) {
         (None, None) => false,
-        (Some(a), Some(b)) => {
+        (Some((a, first)), Some((b, second))) => {
             let difference = exact(a) - exact(b);
-            threshold < 0.0 || difference.magnitude() > exact(threshold).magnitude()
+            threshold < 0.0 || first != second || difference.magnitude() > exact(threshold).magnitude()
         }
         _ => true,
     };
-    let diagonal = |a: Option<f32>, b: Option<f32>| (rank(map, a) - rank(map, b)).abs();
+    let depth = |sample: Option<(f32, Option<u32>)>| sample.map(|sample| sample.0);
+    let diagonal = |a, b| (rank(map, depth(a)) - rank(map, depth(b))).abs();
     let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
     let is_split = diagonal(a, d) > diagonal(b, c);
     // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
@@ -58,11 +65,11 @@ fn expected(map: &Map, threshold: f32, number: u32) -> u32 {
     number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
 }
 
-fn check(map: &Map, threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
-    let found = depth_cells(shape, &map.depths);
+fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
+    let found = depth_cells_of_objects(shape, &map.depths, objects);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
     let all: Vec<_> =
-        (0..shape.cells).map(|number| expected(map, threshold, number)).filter(|&entry| entry != 0).collect();
+        (0..shape.cells).map(|number| expected(map, objects, threshold, number)).filter(|&entry| entry != 0).collect();
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
         return Err(format!("{:?} with {threshold}: {} cells, {} expected", map.size, found.count, all.len()));
     }
@@ -88,7 +95,18 @@ fn listed_cells_are_those_of_exact_arithmetic() {
             let met = if (0.0..=1.0).contains(&met) && met >= f32::MIN_POSITIVE { met } else { 0.125 };
             for threshold in [met, random.between(0.0, 0.3), 0.125, 0.0, -1.0] {
                 let capacity = if round % 2 == 0 { u32::MAX } else { random.below(9) as u32 };
-                listed += check(&map, threshold, &map.shape(threshold, capacity)).expect("as expected");
+                let mut shape = map.shape(threshold, capacity);
+                listed += check(&map, &[], threshold, &shape).expect("as expected");
+                shape.objects = 1;
+                let objects: Vec<_> = (0..depths.len()).map(|_| random.below(3) as u32 * 0x7fff_ffff).collect();
+                // Outlines have the largest threshold.
+                let threshold = if random.below(2) == 0 { threshold } else { 1.0 };
+                let shape = DepthMapShape {
+                    every_cell: u32::from(threshold < 0.0),
+                    threshold: threshold.max(0.0).to_bits(),
+                    ..shape
+                };
+                check(&map, &objects, threshold, &shape).expect("as expected");
             }
         }
     }
@@ -100,13 +118,17 @@ fn listed_cells_are_those_of_exact_arithmetic() {
 fn another_map_is_noticed() {
     let map = Map::new([7, 5], false, |texel| (texel % 11) as f32 / 16.0);
     let shape = map.shape(0.125, u32::MAX);
-    assert!(check(&map, 0.125, &shape).is_ok());
+    assert!(check(&map, &[], 0.125, &shape).is_ok());
     let mut moved = map.clone();
     moved.depths[17] += 0.5;
-    assert!(check(&moved, 0.125, &shape).is_ok());
+    assert!(check(&moved, &[], 0.125, &shape).is_ok());
     assert_ne!(depth_cells(&shape, &map.depths), depth_cells(&shape, &moved.depths));
-    assert!(check(&map, 0.5, &shape).is_err());
-    assert!(check(&Map { is_reversed: true, ..map.clone() }, 0.125, &shape).is_err());
+    assert!(check(&map, &[], 0.5, &shape).is_err());
+    assert!(check(&Map { is_reversed: true, ..map.clone() }, &[], 0.125, &shape).is_err());
+    let objects: Vec<_> = (0..35).map(|texel| texel / 9).collect();
+    let shape = map.shape(0.7, u32::MAX);
+    assert!(check(&map, &objects, 0.7, &shape).is_err());
+    assert!(check(&map, &objects, 0.7, &DepthMapShape { objects: 1, ..shape }).is_ok());
 }
 
 #[test]
@@ -142,4 +164,59 @@ fn differences_are_compared_exactly() {
 fn entries_have_room_for_every_cell() {
     assert_eq!(CELL_MASK | SPLIT | FIRST_TRIANGLE | SECOND_TRIANGLE, u32::MAX);
     assert_eq!(CELL_MASK & SPLIT, 0);
+}
+
+/// Steps in world units, against big integers: random ones, ones that are met exactly or nearly, large and small.
+#[test]
+fn steps_in_world_units_are_compared_exactly() {
+    const SEED: u64 = 1603;
+    println!("seed {SEED}");
+    let mut random = Random::new(SEED);
+    let mut met = [0; 3];
+    for case in 0..200_000 {
+        let number = |random: &mut Random, least: u32, most: u32| {
+            let exponent = least + random.below((most - least + 1) as usize) as u32;
+            let mantissa = [random.next_u64() as u32, 1 << random.below(23), u32::MAX, 0][random.below(4)];
+            f32::from_bits((exponent << 23) | (mantissa & 0x007f_ffff))
+        };
+        let low = [1, 110][random.below(2)];
+        let unit = |random: &mut Random| if random.below(9) == 0 { 0.0 } else { number(random, low, 127).min(1.0) };
+        let (mut a, mut b) = (unit(&mut random), unit(&mut random));
+        let sign = [1.0, -1.0][random.below(2)];
+        let mut infinity =
+            [0.0, 1.0, sign * number(&mut random, 100, 135), sign * number(&mut random, 1, 136)][random.below(4)];
+        let mut ratio = number(&mut random, 1, 254);
+        match case % 3 {
+            // Nearly met.
+            0 => {
+                let at = f64::from(infinity);
+                let [x, y] = [a, b].map(f64::from);
+                let near = ((x - at) * (y - at)).abs() / (x - y).abs();
+                if near > 1e-37 && near < 1e38 {
+                    ratio = f32::from_bits((near as f32).to_bits() + random.below(3) as u32 - 1);
+                }
+            }
+            // Met: with r = a and i = 0, b is half of a.
+            1 => {
+                a = number(&mut random, 3, 126);
+                (b, ratio, infinity) = (a / 2.0, a, 0.0);
+                let moved = [&mut a, &mut b, &mut ratio];
+                if random.below(2) == 0 {
+                    let which = random.below(3);
+                    *moved[which] = f32::from_bits(moved[which].to_bits() + 2 * random.below(2) as u32 - 1);
+                }
+            }
+            _ => {}
+        }
+        let signed = |value: f32| if value < 0.0 { -exact(-value) } else { exact(value) };
+        let [x, y, at, factor] = [a, b, infinity, ratio].map(signed);
+        let left = BigInt::from((factor * (&x - &y)).magnitude().clone());
+        let right = BigInt::from(((x - &at) * (y - &at)).magnitude().clone());
+        let order = left.cmp(&right);
+        met[(order as i8 + 1) as usize] += 1;
+        for [a, b] in [[a, b], [b, a]] {
+            assert_eq!(world_step(a, b, ratio, infinity), order.is_gt(), "{a:e} {b:e} {ratio:e} {infinity:e}");
+        }
+    }
+    assert!(met.iter().all(|&count| count > 10_000), "less, equal, more: {met:?}");
 }

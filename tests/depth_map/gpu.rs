@@ -3,7 +3,11 @@
 
 mod analytic;
 mod boundary;
+mod cube;
+mod extremes;
 mod maps;
+mod merge;
+mod mesh_depth;
 mod parity;
 mod picture;
 mod refusals;
@@ -17,6 +21,15 @@ mod worlds;
 use rimline_measure::harness;
 
 fn main() {
-    let tests = [stages::TESTS, parity::TESTS, analytic::TESTS, refusals::TESTS];
+    let tests = [
+        stages::TESTS,
+        merge::TESTS,
+        cube::TESTS,
+        parity::TESTS,
+        analytic::TESTS,
+        extremes::TESTS,
+        refusals::TESTS,
+        mesh_depth::TESTS,
+    ];
     harness::run(harness::gpu_trials(tests.concat()));
 }

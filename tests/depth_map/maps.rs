@@ -27,6 +27,10 @@ impl Map {
             every_cell: u32::from(threshold < 0.0),
             threshold: threshold.max(0.0).to_bits(),
             is_reversed: u32::from(self.is_reversed),
+            faces: 1,
+            objects: 0,
+            ratio: 0,
+            at_infinity: 0,
         }
     }
 }

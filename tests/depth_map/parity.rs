@@ -21,9 +21,9 @@ pub(crate) const TESTS: &[Test] = &[
     ("parity_of_lists_that_overflow_is_that_of_rays", overflow),
 ];
 
-const SIDE: u32 = 48;
+pub(crate) const SIDE: u32 = 48;
 
-fn vector(random: &mut Random) -> DVec3 {
+pub(crate) fn vector(random: &mut Random) -> DVec3 {
     DVec3::from_array(random.direction().map(f64::from))
 }
 
@@ -71,7 +71,7 @@ fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
 }
 
 /// What each pixel sees: places that are near to or far from it alike, on a wavy surface.
-fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) -> (DVec3, DVec3) + use<'a> {
+pub(crate) fn seen<'a>(random: &mut Random, rays: &'a Rays) -> impl Fn(DVec2) -> (DVec3, DVec3) + use<'a> {
     let middle = f64::from(random.between(3.0, 14.0));
     let waves = [0; 4].map(|_| f64::from(random.between(-0.2, 0.2)));
     move |place: DVec2| {
@@ -117,7 +117,8 @@ fn trial(
     let options = DepthMapOptions { edges, capacity, slope_bias: 0.0, ..Default::default() };
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let bit = random.below(8) as u32;
-    let picture = Picture { map: &texture, light: camera, eye, depths: &depths, side: SIDE, options, bit };
+    let picture =
+        Picture { map: &texture, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bit };
     let stencil = picture.stencil(gpu)?;
     let boundary = Boundary::new(&map, &camera, light, f64::from(threshold));
     for (&centre, value) in centres.iter().zip(stencil) {

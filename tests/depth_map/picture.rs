@@ -1,7 +1,7 @@
 //! A picture of an eye whose depth buffer is given: the stencil after the volumes of a depth map.
 
 use rimline::ShadowCamera;
-use rimline::gpu::{DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
+use rimline::gpu::{DepthMap, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
 use wgpu::TextureFormat;
@@ -11,6 +11,7 @@ use crate::textures::{depth_view, texture};
 /// What is drawn: a map of a light, and what an eye sees.
 pub(crate) struct Picture<'a> {
     pub(crate) map: &'a wgpu::Texture,
+    pub(crate) objects: Option<&'a wgpu::Texture>,
     pub(crate) light: ShadowCamera,
     pub(crate) eye: ShadowCamera,
     /// Depths of the pixels of a square picture, row by row.
@@ -27,40 +28,55 @@ impl Picture<'_> {
         let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, self.bit).map_err(text)?;
         let size = [self.map.width(), self.map.height()];
         let mut volumes = DepthMapVolumes::new(&pipelines, size, self.options).map_err(text)?;
-        let target = texture(gpu, [self.side; 2], TextureFormat::Depth24PlusStencil8, self.depths)?;
-        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let row = self.side.next_multiple_of(256);
-        let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("stencil"),
-            size: u64::from(row * self.side),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        gpu.submit(|encoder| {
+        stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {
             let map = DepthMap { texture: &depth_view(self.map), light: self.light };
-            let frame = volumes.encode(encoder, &map, &self.eye, None).map_err(text)?;
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("volumes"),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &view,
-                    depth_ops: None,
-                    stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
-                }),
-                ..Default::default()
-            });
-            frame.draw(&mut pass, &pipelines).map_err(text)?;
-            drop(pass);
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &copy,
-                    layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
-                },
-                target.size(),
-            );
-            Ok(())
-        })?;
-        let bytes: Vec<u8> = gpu.read(&copy, (row * self.side) as usize)?;
-        Ok(bytes.chunks(row as usize).flat_map(|row| row[..self.side as usize].to_vec()).collect())
+            match self.objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default())) {
+                Some(objects) => volumes.encode_objects(encoder, &map, &objects, &self.eye, None).map_err(text),
+                None => volumes.encode(encoder, &map, &self.eye, None).map_err(text),
+            }
+        })
     }
+}
+
+/// The stencil of each pixel of a square picture with these depths, from 0 on, after a frame.
+pub(crate) fn stencil_of(
+    gpu: &Gpu,
+    pipelines: &DepthMapPipelines,
+    (side, depths): (u32, &[f32]),
+    encode: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<DepthMapFrame, String>,
+) -> Result<Vec<u8>, String> {
+    let target = texture(gpu, [side; 2], TextureFormat::Depth24PlusStencil8, depths)?;
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    let row = side.next_multiple_of(256);
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("stencil"),
+        size: u64::from(row * side),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    gpu.submit(|encoder| {
+        let frame = encode(encoder)?;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("volumes"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: None,
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+            }),
+            ..Default::default()
+        });
+        frame.draw(&mut pass, pipelines).map_err(text)?;
+        drop(pass);
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &copy,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+            },
+            target.size(),
+        );
+        Ok(())
+    })?;
+    let bytes: Vec<u8> = gpu.read(&copy, (row * side) as usize)?;
+    Ok(bytes.chunks(row as usize).flat_map(|row| row[..side as usize].to_vec()).collect())
 }

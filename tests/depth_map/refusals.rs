@@ -17,6 +17,7 @@ use crate::textures::depth_view;
 pub(crate) const TESTS: &[Test] = &[
     ("pipelines_and_volumes_that_cannot_be_made", making),
     ("maps_and_cameras_that_cannot_be_taken", encoding),
+    ("objects_that_cannot_be_taken", objects_refused),
     ("frames_that_cannot_be_drawn", drawing),
 ];
 
@@ -47,6 +48,11 @@ fn making() -> Result<(), String> {
     }
     if !matches!(refused([4, 4], with(f32::NAN)), Some(DepthMapVolumesError::Threshold(_))) {
         return Err("NaN is no threshold".to_owned());
+    }
+    for threshold in [-0.1, f32::INFINITY] {
+        let edges = DepthEdges::WorldDifferences { threshold };
+        let expected = DepthMapVolumesError::WorldThreshold(threshold);
+        same("distance", &[refused([4, 4], DepthMapOptions { edges, ..Default::default() })], &[Some(expected)])?;
     }
     for slope_bias in [-1.0, f32::INFINITY] {
         let options = DepthMapOptions { slope_bias, ..Default::default() };
@@ -138,4 +144,45 @@ fn drawing() -> Result<(), String> {
     })?;
     let mismatch = DepthMapDrawError::Depth { volumes: REVERSED, pipelines: STANDARD };
     same("draws", &found, &[Err(DepthMapDrawError::StaleFrame), Err(mismatch), Ok(())])
+}
+
+fn objects_refused() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = pipelines(&gpu)?;
+    let (drawn, read) = (wgpu::TextureUsages::RENDER_ATTACHMENT, wgpu::TextureUsages::TEXTURE_BINDING);
+    let view = |format, side, usage| {
+        attachment(&gpu, format, side, 1, usage).create_view(&wgpu::TextureViewDescriptor::default())
+    };
+    let map = view(TextureFormat::Depth32Float, 8, drawn | read);
+    let [right, large, unbound, other] = [
+        view(TextureFormat::R32Uint, 8, read),
+        view(TextureFormat::R32Uint, 9, read),
+        view(TextureFormat::R32Uint, 8, wgpu::TextureUsages::COPY_DST),
+        view(TextureFormat::R32Sint, 8, read),
+    ];
+    let [mut with, mut without] = [true, false].map(|objects| {
+        let options = DepthMapOptions { objects, edges: DepthEdges::Outlines, ..Default::default() };
+        DepthMapVolumes::new(&pipelines, [8, 8], options)
+    });
+    let (with, without) =
+        (with.as_mut().map_err(|error| text(&*error))?, without.as_mut().map_err(|error| text(&*error))?);
+    let map = DepthMap { texture: &map, light: camera(REVERSED) };
+    let found = gpu.submit(|encoder| {
+        let eye = camera(REVERSED);
+        let none = [with.encode(encoder, &map, &eye, None).err(), without.encode(encoder, &map, &eye, None).err()];
+        let unused = without.encode_objects(encoder, &map, &right, &eye, None).err();
+        let found = [&right, &large, &unbound, &other]
+            .map(|objects| with.encode_objects(encoder, &map, objects, &eye, None).err());
+        Ok([&none[..], &[unused], &found[..]].concat())
+    })?;
+    let expected = [
+        Some(DepthMapEncodeError::NoObjects),
+        None,
+        Some(DepthMapEncodeError::UnusedObjects),
+        None,
+        Some(DepthMapEncodeError::Size { given: [9, 9], made: [8, 8] }),
+        Some(DepthMapEncodeError::Usage),
+        Some(DepthMapEncodeError::ObjectFormat(TextureFormat::R32Sint)),
+    ];
+    same("objects", &found, &expected)
 }

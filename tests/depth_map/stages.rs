@@ -1,22 +1,27 @@
 //! The lists that the GPU makes against those of the twin, for each format of a map.
 
 use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
-use rimline::reference::cpu::depth_cells;
+use rimline::reference::cpu::{depth_cells, depth_cells_of_objects};
+use rimline::reference::layout::DepthMapShape;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
-use rimline_measure::{must_fail, same};
+use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::maps::{Map, maps};
 use crate::scene::Eye;
-use crate::textures::{depth_view, read, texture};
+use crate::textures::{depth_view, objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("lists_of_cells_equal_their_twin", lists),
     ("lists_of_a_large_map_equal_their_twin", large),
+    ("lists_of_the_largest_map_equal_their_twin", largest),
+    ("lists_of_objects_equal_their_twin", of_objects),
+    ("lists_of_steps_in_world_units_equal_their_twin", world),
+    ("steps_in_world_units_are_those_of_distances", distances),
     ("encodes_in_one_encoder_do_not_disturb_each_other", two_encodes),
 ];
 
@@ -33,7 +38,7 @@ pub(crate) fn camera(depth: DepthDirection) -> ShadowCamera {
     Eye { place, forward, near: 0.1, is_relative: true, depth, far: Some(50.0), half_width: None }.camera()
 }
 
-fn direction(map: &Map) -> DepthDirection {
+pub(crate) fn direction(map: &Map) -> DepthDirection {
     if map.is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard }
 }
 
@@ -115,6 +120,22 @@ fn large() -> Result<(), String> {
     Ok(())
 }
 
+/// A map of 4,096² texels, with `RIMLINE_LONG=1`; else one of 1,024².
+fn largest() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let side = if is_long() { 4096 } else { 1024 };
+    let mut random = Random::new(1616);
+    let map = Map::new([side; 2], true, |texel| {
+        if random.below(99) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % side) as f32 / 8192.0 }
+    });
+    for threshold in [-1.0, 0.01] {
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None)?;
+        println!("{listed} cells of {side}² texels, threshold {threshold}");
+    }
+    Ok(())
+}
+
 /// The second encode writes after the first has been copied out.
 fn two_encodes() -> Result<(), String> {
     let gpu = Gpu::shared()?;
@@ -143,4 +164,141 @@ fn two_encodes() -> Result<(), String> {
         same(&format!("encode {number}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
     }
     Ok(())
+}
+
+/// Edges of objects, alone and with differences, also where the list overflows.
+fn of_objects() -> Result<(), String> {
+    const SEED: u64 = 1613;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let mut added = 0;
+    for edges in [DepthEdges::Outlines, DepthEdges::Differences { threshold: 0.1 }, DepthEdges::EveryCell] {
+        for map in maps(&mut random) {
+            let capacity = (random.below(3) == 0).then(|| random.below(20) as u32);
+            let numbers: Vec<_> =
+                map.depths.iter().map(|_| [0, 1, u32::MAX, 1 << 24, (1 << 24) + 1][random.below(5)]).collect();
+            let texture = texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?;
+            let objects = objects(&gpu, map.size, &numbers).create_view(&wgpu::TextureViewDescriptor::default());
+            let options = DepthMapOptions { edges, objects: true, capacity, ..Default::default() };
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            let (view, light) = (depth_view(&texture), camera(direction(&map)));
+            gpu.submit(|encoder| {
+                let map = DepthMap { texture: &view, light };
+                let eye = camera(DepthDirection::Reversed);
+                volumes.encode_objects(encoder, &map, &objects, &eye, None).map(drop).map_err(text)
+            })?;
+            let threshold = match edges {
+                DepthEdges::EveryCell => -1.0,
+                DepthEdges::Differences { threshold } => threshold,
+                _ => 1.0,
+            };
+            let mut shape = map.shape(threshold, capacity.unwrap_or(u32::MAX));
+            let without = depth_cells(&shape, &map.depths).count;
+            shape.objects = 1;
+            let expected = depth_cells_of_objects(&shape, &map.depths, &numbers);
+            let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
+            same(&format!("{:?}", map.size), &found, &[&[expected.count], &expected.entries[..]].concat())?;
+            added += expected.count - without;
+        }
+    }
+    println!("{added} cells of edges of objects alone");
+    if added > 1000 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// The shape of a map with a threshold in world units, from the rows of the camera's matrix.
+fn world_shape(map: &Map, light: &ShadowCamera, threshold: f64) -> DepthMapShape {
+    let matrix = glam::Mat4::from_cols_array_2d(&light.view_projection).as_dmat4();
+    let [depth, w] = [2, 3].map(|row| matrix.row(row).truncate());
+    let infinity = depth.dot(w) / w.length_squared();
+    let share = (matrix.row(2).w - infinity * matrix.row(3).w).abs() / w.length();
+    let ratio = (share / threshold) as f32;
+    DepthMapShape { ratio: ratio.to_bits(), at_infinity: (infinity as f32).to_bits(), ..map.shape(0.0, u32::MAX) }
+}
+
+fn world() -> Result<(), String> {
+    const SEED: u64 = 1614;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let (mut listed, mut fewer) = (0, 0);
+    for round in 0..8 {
+        let mut all = maps(&mut random);
+        // Powers of two and their neighbours meet thresholds that are powers of two exactly, where the near distance is one.
+        for is_reversed in [false, true] {
+            all.push(Map::new([40, 40], is_reversed, |_| {
+                let power = 0.5_f32.powi(random.below(12) as i32);
+                f32::from_bits(power.to_bits() + [0, 0, 0, 1, u32::MAX][random.below(5)].min(1))
+            }));
+        }
+        for map in all {
+            let far = [None, Some(50.0)][random.below(2)];
+            let forward = if round % 2 == 0 { glam::DVec3::X } else { glam::DVec3::new(0.3, -1.0, 0.2) };
+            let place = glam::DVec3::new(1.0, 2.0, 3.0);
+            let depth = direction(&map);
+            let light = Eye { place, forward, near: 0.125, is_relative: true, depth, far, half_width: None }.camera();
+            let threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
+            let options =
+                DepthMapOptions { edges: DepthEdges::WorldDifferences { threshold }, ..DepthMapOptions::default() };
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            let texture = depth_view(&texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?);
+            gpu.submit(|encoder| {
+                let given = DepthMap { texture: &texture, light };
+                volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+            })?;
+            let shape = world_shape(&map, &light, f64::from(threshold));
+            let expected = depth_cells(&shape, &map.depths);
+            let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
+            let what = format!("{:?}, reversed {}, {threshold}, {far:?}", map.size, map.is_reversed);
+            same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
+            listed += expected.count;
+            fewer += u32::from(expected.count < depth_cells(&map.shape(0.0, u32::MAX), &map.depths).count);
+        }
+    }
+    println!("{listed} cells; {fewer} maps have fewer than without a threshold");
+    if listed > 10_000 && fewer > 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// Cells against the distances of unprojected samples, where rounding cannot matter; of parallel lights too.
+fn distances() -> Result<(), String> {
+    const SEED: u64 = 1615;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let mut seen = [0; 2];
+    for _ in 0..60 {
+        let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+        let (far, half_width) = [(None, None), (Some(40.0), None), (Some(40.0), Some(4.0))][random.below(3)];
+        let forward = glam::DVec3::new(0.3, -1.0, 0.2);
+        let place = glam::DVec3::new(1.0, 2.0, 3.0);
+        let light =
+            Eye { place, forward, near: 0.5, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+        let forward = forward.normalize();
+        let threshold = random.between(0.1, 2.0);
+        // Two texels: a cell between them is listed with a triangle at their edge or not.
+        let away = [0; 2].map(|_| f64::from(random.between(1.0, 5.0)));
+        let depths = away.map(|away| crate::parity::device_depth(&light, place + away * forward));
+        let map = Map::new([3, 3], depth == DepthDirection::Reversed, |texel| depths[usize::from(texel % 3 == 2)]);
+        let step = (away[0] - away[1]).abs() - f64::from(threshold);
+        if step.abs() < 1e-4 {
+            continue;
+        }
+        let options =
+            DepthMapOptions { edges: DepthEdges::WorldDifferences { threshold }, ..DepthMapOptions::default() };
+        let mut volumes = DepthMapVolumes::new(&pipelines, [3, 3], options).map_err(text)?;
+        let texture = depth_view(&texture(&gpu, [3, 3], TextureFormat::R32Float, &map.depths)?);
+        gpu.submit(|encoder| {
+            let given = DepthMap { texture: &texture, light };
+            volumes.encode(encoder, &given, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
+        })?;
+        // 12 cells at the border; 2 within the first two columns, and 2 at the step.
+        let found: Vec<u32> = gpu.read(volumes.cells(), 1)?;
+        let expected = if step > 0.0 { 14 } else { 12 };
+        same(&format!("{away:?} with {threshold}, {far:?}, {half_width:?}"), &found, &[expected])?;
+        seen[usize::from(step > 0.0)] += 1;
+    }
+    if seen.iter().all(|&seen| seen > 10) { Ok(()) } else { Err(format!("{seen:?}")) }
 }

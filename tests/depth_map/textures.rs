@@ -18,8 +18,9 @@ const READ: &str = "
 @group(0) @binding(1) var<storage, read_write> bits: array<u32>;
 @compute @workgroup_size(64) fn read(@builtin(global_invocation_id) id: vec3<u32>) {
   let size = textureDimensions(values);
-  if (id.x < size.x * size.y) {
-    bits[id.x] = bitcast<u32>(textureLoad(values, vec2<u32>(id.x % size.x, id.x / size.x), 0).x);
+  let texel = id.x + id.y * 65536u;
+  if (texel < size.x * size.y) {
+    bits[texel] = bitcast<u32>(textureLoad(values, vec2<u32>(texel % size.x, texel / size.x), 0).x);
   }
 }
 ";
@@ -43,6 +44,15 @@ fn floats(gpu: &Gpu, size: [u32; 2], depths: &[f32]) -> wgpu::Texture {
     let layout =
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: Some(size[1]) };
     gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(depths), layout, texture.size());
+    texture
+}
+
+/// A texture of objects.
+pub(crate) fn objects(gpu: &Gpu, size: [u32; 2], objects: &[u32]) -> wgpu::Texture {
+    let texture = made(gpu, size, TextureFormat::R32Uint, wgpu::TextureUsages::COPY_DST);
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0]), rows_per_image: Some(size[1]) };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(objects), layout, texture.size());
     texture
 }
 
@@ -187,7 +197,7 @@ pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, Strin
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(texels.div_ceil(64), 1, 1);
+        pass.dispatch_workgroups(1024, texels.div_ceil(65_536), 1);
         drop(pass);
         Ok::<_, String>(())
     })?;

@@ -6,7 +6,7 @@
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
 // The indirect draw.
-@group(0) @binding(4) var<storage, read_write> draws: array<u32>;
+@group(0) @binding(5) var<storage, read_write> draws: array<u32>;
 
 const BLOCK: u32 = 256u;
 const BLOCK_WORDS: u32 = 8u;

@@ -21,7 +21,7 @@ struct DepthMapView {
 }
 
 @group(0) @binding(2) var<storage, read> cells: array<u32>;
-// One element. It is an array so that its binding has no dynamic offset.
+// One for each map.
 @group(0) @binding(3) var<storage, read> views: array<DepthMapView>;
 
 fn depth_of(key: u32) -> f32 {
@@ -30,7 +30,7 @@ fn depth_of(key: u32) -> f32 {
 
 // The depth difference to each side that is smaller, 0 where they have different signs or a side is far.
 fn slope(key: u32, before: u32, after: u32) -> f32 {
-  if (before == FAR_KEY || after == FAR_KEY) {
+  if (max(key, max(before, after)) == FAR_KEY) {
     return 0.0;
   }
   let a = depth_of(key) - depth_of(before);
@@ -38,32 +38,93 @@ fn slope(key: u32, before: u32, after: u32) -> f32 {
   return select(0.0, min(abs(a), abs(b)), (a > 0.0) == (b > 0.0));
 }
 
+// The slopes at a sample across and down. At the border of a map of a cube, those of the samples next to it.
+fn slopes_in_map(at: vec2<u32>) -> f32 {
+  var here = vec4<u32>(at, at);
+  if (depth_map.faces > 1u) {
+    let local = at % depth_map.size.x;
+    let inner = clamp(local, vec2<u32>(1u), depth_map.size - 2u);
+    let corner = at - local;
+    here = vec4<u32>(corner + vec2<u32>(inner.x, local.y), corner + vec2<u32>(local.x, inner.y));
+  }
+  let right = vec2<u32>(1u, 0u);
+  let down = vec2<u32>(0u, 1u);
+  return slope(key_at(here.xy), key_at(here.xy - right), key_at(here.xy + right))
+    + slope(key_at(here.zw), key_at(here.zw - down), key_at(here.zw + down));
+}
+
+// A map of a cube, and a sample of it.
+struct CubeSample {
+  face: u32,
+  at: vec2<u32>,
+}
+
+fn cube_sample(at: vec2<u32>) -> CubeSample {
+  let tile = at / depth_map.size.x;
+  return CubeSample(tile.x + 3u * tile.y, at % depth_map.size.x);
+}
+
+fn is_on_border(at: vec2<u32>) -> bool {
+  return any(at == vec2<u32>(0u)) || any(at == depth_map.size - 1u);
+}
+
+// The slopes at a sample: in a cube, the largest of all maps that have it.
+fn slopes(at: vec2<u32>) -> f32 {
+  if (depth_map.faces > 1u) {
+    let own = cube_sample(at);
+    if (is_on_border(own.at)) {
+      let direction = direction_of(own.face, own.at);
+      var most = 0.0;
+      for (var face = 0u; face < 6u; face++) {
+        if (has_direction(face, direction)) {
+          let corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x;
+          most = max(most, slopes_in_map(corner + sample_of(face, direction)));
+        }
+      }
+      return most;
+    }
+  }
+  return slopes_in_map(at);
+}
+
 // The depth of a sample that is not far, moved away from the light. It stays before the far plane.
 fn moved_depth(at: vec2<u32>, key: u32) -> f32 {
-  let across = slope(key, key_at(at - vec2<u32>(1u, 0u)), key_at(at + vec2<u32>(1u, 0u)));
-  let down = slope(key, key_at(at - vec2<u32>(0u, 1u)), key_at(at + vec2<u32>(0u, 1u)));
   let depth = depth_of(key);
   let is_reversed = depth_map.is_reversed != 0u;
   let to_far = select(1.0 - depth, depth, is_reversed);
   let bias = views[0].bias;
-  let offset = min(bias.x * (across + down) + bias.y * depth + bias.z, 0.5 * to_far);
+  let offset = min(bias.x * slopes(at) + bias.y * depth + bias.z, 0.5 * to_far);
   return depth + select(offset, -offset, is_reversed);
 }
 
-// Twice the place of a sample from the middle of the lattice.
-fn from_middle(at: vec2<u32>) -> vec2<f32> {
-  return vec2<f32>(2 * vec2<i32>(at) - 1 - vec2<i32>(depth_map.size));
+// The map whose view a sample is taken with: the first that has it. x and y: twice its place from the middle of the lattice.
+fn view_of(at: vec2<u32>) -> vec3<i32> {
+  if (depth_map.faces == 1u) {
+    return vec3<i32>(2 * vec2<i32>(at) - 1 - vec2<i32>(depth_map.size), 0);
+  }
+  var own = cube_sample(at);
+  if (is_on_border(own.at)) {
+    let direction = direction_of(own.face, own.at);
+    for (var face = 0u; face < own.face; face++) {
+      if (has_direction(face, direction)) {
+        own = CubeSample(face, sample_of(face, direction));
+      }
+    }
+  }
+  return vec3<i32>(2 * vec2<i32>(own.at) + 1 - vec2<i32>(depth_map.size), i32(own.face));
 }
 
 // All triangles at a sample take its vertex from here.
 fn surface_vertex(at: vec2<u32>) -> vec4<f32> {
   let key = key_at(at);
-  let place = from_middle(at);
+  let own = view_of(at);
+  let place = vec2<f32>(own.xy);
+  let view = views[own.z];
   if (key == FAR_KEY) {
-    return views[0].far_across * place.x + views[0].far_down * place.y + views[0].far_middle;
+    return view.far_across * place.x + view.far_down * place.y + view.far_middle;
   }
   let depth = moved_depth(at, key);
-  return views[0].across * place.x + views[0].down * place.y + views[0].depth * depth + views[0].middle;
+  return view.across * place.x + view.down * place.y + view.depth * depth + view.middle;
 }
 
 // The sample of a triangle's corner, from sample (0, 0) of the cell.
@@ -111,26 +172,48 @@ fn depth_near_cap(@builtin(vertex_index) index: u32) -> NearVertex {
 fn plane_depth(at: vec2<u32>) -> f32 {
   let key = key_at(at);
   if (key == FAR_KEY) {
-    let place = from_middle(at);
-    return dot(views[0].infinity.xyz, vec3<f32>(place, 1.0));
+    let view = view_of(at);
+    return dot(views[view.z].infinity.xyz, vec3<f32>(vec2<f32>(view.xy), 1.0));
   }
   return moved_depth(at, key);
 }
 
+// A place on the near rectangle in a map: homogeneous, on the lattice.
+fn near_point(face: u32, place: vec2<f32>) -> vec4<f32> {
+  return views[face].near_across * place.x + views[face].near_up * place.y + views[face].near_middle;
+}
+
 // Whether a place on the near rectangle is behind the surface: it is looked up in the triangle that the draw has there.
 fn is_behind(place: vec2<f32>) -> bool {
-  let point = views[0].near_across * place.x + views[0].near_up * place.y + views[0].near_middle;
+  // The map along which the place is farthest away from the light. w counts the distance, in the same units for all.
+  var point = near_point(0u, place);
+  var face = 0u;
+  for (var other = 1u; other < depth_map.faces; other++) {
+    let there = near_point(other, place);
+    if (there.w > point.w) {
+      point = there;
+      face = other;
+    }
+  }
   if (point.w <= 0.0) {
     return false;
   }
-  let lattice = point.xy / point.w;
-  if (!(all(lattice >= vec2<f32>(0.0)) && all(lattice < vec2<f32>(depth_map.size + 1u)))) {
+  var lattice = point.xy / point.w;
+  var corner = vec2<u32>(0u);
+  if (depth_map.faces > 1u) {
+    // Rounding may put it beyond the border.
+    lattice = clamp(lattice, vec2<f32>(0.0), vec2<f32>(depth_map.size - 1u));
+    corner = vec2<u32>(face % 3u, face / 3u) * depth_map.size.x;
+  } else if (!(all(lattice >= vec2<f32>(0.0)) && all(lattice < vec2<f32>(depth_map.size + 1u)))) {
     return false;
   }
-  let cell = floor(lattice);
-  let at = vec2<u32>(cell);
+  var cell = floor(lattice);
+  if (depth_map.faces > 1u) {
+    cell = min(cell, vec2<f32>(depth_map.size - 2u));
+  }
+  let at = corner + vec2<u32>(cell);
   let part = lattice - cell;
-  let entry = templates(keys_of_cell(at));
+  let entry = templates(at);
   let is_split = (entry & SPLIT) != 0u;
   let second = select((part.x < part.y), (part.x + part.y > 1.0), is_split);
   // The shares of the samples (0, 0), (1, 0), (0, 1), (1, 1).

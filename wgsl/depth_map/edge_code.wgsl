@@ -8,6 +8,9 @@ const SPLIT: u32 = 0x20000000u;
 const FIRST_TRIANGLE: u32 = 0x40000000u;
 const SECOND_TRIANGLE: u32 = 0x80000000u;
 
+// For each texel the object that is seen there. One texel, if edges of objects do not count.
+@group(0) @binding(4) var object_texture: texture_2d<u32>;
+
 fn mantissa(bits: u32) -> u32 {
   return select((bits & 0x7fffffu) | 0x800000u, 0u, bits == 0u);
 }
@@ -46,6 +49,9 @@ fn is_marked(a: u32, b: u32) -> bool {
     return true;
   }
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
+  if (depth_map.ratio != 0u) {
+    return world_step(depths.x, depths.y);
+  }
   return exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
 }
 
@@ -53,15 +59,42 @@ fn key_distance(a: u32, b: u32) -> u32 {
   return max(a, b) - min(a, b);
 }
 
-// Bits: the edges at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
-fn edge_code(keys: vec4<u32>) -> u32 {
-  return select(0u, 1u, is_marked(keys.x, keys.y)) | select(0u, 2u, is_marked(keys.y, keys.w))
-    | select(0u, 4u, is_marked(keys.z, keys.w)) | select(0u, 8u, is_marked(keys.x, keys.z));
+// The object at a sample that is not far.
+fn object_at(at: vec2<u32>) -> u32 {
+  return textureLoad(object_texture, vec2<i32>(at) - 1, 0).x;
+}
+
+// Whether objects at two samples, neither of them far, differ.
+fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
+  return object_at(a) != object_at(b);
+}
+
+// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
+  // The ends of the edges. A loop that is not unrolled has one copy of what decides.
+  let first = vec4<u32>(keys.x, keys.y, keys.z, keys.x);
+  let second = vec4<u32>(keys.y, keys.w, keys.w, keys.z);
+  var code = 0u;
+  for (var edge = 0u; edge < min(4u, 4u + depth_map.cells); edge++) {
+    code |= select(0u, 1u << edge, is_marked(first[edge], second[edge]));
+  }
+  // An edge of a far sample is marked already, or lies between two.
+  if (depth_map.objects == 0u) {
+    return code;
+  }
+  let is_far = keys == vec4<u32>(FAR_KEY);
+  let b = at + vec2<u32>(1u, 0u);
+  let c = at + vec2<u32>(0u, 1u);
+  return code | select(0u, 1u, !(is_far.x || is_far.y) && differs(at, b))
+    | select(0u, 2u, !(is_far.y || is_far.w) && differs(b, at + 1u))
+    | select(0u, 4u, !(is_far.z || is_far.w) && differs(c, at + 1u))
+    | select(0u, 8u, !(is_far.x || is_far.z) && differs(at, c));
 }
 
 // A triangle is drawn if one of its edges that lie on the border of the cell is marked.
-fn templates(keys: vec4<u32>) -> u32 {
-  let code = edge_code(keys);
+fn templates(at: vec2<u32>) -> u32 {
+  let keys = keys_of_cell(at);
+  let code = edge_code(at, keys);
   let is_split = key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
   let first = select(3u, 9u, is_split);
   return select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
@@ -69,6 +102,12 @@ fn templates(keys: vec4<u32>) -> u32 {
 }
 
 fn corner_of_cell(cell: u32) -> vec2<u32> {
+  if (depth_map.faces > 1u) {
+    let side = depth_map.size.x - 1u;
+    let face = cell / (side * side);
+    let rest = cell % (side * side);
+    return vec2<u32>(face % 3u, face / 3u) * depth_map.size.x + vec2<u32>(rest % side, rest / side);
+  }
   let across = depth_map.size.x + 1u;
   return vec2<u32>(cell % across, cell / across);
 }
@@ -80,5 +119,5 @@ fn keys_of_cell(at: vec2<u32>) -> vec4<u32> {
 
 // The entry of a cell. It is listed if it has a triangle.
 fn entry_of_cell(cell: u32) -> u32 {
-  return cell | templates(keys_of_cell(corner_of_cell(cell)));
+  return cell | templates(corner_of_cell(cell));
 }

@@ -2,7 +2,7 @@
 // "Volumes from depth maps".
 
 struct DepthMapShape {
-  // Texels across and down.
+  // Texels across and down, of one map.
   size: vec2<u32>,
   // Cells between four samples of the lattice, and blocks of them.
   cells: u32,
@@ -15,6 +15,14 @@ struct DepthMapShape {
   threshold: u32,
   // 1: near is 1 and far is 0.
   is_reversed: u32,
+  // Maps: 1, or the 6 of a cube, which lie three in a row and have no border.
+  faces: u32,
+  // 1: edges between different objects are marked.
+  objects: u32,
+  // Bits of how many units of depth × distance² make the threshold in world units. 0: the threshold is one of device depth.
+  ratio: u32,
+  // Bits of the depth at infinity, which may be slightly out of range.
+  at_infinity: u32,
 }
 
 @group(0) @binding(0) var<uniform> depth_map: DepthMapShape;
@@ -43,8 +51,16 @@ fn depth_bits(key: u32) -> u32 {
   return select(key, ONE - key, depth_map.is_reversed != 0u);
 }
 
-// Sample (1, 1) of the lattice is texel (0, 0).
+// The bits of the depth of any key.
+fn bits_of_key(key: u32) -> u32 {
+  return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
+}
+
+// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is.
 fn key_at(at: vec2<u32>) -> u32 {
+  if (depth_map.faces > 1u) {
+    return sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(at), 0).x));
+  }
   if (any(at == vec2<u32>(0u)) || any(at > depth_map.size)) {
     return FAR_KEY;
   }

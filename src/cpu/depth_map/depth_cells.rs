@@ -17,7 +17,12 @@ pub struct CellList {
 
 /// Lists the cells. `depths` has one for each texel.
 pub fn depth_cells(shape: &DepthMapShape, depths: &[f32]) -> CellList {
-    let samples = Samples { shape, depths };
+    depth_cells_of_objects(shape, depths, &[])
+}
+
+/// Lists the cells of a map with an object for each texel.
+pub fn depth_cells_of_objects(shape: &DepthMapShape, depths: &[f32], objects: &[u32]) -> CellList {
+    let samples = Samples { shape, depths, objects };
     let cells = (0..shape.cells).map(|number| (number, Cell::of(&samples, number)));
     let drawn = cells.filter(|(_, cell)| cell.is_drawn() != [false; 2]);
     let mut entries: Vec<_> = drawn.map(|(number, cell)| cell.entry(number)).collect();

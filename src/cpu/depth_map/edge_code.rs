@@ -1,6 +1,8 @@
 //! The edge code of a cell: which of its edges are marked, how it is split, which of its triangles are drawn.
 
+use super::depth_cube::CubeSample;
 use super::samples::{Key, Samples};
+use super::world_step::world_step;
 
 /// The bits of an entry that number its cell.
 pub const CELL_MASK: u32 = (1 << 29) - 1;
@@ -39,10 +41,15 @@ pub fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
 impl Cell {
     /// Reads the cell.
     pub fn of(samples: &Samples<'_>, number: u32) -> Self {
-        let across = samples.shape.size[0] + 1;
-        let at @ [x, y] = [number % across, number / across];
-        let [a, b, c, d] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(|at| samples.at(at));
-        let marked = [(a, b), (b, d), (c, d), (a, c)].map(|(p, q)| is_marked(samples, p, q));
+        Self::at(samples, place_of_cell(samples, number))
+    }
+
+    /// Reads the cell whose sample (0, 0) is there.
+    pub fn at(samples: &Samples<'_>, at: [u32; 2]) -> Self {
+        let [x, y] = at;
+        let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let [a, b, c, d] = corners.map(|at| samples.at(at));
+        let marked = [(0, 1), (1, 3), (2, 3), (0, 2)].map(|(p, q)| is_marked(samples, [corners[p], corners[q]]));
         let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
         Self { at, marked, is_split: distance(a, d) > distance(b, c) }
     }
@@ -71,12 +78,31 @@ impl Cell {
     }
 }
 
-fn is_marked(samples: &Samples<'_>, p: Key, q: Key) -> bool {
-    match (p, q) {
-        (Key::Far, Key::Far) => false,
-        (Key::Steps(p), Key::Steps(q)) => {
-            let [p, q] = [p, q].map(|steps| samples.depth(steps).to_bits());
-            samples.shape.every_cell == 1 || exceeds(p.max(q), p.min(q), samples.shape.threshold)
+fn place_of_cell(samples: &Samples<'_>, number: u32) -> [u32; 2] {
+    let side = samples.shape.size[0];
+    if samples.shape.faces > 1 {
+        let (across, face) = (side - 1, number / ((side - 1) * (side - 1)));
+        let rest = number % (across * across);
+        return CubeSample { face, at: [rest % across, rest / across] }.place(side);
+    }
+    [number % (side + 1), number / (side + 1)]
+}
+
+fn is_marked(samples: &Samples<'_>, places: [[u32; 2]; 2]) -> bool {
+    match places.map(|place| samples.at(place)) {
+        [Key::Far, Key::Far] => false,
+        [Key::Steps(p), Key::Steps(q)] => {
+            let depths @ [a, b] = [p, q].map(|steps| samples.depth(steps));
+            let [p, q] = depths.map(f32::to_bits);
+            let [ratio, at_infinity] = [samples.shape.ratio, samples.shape.at_infinity].map(f32::from_bits);
+            let [first, second] = places.map(|place| samples.object(place));
+            samples.shape.every_cell == 1
+                || samples.shape.objects == 1 && first != second
+                || if samples.shape.ratio == 0 {
+                    exceeds(p.max(q), p.min(q), samples.shape.threshold)
+                } else {
+                    world_step(a, b, ratio, at_infinity)
+                }
         }
         _ => true,
     }

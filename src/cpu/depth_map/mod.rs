@@ -1,6 +1,10 @@
 //! Twins of the stages and vertex shaders of volumes from depth maps.
 
 pub(crate) mod depth_cells;
+pub(crate) mod depth_cube;
+pub(crate) mod depth_merge;
 pub(crate) mod depth_surface;
 pub(crate) mod edge_code;
+pub(crate) mod mesh_depth;
 pub(crate) mod samples;
+pub(crate) mod world_step;

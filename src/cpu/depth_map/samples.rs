@@ -28,6 +28,8 @@ pub struct Samples<'a> {
     pub shape: &'a DepthMapShape,
     /// The depths.
     pub depths: &'a [f32],
+    /// The objects, if edges between them are marked.
+    pub objects: &'a [u32],
 }
 
 impl Samples<'_> {
@@ -42,14 +44,31 @@ impl Samples<'_> {
         if unit == far { Key::Far } else { Key::Steps(unit.to_bits().abs_diff(near.to_bits())) }
     }
 
-    /// The sample at a place of the lattice. Texel (0, 0) is at (1, 1).
+    /// The sample at a place of the lattice. Texel (0, 0) is at (1, 1). In a cube, the maps have no border, and lie three in a row.
     pub fn at(&self, [x, y]: [u32; 2]) -> Key {
         let [width, height] = self.shape.size;
+        if self.shape.faces > 1 {
+            return self.depths.get((y * 3 * width + x) as usize).map_or(Key::Far, |&depth| self.key(depth));
+        }
         if x == 0 || y == 0 || x > width || y > height {
             return Key::Far;
         }
         let depth = self.depths.get((y - 1) as usize * width as usize + (x - 1) as usize);
         depth.map_or(Key::Far, |&depth| self.key(depth))
+    }
+
+    /// The object at a place of the lattice that is not far.
+    pub fn object(&self, [x, y]: [u32; 2]) -> u32 {
+        let texel = (y as usize).saturating_sub(1) * self.shape.size[0] as usize + (x as usize).saturating_sub(1);
+        self.objects.get(texel).copied().unwrap_or(0)
+    }
+
+    /// The depth of any sample.
+    pub fn depth_of(&self, key: Key) -> f32 {
+        match key {
+            Key::Steps(steps) => self.depth(steps),
+            Key::Far => f32::from(self.shape.is_reversed != 1),
+        }
     }
 
     /// The depth of a sample that casts.

@@ -1,6 +1,7 @@
 //! Why volumes from depth maps cannot be made, recorded or drawn.
 
 use crate::gpu::common::memory::MemoryError;
+use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
 use crate::gpu::shadow::ShadowFormatError;
 use crate::shadow::{CameraError, DepthDirection};
@@ -38,12 +39,101 @@ pub enum DepthMapVolumesError {
         "a map of {0} × {1} texels cannot be taken; it has at least one texel, and at most 2²⁹ cells: (width + 1) × (height + 1)"
     )]
     Size(u32, u32),
+    /// The device has no texture of this size.
+    #[error("the device has textures of up to {most} texels a side, and {size:?} are needed")]
+    Texture {
+        /// Texels that the texture needs.
+        size: [u32; 2],
+        /// Largest side of textures on the device.
+        most: u32,
+    },
+    /// No map is rounded to the format.
+    #[error(
+        "`rounded_to` is {0:?}, which is no format of a depth map; take Depth16Unorm, Depth24Plus, Depth32Float, or R32Float"
+    )]
+    RoundedTo(wgpu::TextureFormat),
     /// The threshold is no depth.
     #[error("the threshold of `DepthEdges::Differences` is {0}; device depth differs by 0 to 1")]
     Threshold(f32),
+    /// The threshold is no distance.
+    #[error("the threshold of `DepthEdges::WorldDifferences` is {0}; take a finite distance that is not negative")]
+    WorldThreshold(f32),
     /// The bias would move the surface towards the light, or nowhere.
     #[error("`slope_bias` is {0}; take a finite number that is not negative")]
     Bias(f32),
+}
+
+/// In what the map of a cube differs from its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CubeMismatch {
+    /// Its depth direction.
+    Direction,
+    /// The angle that it sees.
+    Width,
+    /// Where it looks, or what is up.
+    Axes,
+    /// The place of the light.
+    Place,
+    /// Its near or far distance, or the scale of its matrix.
+    Depths,
+}
+
+impl std::fmt::Display for CubeMismatch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Direction => "its depth direction differs",
+            Self::Width => "the middles of its outermost texels are not 45° from its middle",
+            Self::Axes => "it does not look along its axis of the cube, or is turned",
+            Self::Place => "it is at another place",
+            Self::Depths => "its near or far distance, or the scale of its matrix, differs",
+        })
+    }
+}
+
+/// Why volumes of a cube cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DepthMapCubeError {
+    /// As for volumes of one map.
+    #[error(transparent)]
+    Volumes(#[from] DepthMapVolumesError),
+    /// The maps are too small.
+    #[error("maps of a cube have at least 3 texels a side, and `side` is {0}")]
+    Side(u32),
+    /// A camera is refused.
+    #[error("the light of map {face}: {error}")]
+    Light {
+        /// Number of the map.
+        face: usize,
+        /// Why.
+        error: CameraError,
+    },
+    /// A camera is orthographic.
+    #[error("the camera of map {face} is orthographic; a light in a cube is at a place")]
+    Parallel {
+        /// Number of the map.
+        face: usize,
+    },
+    /// Objects are of one map.
+    #[error("a cube has no texture of objects; set `objects` to false")]
+    Objects,
+    /// A map does not meet its neighbours.
+    #[error(
+        "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all together"
+    )]
+    Apart {
+        /// Number of the map.
+        face: usize,
+        /// In what it differs.
+        what: CubeMismatch,
+    },
+}
+
+impl From<DeviceError> for DepthMapCubeError {
+    fn from(error: DeviceError) -> Self {
+        Self::Volumes(error.into())
+    }
 }
 
 /// Why volumes cannot be recorded.
@@ -78,6 +168,23 @@ pub enum DepthMapEncodeError {
     /// The texture cannot be read.
     #[error("the map's texture has {0} samples a texel; resolve it, or render the map with one")]
     Samples(u32),
+    /// The depth at infinity is too far from the range of depths.
+    #[error(
+        "near and far plane of the map's camera are within a thousandth of each other; move them apart for a threshold in world units"
+    )]
+    NearFar,
+    /// The texture of objects is missing.
+    #[error("the options say `objects`; take `encode_objects`, with a texture of them")]
+    NoObjects,
+    /// The texture of objects would not be read.
+    #[error("the options do not say `objects`; set it to true, or take `encode`")]
+    UnusedObjects,
+    /// The texture holds no objects.
+    #[error("{0:?} is no format of objects; take R32Uint")]
+    ObjectFormat(wgpu::TextureFormat),
+    /// The map is the result that is written.
+    #[error("a map is the result of the same merge; give it to another `DepthMapMerge`")]
+    OwnResult,
     /// The texture lacks a usage.
     #[error("the map's texture lacks usage TEXTURE_BINDING")]
     Usage,
@@ -123,4 +230,39 @@ pub enum DepthMapDrawError {
         "a later encode of these volumes overwrites this frame; draw a frame before the next encode, or make further volumes"
     )]
     StaleFrame,
+}
+
+/// Why the depth of a mesh cannot be drawn into a depth map.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshDepthError {
+    /// The device lacks what the draw needs, or is lost.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The positions cannot be read.
+    #[error(transparent)]
+    Positions(#[from] PositionError),
+    /// The light's camera is refused.
+    #[error(transparent)]
+    Light(#[from] CameraError),
+    /// The format holds no depth.
+    #[error("{0:?} has no depth; take a depth format, such as Depth32Float")]
+    Format(wgpu::TextureFormat),
+    /// One draw cannot have so many vertices.
+    #[error("the mesh has {0} faces, and one draw has at most 1,431,655,765; divide the mesh")]
+    Faces(usize),
+    /// The device refuses a buffer, a pipeline or a bind group.
+    #[error("the device refuses to draw the depth of a mesh: {message}")]
+    Refused {
+        /// The message of the device.
+        message: String,
+    },
+    /// The depth directions of light and pipeline differ.
+    #[error("the light's depth is {light:?}, and this was made for {made:?}; give `MeshDepth::new` the light's")]
+    Depth {
+        /// Depth direction of the light.
+        light: DepthDirection,
+        /// Depth direction given to [`MeshDepth::new`](crate::gpu::MeshDepth::new).
+        made: DepthDirection,
+    },
 }

@@ -1,14 +1,25 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod cube;
 mod errors;
 mod frame;
+mod meeting;
+mod merge;
+mod mesh_depth;
 mod options;
 mod pipelines;
+mod texture;
 mod view;
 mod volumes;
 
-pub use errors::{DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError, DepthMapVolumesError};
+pub use cube::DepthMapCube;
+pub use errors::{
+    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
+    DepthMapVolumesError, MeshDepthError,
+};
 pub use frame::DepthMapFrame;
+pub use merge::DepthMapMerge;
+pub use mesh_depth::MeshDepth;
 pub use options::{DepthEdges, DepthMap, DepthMapOptions};
 pub use pipelines::DepthMapPipelines;
 pub use volumes::DepthMapVolumes;

@@ -36,6 +36,16 @@ pub enum DepthEdges {
         /// world the farther away it is.
         threshold: f32,
     },
+    /// Those between samples whose distances from the light, along the direction that the map looks in, differ by more than `threshold`, and those between a depth and
+    /// nothing. As [`Self::Differences`], but the step is the same near and far. A shadow of something that is nearer than `threshold` to what is behind it is
+    /// missed, and may turn light and shadow round. Far away from the light the map's own steps can be larger than `threshold`: then every cell there is drawn.
+    WorldDifferences {
+        /// In units of the scene, not negative. The map's camera and this number are rounded once, to three floats; these are compared exactly.
+        threshold: f32,
+    },
+    /// Those between a depth and nothing. Fewer triangles still. What casts must then hang freely before nothing, or the edges of objects must be
+    /// taken, too ([`DepthMapOptions::objects`]).
+    Outlines,
 }
 
 /// Options of [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
@@ -43,6 +53,11 @@ pub enum DepthEdges {
 pub struct DepthMapOptions {
     /// Which edges are taken.
     pub edges: DepthEdges,
+    /// Whether edges between different objects are taken, besides those of `edges`. The objects are given to
+    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). This needs no threshold, and finds contacts such as a foot on the ground. With
+    /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along rays through the gaps. Steep sides of
+    /// objects are left out, so take a `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
+    pub objects: bool,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
     /// drawn, and the vertex shader decides again: slower, never wrong.
     pub capacity: Option<u32>,
@@ -51,13 +66,23 @@ pub struct DepthMapOptions {
     /// is at most the one measured there. With less, steep surfaces may have specks of shadow. With more, shadows detach
     /// from what they touch.
     pub slope_bias: f32,
+    /// A format that depths were rounded to before they came into the map, if it is coarser than the map's. `None`: the map's own. The boundary moves by four
+    /// of its steps. Without it, a map of `R32Float` that was copied or merged from `Depth16Unorm` has specks of shadow.
+    pub rounded_to: Option<wgpu::TextureFormat>,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, room for all, a slope bias of 1, no limit of memory.
+    /// Every cell, no objects, room for all, a slope bias of 1, no limit of memory.
     fn default() -> Self {
-        Self { edges: DepthEdges::EveryCell, capacity: None, slope_bias: 1.0, memory_limit: None }
+        Self {
+            edges: DepthEdges::EveryCell,
+            objects: false,
+            capacity: None,
+            slope_bias: 1.0,
+            rounded_to: None,
+            memory_limit: None,
+        }
     }
 }

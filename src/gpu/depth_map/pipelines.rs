@@ -3,7 +3,7 @@
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::DepthMapPipelinesError;
-use crate::gpu::common::bindings::FLOAT_TEXTURE;
+use crate::gpu::common::bindings::{FLOAT_TEXTURE, UINT_TEXTURE};
 use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::requirements::Subject;
@@ -71,11 +71,11 @@ impl DepthMapPipelines {
     }
 }
 
-/// The layout of the bind group of the draws: map, texture, cells, view.
+/// The layout of the bind group of the draws: map, texture, cells, view, objects.
 pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
-    let types = [buffer(wgpu::BufferBindingType::Uniform), FLOAT_TEXTURE, storage, storage];
+    let types = [buffer(wgpu::BufferBindingType::Uniform), FLOAT_TEXTURE, storage, storage, UINT_TEXTURE];
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
     pipelines.layout("depth surface", (0..).zip(types).map(entry).collect())

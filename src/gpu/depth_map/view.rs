@@ -63,11 +63,45 @@ fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, Dept
     Ok(Some(depth))
 }
 
-/// The view of a map of `size` texels and the format `map`, for an eye whose depth buffer has the format `format`.
+/// What decides about a step in world units: bits of the threshold in device depth, of the ratio, and of the depth at infinity.
+pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3], DepthMapEncodeError> {
+    light.check().map_err(DepthMapEncodeError::Light)?;
+    let matrix = matrix(light);
+    let (z, w) = (matrix.row(2), matrix.row(3));
+    let threshold = f64::from(threshold);
+    let device = |threshold: f64| {
+        let threshold = threshold.min(1.0) as f32;
+        [if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() }, 0, 0]
+    };
+    let scale = w.truncate().length();
+    if scale == 0.0 {
+        return Ok(device(threshold * z.truncate().length() / w.w.abs()));
+    }
+    // Depth is `at_infinity` + `share` / distance.
+    let at_infinity = z.truncate().dot(w.truncate()) / (scale * scale);
+    let share = (z - at_infinity * w).w.abs() / scale;
+    let ratio = share / threshold;
+    if at_infinity.abs() >= 1000.0 {
+        return Err(DepthMapEncodeError::NearFar);
+    }
+    if ratio > f64::from(f32::MAX) {
+        return Ok(device(0.0));
+    }
+    if ratio < f64::from(f32::MIN_POSITIVE) {
+        return Ok(device(1.0));
+    }
+    let at_infinity = at_infinity as f32;
+    let at_infinity = if at_infinity.abs() < f32::MIN_POSITIVE { 0.0 } else { at_infinity };
+    Ok([0, (ratio as f32).to_bits(), at_infinity.to_bits()])
+}
+
+/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format `format`. `border`: rows of
+/// the lattice before the first texel.
 pub(super) fn depth_map_view(
-    (light, size, map): (&ShadowCamera, [u32; 2], wgpu::TextureFormat),
+    (light, size, formats): (&ShadowCamera, [u32; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
     slope_bias: f32,
+    border: f64,
 ) -> Result<DepthMapView, DepthMapEncodeError> {
     light.check().map_err(DepthMapEncodeError::Light)?;
     eye.check().map_err(DepthMapEncodeError::Camera)?;
@@ -85,17 +119,20 @@ pub(super) fn depth_map_view(
         let away = if light.depth == DepthDirection::Reversed { -1.0 } else { 1.0 };
         [DVec4::ZERO, DVec4::ZERO, ray(away, DVec4::ZERO)]
     };
-    // From the eye's clip space to the lattice, where texel (0, 0) is at (1, 1).
+    // From the light's clip space to the lattice, where texel (0, 0) is behind the border.
     let lattice = DMat4::from_cols(
         DVec4::new(width / 2.0, 0.0, 0.0, 0.0),
         DVec4::new(0.0, -height / 2.0, 0.0, 0.0),
         DVec4::Z,
-        DVec4::new(f64::midpoint(width, 1.0), f64::midpoint(height, 1.0), 0.0, 1.0),
+        DVec4::new((width - 1.0) / 2.0 + border, (height - 1.0) / 2.0 + border, 0.0, 1.0),
     );
     let near = lattice * to_light * DMat4::from_translation(origin(eye) - origin(light)) * to_eye.inverse();
     let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
     let f32s = |column: DVec4| column.as_vec4().to_array();
-    let [share, constant] = steps(map, light.depth).map(|steps| steps as f32);
+    let rounded = formats.map(|format| steps(format, light.depth));
+    let [share, constant] = rounded
+        .fold([0.0; 2], |most: [f64; 2], steps| [0, 1].map(|at| most[at].max(steps[at])))
+        .map(|steps| steps as f32);
     let depth = infinity.unwrap_or(DVec3::ZERO);
     Ok(DepthMapView {
         across: f32s(place.x_axis / width),

@@ -7,7 +7,8 @@ use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout};
-use super::view::depth_map_view;
+use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
+use super::view::{depth_map_view, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -67,7 +68,12 @@ pub struct DepthMapVolumes {
     stages: [Pipeline; 3],
     shape: DepthMapShape,
     slope_bias: f32,
+    /// A threshold in world units.
+    world: Option<f32>,
+    rounded_to: Option<wgpu::TextureFormat>,
     eye: (wgpu::TextureFormat, DepthDirection),
+    /// Bound where there are no objects.
+    nothing: wgpu::TextureView,
     places: wgpu::Buffer,
     cells: wgpu::Buffer,
     draws: wgpu::Buffer,
@@ -84,29 +90,49 @@ impl DepthMapVolumes {
         size: [u32; 2],
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
-        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, options))
+        pipelines.shared().construct(Subject::DepthMap, || Self::with(pipelines, size, 1, options))
     }
 
-    fn with(
+    /// Makes buffers for a map, or for the six of a cube.
+    pub(super) fn with(
         pipelines: &DepthMapPipelines,
         size: [u32; 2],
+        faces: u32,
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, capacity, slope_bias, memory_limit } = options;
-        let count = size.map(|side| u64::from(side) + 1).iter().copied().fold(1, u64::saturating_mul);
+        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, memory_limit } = options;
+        // A cube has no border.
+        let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
+        let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
         if size.contains(&0) || count > MOST_CELLS {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
         let (every_cell, threshold) = match edges {
             DepthEdges::EveryCell => (1, 0.0),
             DepthEdges::Differences { threshold } => (0, threshold),
+            // No difference is larger.
+            DepthEdges::Outlines => (0, 1.0),
+            // Each encode has its own.
+            DepthEdges::WorldDifferences { .. } => (0, 0.0),
         };
         if !(0.0..=1.0).contains(&threshold) {
             return Err(DepthMapVolumesError::Threshold(threshold));
         }
+        let world = match edges {
+            DepthEdges::WorldDifferences { threshold } if !(threshold.is_finite() && threshold >= 0.0) => {
+                return Err(DepthMapVolumesError::WorldThreshold(threshold));
+            }
+            DepthEdges::WorldDifferences { threshold } => Some(threshold),
+            _ => None,
+        };
         if !(slope_bias.is_finite() && slope_bias >= 0.0) {
             return Err(DepthMapVolumesError::Bias(slope_bias));
+        }
+        if let Some(format) = rounded_to
+            && !MAP_FORMATS.contains(&format)
+        {
+            return Err(DepthMapVolumesError::RoundedTo(format));
         }
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
@@ -121,6 +147,10 @@ impl DepthMapVolumes {
             // A threshold that a device may flush is none.
             threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
             is_reversed: 0,
+            faces,
+            objects: u32::from(objects),
+            ratio: 0,
+            at_infinity: 0,
         };
         let allocations = [
             Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) },
@@ -133,12 +163,17 @@ impl DepthMapVolumes {
         let [places, cells, draws] = guarded(shared.device(), bytes, || {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
+        let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
+        let constants: &[_] = if world.is_some() { &[("DECIDES", 1.0)] } else { &[] };
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
         Ok(Self {
-            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &[])),
+            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, constants)),
             shape,
             slope_bias,
+            world,
+            rounded_to,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
+            nothing,
             places,
             cells,
             draws,
@@ -157,20 +192,82 @@ impl DepthMapVolumes {
         encoder: &mut wgpu::CommandEncoder,
         map: &DepthMap<'_>,
         camera: &ShadowCamera,
-        mut timer: Option<&mut StageTimer>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        if self.shape.objects == 1 {
+            return Err(DepthMapEncodeError::NoObjects);
+        }
+        self.encode_map(encoder, map, None, camera, timer)
+    }
+
+    /// As [`Self::encode`], with [`DepthMapOptions::objects`]: `objects` has the number of an object for each texel of the map. It is a view of one layer and
+    /// level of a texture of `R32Uint` with usage `TEXTURE_BINDING`, which has the map's size. Numbers where the map is far do not matter.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if a texture or a camera is refused. Nothing is recorded then.
+    pub fn encode_objects(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        objects: &wgpu::TextureView,
+        camera: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        if self.shape.objects == 0 {
+            return Err(DepthMapEncodeError::UnusedObjects);
+        }
+        check_objects(objects.texture(), self.shape.size)?;
+        self.encode_map(encoder, map, Some(objects), camera, timer)
+    }
+
+    fn encode_map(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &DepthMap<'_>,
+        objects: Option<&wgpu::TextureView>,
+        camera: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
-        let format = self.check_texture(map.texture.texture())?;
+        let format = check_texture(map.texture.texture(), self.shape.size)?;
+        let view = self.view(&map.light, &[format], camera, 1.0)?;
+        self.record(encoder, [Some(map.texture), objects], &map.light, &[view], timer)
+    }
+
+    /// The view of a map for a camera.
+    pub(super) fn view(
+        &self,
+        light: &ShadowCamera,
+        formats: &[wgpu::TextureFormat],
+        camera: &ShadowCamera,
+        border: f64,
+    ) -> Result<DepthMapView, DepthMapEncodeError> {
         if camera.depth != self.eye.1 {
             return Err(DepthMapEncodeError::Depth { camera: camera.depth, pipelines: self.eye.1 });
         }
-        let view = depth_map_view((&map.light, self.shape.size, format), (camera, self.eye.0), self.slope_bias)?;
+        let formats = formats.iter().copied().chain(self.rounded_to);
+        depth_map_view((light, self.shape.size, &mut { formats }), (camera, self.eye.0), self.slope_bias, border)
+    }
+
+    /// Records the stages for a texture and the views of its maps.
+    pub(super) fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        [texture, objects]: [Option<&wgpu::TextureView>; 2],
+        light: &ShadowCamera,
+        views: &[DepthMapView],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        let device = self.shared.device();
         check_alive(device)?;
-        let is_reversed = u32::from(map.light.depth == DepthDirection::Reversed);
-        let shape = DepthMapShape { is_reversed, ..self.shape };
+        let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
+        let mut shape = DepthMapShape { is_reversed, ..self.shape };
+        if let Some(threshold) = self.world {
+            [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
+        }
         let refused = |message| DepthMapEncodeError::Refused { message };
-        let bound = any_error(device, || self.bind(map.texture, &shape, &view)).map_err(refused)?;
+        let bound = any_error(device, || self.bind([texture, objects], &shape, views)).map_err(refused)?;
         for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
@@ -183,7 +280,7 @@ impl DepthMapVolumes {
             device: device.clone(),
             group: bound.draw,
             draws: self.draws.clone(),
-            depth: camera.depth,
+            depth: self.eye.1,
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
             encodes: Arc::clone(&self.encodes),
         })
@@ -196,34 +293,13 @@ impl DepthMapVolumes {
         &self.cells
     }
 
-    fn check_texture(&self, texture: &wgpu::Texture) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
-        use wgpu::TextureFormat::{
-            Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8, R32Float,
-        };
-        let formats = [Depth16Unorm, Depth24Plus, Depth24PlusStencil8, Depth32Float, Depth32FloatStencil8, R32Float];
-        let (format, samples) = (texture.format(), texture.sample_count());
-        let (given, made) = ([texture.width(), texture.height()], self.shape.size);
-        if !formats.contains(&format) {
-            return Err(DepthMapEncodeError::Format(format));
-        }
-        if samples != 1 {
-            return Err(DepthMapEncodeError::Samples(samples));
-        }
-        if given != made {
-            return Err(DepthMapEncodeError::Size { given, made });
-        }
-        if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-            return Err(DepthMapEncodeError::Usage);
-        }
-        Ok(format)
-    }
-
     /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
-    fn bind(&self, texture: &wgpu::TextureView, shape: &DepthMapShape, view: &DepthMapView) -> Bound {
+    fn bind(&self, textures: [Option<&wgpu::TextureView>; 2], shape: &DepthMapShape, views: &[DepthMapView]) -> Bound {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
-        let view = filled(device, "depth map view", bytemuck::bytes_of(view), wgpu::BufferUsages::STORAGE);
-        let texture = wgpu::BindingResource::TextureView(texture);
+        let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
+        let [texture, objects] =
+            textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
         let every = [shape.blocks.div_ceil(rows).min(most), rows];
@@ -234,6 +310,7 @@ impl DepthMapVolumes {
                 &[
                     ("depth_map", entry::<DepthMapShape>(&uniform)),
                     ("depth_texture", texture.clone()),
+                    ("object_texture", objects.clone()),
                     ("places", self.places.as_entire_binding()),
                     ("cells", self.cells.as_entire_binding()),
                     ("draws", self.draws.as_entire_binding()),
@@ -242,7 +319,7 @@ impl DepthMapVolumes {
             (group, counts.next().unwrap_or(every))
         });
         let resources =
-            [uniform.as_entire_binding(), texture, self.cells.as_entire_binding(), view.as_entire_binding()];
+            [uniform.as_entire_binding(), texture, self.cells.as_entire_binding(), view.as_entire_binding(), objects];
         Bound { stages, draw: group(device, "depth surface", &layout(&self.shared), &resources) }
     }
 }

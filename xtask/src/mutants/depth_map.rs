@@ -3,6 +3,10 @@
 use super::list::Mutation;
 
 const LISTS: &[&str] = &["--test depth_map_cpu"];
+const MERGES: &[&str] = &["--test depth_map_gpu merge"];
+const CUBES: &[&str] = &["--test depth_map_gpu cube"];
+const OBJECTS: &[&str] = &["--test depth_map_gpu objects"];
+const WORLD: &[&str] = &["--test depth_map_gpu world"];
 const PICTURES: &[&str] = &["--test depth_map_gpu parity", "--test depth_map_gpu shadows"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -59,11 +63,70 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: LISTS,
     },
     Mutation {
+        name: "depth maps: merged maps have the farther depth",
+        changes: &[
+            ("wgsl/depth_map/depth_merge.wgsl", "bits_of_key(min(first, second))", "bits_of_key(max(first, second))"),
+            ("src/cpu/depth_map/depth_merge.rs", ".min().unwrap_or(Key::Far)", ".max().unwrap_or(Key::Far)"),
+        ],
+        tests: MERGES,
+    },
+    Mutation {
+        name: "depth maps: far texels of merged maps are at the near end",
+        changes: &[(
+            "wgsl/depth_map/samples.wgsl",
+            "select(ONE, 0u, depth_map.is_reversed != 0u)",
+            "select(0u, ONE, depth_map.is_reversed != 0u)",
+        )],
+        tests: MERGES,
+    },
+    Mutation {
+        name: "depth maps: samples that maps of a cube share keep their own depths",
+        changes: &[(
+            "wgsl/depth_map/depth_cube.wgsl",
+            "if (has_direction(face, direction)) {",
+            "if (face == at.x / side + 3u * (at.y / side)) {",
+        )],
+        tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: samples that maps of a cube share move with the slopes of one map",
+        changes: &[(
+            "wgsl/depth_map/depth_surface.wgsl",
+            "    if (is_on_border(own.at)) {\n      let direction = direction_of(own.face, own.at);\n      var most",
+            "    if (own.at.x > 0x10000u) {\n      let direction = direction_of(own.face, own.at);\n      var most",
+        )],
+        tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: near caps of a cube take the map that a place is nearest to",
+        changes: &[("wgsl/depth_map/depth_surface.wgsl", "if (there.w > point.w) {", "if (there.w < point.w) {")],
+        tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: cameras of a cube may see another angle",
+        changes: &[(
+            "src/gpu/depth_map/meeting.rs",
+            "if lengths != [false; 2] {",
+            "if lengths == [true; 2] && face > 6 {",
+        )],
+        tests: CUBES,
+    },
+    Mutation {
+        name: "depth maps: edges of objects are not marked at the left of a cell",
+        changes: &[("wgsl/depth_map/edge_code.wgsl", "!(is_far.x || is_far.z) && differs(at, c)", "false")],
+        tests: OBJECTS,
+    },
+    Mutation {
+        name: "depth maps: floats decide about steps in world units that are nearly met",
+        changes: &[("wgsl/depth_map/world_step.wgsl", "if (is_plain && most > 1.0001 * step) {", "if (is_plain) {")],
+        tests: WORLD,
+    },
+    Mutation {
         name: "depth maps: far samples are at the far plane",
         changes: &[(
             "wgsl/depth_map/depth_surface.wgsl",
-            "  if (key == FAR_KEY) {\n    return views[0].far_across",
-            "  if (key == FAR_KEY && views[0].infinity.w > 1.0) {\n    return views[0].far_across",
+            "  if (key == FAR_KEY) {\n    return view.far_across",
+            "  if (key == FAR_KEY && view.infinity.w > 1.0) {\n    return view.far_across",
         )],
         tests: PICTURES,
     },
@@ -104,5 +167,14 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: the boundary is not moved for the map's precision",
         changes: &[("src/gpu/depth_map/view.rs", "share, constant, 0.0],", "0.0 * share, 0.0 * constant, 0.0],")],
         tests: PICTURES,
+    },
+    Mutation {
+        name: "mesh depth: positions are not relative to the light's origin",
+        changes: &[(
+            "wgsl/depth_map/mesh_depth.wgsl",
+            "positions[word + 2u]) - views[0].origin.xyz;",
+            "positions[word + 2u]) - 0.0 * views[0].origin.xyz;",
+        )],
+        tests: &["--test depth_map_gpu the_depth_of_a_mesh"],
     },
 ];

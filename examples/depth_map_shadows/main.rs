@@ -1,0 +1,91 @@
+//! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that the lamp sees.
+//! Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run it with
+//! `cargo run --release --example depth_map_shadows`.
+
+#[path = "../support/stage.rs"]
+mod stage;
+#[path = "../support/mod.rs"]
+mod support;
+
+use rimline::gpu::{
+    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Extractor, ExtractorOptions, PositionBuffer,
+    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+};
+use rimline::mesh::Weld;
+use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
+use stage::{COLOR, Camera, DEPTH_STENCIL, Lamp, Stage};
+
+const CASTERS: &str = include_str!("casters.wgsl");
+const CARDS: u32 = 220;
+/// Texels of the lamp's map, each way.
+const MAP: u32 = 1024;
+/// Parity takes the highest bit of the stencil, and the counts of meshes the others: they wrap at 128.
+const PARITY_BIT: u32 = 7;
+
+/// A box that leans by `lean` at its top.
+fn push_box(mesh: &mut (Vec<[f32; 3]>, Vec<[u32; 3]>), [x, y, z]: [f32; 3], [w, h, d]: [f32; 3], lean: f32) {
+    let first = mesh.0.len() as u32;
+    for corner in 0..8 {
+        let [right, up, front] = [corner & 1, corner >> 1 & 1, corner >> 2].map(|bit| bit as f32);
+        mesh.0.push([x + w * (right - 0.5) + lean * up, y + h * up, z + d * (front - 0.5)]);
+    }
+    for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+        let [a, b, c, d] = [a, b, c, d].map(|corner| first + corner);
+        mesh.1.extend([[a, b, c], [a, c, d]]);
+    }
+}
+
+fn seen_by(camera: &Camera) -> ShadowCamera {
+    ShadowCamera { view_projection: camera.view_projection, origin: camera.eye, depth: DepthDirection::Reversed }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let canvas = support::Canvas::of_size([960, 640])?;
+    let camera = Camera::new([0.5, 2.9, 6.9], [0.15, 1.05, -0.3], 34.0).wide(1.5);
+    let place = [-3.2, 6.2, 3.4];
+    let light = Light::point(place);
+    let lamp = Lamp { light, color: [0.80, 0.75, 0.67] };
+    let mut stage = Stage::new(&canvas, &camera, &[lamp], format.light_pass_depth_stencil());
+    stage.add_extra(CASTERS, "everywhere", ["field_ambient", "field_lit"], 3);
+    stage.add_extra(CASTERS, "card", ["leaf_ambient", "leaf_lit"], 6 * CARDS);
+
+    // What has a mesh.
+    let mut boxes = (Vec::new(), Vec::new());
+    push_box(&mut boxes, [-1.5, 0.0, -0.2], [0.2, 1.7, 0.2], 0.05);
+    for post in 0..5 {
+        push_box(&mut boxes, [-0.6 + 0.75 * post as f32, 0.0, -1.7], [0.14, 1.5, 0.14], 0.1);
+    }
+    push_box(&mut boxes, [0.9, 1.1, -1.62], [3.6, 0.12, 0.06], 0.0);
+    let mesh = Mesh::new(&boxes.0, &boxes.1, Weld::Position)?;
+    let vertex_buffer = canvas.storage(bytemuck::cast_slice(&boxes.0));
+    let bodies = [stage.body(&vertex_buffer, mesh.faces())];
+    let counting = ShadowPipelines::new(&canvas.device, &format, Counting::Auto)?;
+    let mut extractor = Extractor::new(&canvas.device, &mesh, ExtractorOptions::default())?;
+    let mut volumes = ShadowVolumes::new(&counting, &extractor, ShadowOptions::default())?;
+
+    // What has none: the lamp's own view of it.
+    let parity = DepthMapPipelines::new(&canvas.device, &format, PARITY_BIT)?;
+    let mut mapped = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
+    let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
+    let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);
+    let depths = map.create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..wgpu::TextureViewDescriptor::default()
+    });
+
+    let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    stage.draw_extras_into(&mut encoder, &lamp_view, &map);
+    let map = DepthMap { texture: &depths, light: seen_by(&lamp_view) };
+    let eye = seen_by(&camera);
+    let rebuilt = mapped.encode(&mut encoder, &map, &eye, None)?;
+    let vertices = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
+    let extraction = extractor.encode(&mut encoder, vertices, &[light], None)?;
+    let extruded = volumes.encode(&mut encoder, &extraction, &eye, None)?;
+    // A place is dark where either counts it.
+    stage.draw(&mut encoder, &bodies, |pass, light| {
+        extruded.draw(pass, &counting, light)?;
+        rebuilt.draw(pass, &parity).map_err(Box::<dyn std::error::Error>::from)
+    })?;
+    canvas.save(encoder, "depth_map_shadows.png")
+}

@@ -1,0 +1,172 @@
+//! The volumes of six depth maps around a light.
+
+use bytemuck::Zeroable;
+
+use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use super::frame::DepthMapFrame;
+use super::meeting::{cameras, check_meeting};
+use super::options::DepthMapOptions;
+use super::pipelines::DepthMapPipelines;
+use super::texture::{check_texture, written_texture};
+use super::volumes::DepthMapVolumes;
+use crate::ShadowCamera;
+use crate::gpu::common::dispatch_limits::WORKGROUP;
+use crate::gpu::common::memory::{any_error, filled, guarded};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::entry;
+use crate::layout::DepthMapShape;
+use crate::shadow::DepthDirection;
+use crate::stages::DEPTH_CUBE;
+
+/// Shadow volumes of all that a light sees around it, from six depth maps. It is [`DepthMapVolumes`] without an outside.
+///
+/// The middles of a map's outermost texels lie on the edges of the cube, so neighbouring maps have samples there on the same rays. Where their depths differ, the
+/// nearest is taken for all. A map sees slightly more than 90°: [`Self::cameras`] makes cameras that do.
+///
+/// A map that is not there casts nothing, and shadows of the others end at its edges, as at the border of a single map.
+#[derive(Debug)]
+pub struct DepthMapCube {
+    shared: Pipelines,
+    stage: Pipeline,
+    volumes: DepthMapVolumes,
+    cameras: [ShadowCamera; 6],
+    shape: DepthMapShape,
+    view: wgpu::TextureView,
+    /// What is bound where a map is not there.
+    nothing: wgpu::TextureView,
+}
+
+impl DepthMapCube {
+    /// Cameras at `place` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along +y, and −z for the
+    /// one along −y.
+    pub fn cameras(
+        place: [f32; 3],
+        near: f32,
+        far: Option<f32>,
+        depth: DepthDirection,
+        side: u32,
+    ) -> [ShadowCamera; 6] {
+        cameras(place, near, far, depth, side)
+    }
+
+    /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`. The cameras may be turned all together, against those of [`Self::cameras`].
+    ///
+    /// # Errors
+    /// [`DepthMapCubeError`] if the maps of the cameras do not meet, the side or an option is refused, or buffers and texture do not fit the
+    /// device.
+    pub fn new(
+        pipelines: &DepthMapPipelines,
+        side: u32,
+        cameras: &[ShadowCamera; 6],
+        options: DepthMapOptions,
+    ) -> Result<Self, DepthMapCubeError> {
+        let shared = pipelines.shared();
+        shared.construct(Subject::DepthMap, || Self::with(pipelines, side, cameras, options))
+    }
+
+    fn with(
+        pipelines: &DepthMapPipelines,
+        side: u32,
+        cameras: &[ShadowCamera; 6],
+        options: DepthMapOptions,
+    ) -> Result<Self, DepthMapCubeError> {
+        if side < 3 {
+            return Err(DepthMapCubeError::Side(side));
+        }
+        if options.objects {
+            return Err(DepthMapCubeError::Objects);
+        }
+        check_meeting(cameras, side)?;
+        let shared = pipelines.shared().clone();
+        let device = shared.device();
+        let most = device.limits().max_texture_dimension_2d;
+        let size = [side.saturating_mul(3), side.saturating_mul(2)];
+        if size[0] > most {
+            return Err(DepthMapVolumesError::Texture { size, most }.into());
+        }
+        let volumes = DepthMapVolumes::with(pipelines, [side; 2], 6, options)?;
+        let texels = u64::from(size[0]) * u64::from(size[1]);
+        let textures = || [("cube of depth maps", size), ("no depth map", [1, 1])];
+        let made = guarded(device, 4 * texels, || textures().map(|(label, size)| written_texture(device, label, size)));
+        let [view, nothing] = made
+            .map_err(DepthMapVolumesError::from)?
+            .map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
+        let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
+        let shape = DepthMapShape { size: [side; 2], blocks, faces: 6, ..DepthMapShape::zeroed() };
+        let stage = shared.compute(&DEPTH_CUBE, "depth_cube", &[]);
+        Ok(Self { shared, stage, volumes, cameras: *cameras, shape, view, nothing })
+    }
+
+    /// Moves the light: its cameras from the next encode on.
+    ///
+    /// # Errors
+    /// [`DepthMapCubeError`] if the maps of the cameras do not meet. The cameras stay as they were then.
+    pub fn set_cameras(&mut self, cameras: &[ShadowCamera; 6]) -> Result<(), DepthMapCubeError> {
+        check_meeting(cameras, self.shape.size[0])?;
+        self.cameras = *cameras;
+        Ok(())
+    }
+
+    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. A map is a view as [`DepthMap::texture`](crate::gpu::DepthMap::texture), in the order of the
+    /// cameras. `None` casts nothing. What was encoded before can no longer be drawn.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if a texture or the camera is refused. Nothing is recorded then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [Option<&wgpu::TextureView>; 6],
+        camera: &ShadowCamera,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        let device = self.shared.device();
+        check_timer(timer.as_deref(), device)?;
+        let mut formats = [wgpu::TextureFormat::R32Float; 6];
+        for (map, format) in maps.iter().zip(&mut formats) {
+            if let Some(map) = map {
+                *format = check_texture(map.texture(), self.shape.size)?;
+            }
+        }
+        // All maps move by the errors of the coarsest, because samples on their borders are shared.
+        let views = self.cameras.each_ref().map(|light| self.volumes.view(light, &formats, camera, 0.0));
+        let views = views.into_iter().collect::<Result<Vec<_>, _>>()?;
+        check_alive(device)?;
+        let depth = self.cameras[0].depth;
+        let shape = DepthMapShape { is_reversed: u32::from(depth == DepthDirection::Reversed), ..self.shape };
+        let bind = || {
+            let uniform = filled(device, "depth map", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM);
+            let names = ["depth_texture", "texture_1", "texture_2", "texture_3", "texture_4", "texture_5"];
+            let texture = |map: Option<&'_ wgpu::TextureView>| map.cloned().unwrap_or_else(|| self.nothing.clone());
+            let textures = maps.map(texture);
+            let mut resources = vec![("depth_map", entry::<DepthMapShape>(&uniform))];
+            let views = textures.iter().map(wgpu::BindingResource::TextureView);
+            resources.extend(names.into_iter().zip(views));
+            resources.push(("cube_texture", wgpu::BindingResource::TextureView(&self.view)));
+            self.stage.bind(device, &resources)
+        };
+        let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
+        {
+            let most = device.limits().max_compute_workgroups_per_dimension;
+            let rows = shape.blocks.div_ceil(most).min(most);
+            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(self.stage.label));
+            let label = Some(self.stage.label);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+            pass.set_pipeline(&self.stage.compute);
+            pass.set_bind_group(0, &group, &[0]);
+            pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
+        }
+        self.volumes.record(encoder, [Some(&self.view), None], &self.cameras[0], &views, timer)
+    }
+
+    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the map before.
+    pub fn cells(&self) -> &wgpu::Buffer {
+        self.volumes.cells()
+    }
+
+    /// The six maps in one: a view of `R32Float`, with three in a row. Each has its samples after the choice at its border.
+    pub fn texture(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+}

@@ -1,0 +1,120 @@
+//! The cameras of a cube of six maps: making them, and whether given ones meet. NUMERICS.md, "Volumes from depth maps".
+
+use glam::{DMat4, DVec3, DVec4, Mat4};
+
+use super::errors::{CubeMismatch, DepthMapCubeError};
+use crate::ShadowCamera;
+use crate::shadow::DepthDirection;
+
+/// How far cameras may be off: rounding of their matrices. A map of 4,096 texels a side is off by less than a hundredth of a texel.
+const TOLERANCE: f64 = 1.0 / 1_048_576.0;
+
+/// Where each map looks, what is to its right, and what is up, along the axes of the cube.
+const AXES: [[DVec3; 3]; 6] = [
+    [DVec3::X, DVec3::Z, DVec3::Y],
+    [DVec3::NEG_X, DVec3::NEG_Z, DVec3::Y],
+    [DVec3::Y, DVec3::X, DVec3::Z],
+    [DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z],
+    [DVec3::Z, DVec3::NEG_X, DVec3::Y],
+    [DVec3::NEG_Z, DVec3::X, DVec3::Y],
+];
+
+/// The tangent of half the angle that a map of the cube sees: the middles of its outermost texels are 45° from its middle.
+fn tangent(side: u32) -> f64 {
+    f64::from(side) / (f64::from(side) - 1.0)
+}
+
+pub(super) fn cameras(
+    place: [f32; 3],
+    near: f32,
+    far: Option<f32>,
+    depth: DepthDirection,
+    side: u32,
+) -> [ShadowCamera; 6] {
+    let [near, far] = [Some(near), far].map(|distance| distance.map(f64::from));
+    let near = near.unwrap_or_default();
+    AXES.map(|[forward, right, up]| {
+        let scale = 1.0 / tangent(side);
+        let w = forward.extend(0.0);
+        let z = match (depth, far) {
+            (DepthDirection::Reversed, None) => DVec4::W * near,
+            (DepthDirection::Reversed, Some(far)) => (DVec4::W * far - w) * (near / (far - near)),
+            (DepthDirection::Standard, None) => w - DVec4::W * near,
+            (DepthDirection::Standard, Some(far)) => (w - DVec4::W * near) * (far / (far - near)),
+        };
+        let rows = DMat4::from_cols((scale * right).extend(0.0), (scale * up).extend(0.0), z, w);
+        ShadowCamera { view_projection: rows.transpose().as_mat4().to_cols_array_2d(), origin: place, depth }
+    })
+}
+
+/// A camera as its rows say it.
+struct Seen {
+    /// Unit vectors, if the camera is one of a cube: where it looks, right, up.
+    axes: [DVec3; 3],
+    place: DVec3,
+    /// How w grows with the distance.
+    scale: f64,
+    /// Depth at infinity, and how much of depth × distance there is.
+    depths: [f64; 2],
+    near: f64,
+}
+
+fn seen(face: usize, camera: &ShadowCamera, side: u32) -> Result<Seen, DepthMapCubeError> {
+    camera.check().map_err(|error| DepthMapCubeError::Light { face, error })?;
+    let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+    let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
+    let scale = w.truncate().length();
+    if scale == 0.0 {
+        return Err(DepthMapCubeError::Parallel { face });
+    }
+    let origin = DVec3::from_array(camera.origin.map(f64::from));
+    // The place where x, y and w are 0.
+    let rows = glam::DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+    let from = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
+    let at_infinity = z.truncate().dot(w.truncate()) / (scale * scale);
+    let share = z.dot(from.extend(1.0)) / scale;
+    let near_depth = if camera.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
+    let tangent = tangent(side);
+    Ok(Seen {
+        axes: [w, x * tangent, y * tangent].map(|row| row.truncate() / scale),
+        place: from + origin,
+        scale,
+        depths: [at_infinity, share],
+        near: share / (near_depth - at_infinity),
+    })
+}
+
+/// Whether the maps of these cameras have their outermost samples on the same rays, with the same depths.
+pub(super) fn check_meeting(cameras: &[ShadowCamera; 6], side: u32) -> Result<(), DepthMapCubeError> {
+    let seen = |face: usize| seen(face, &cameras[face], side);
+    let first = seen(0)?;
+    let frame = glam::DMat3::from_cols(first.axes[0], seen(2)?.axes[0], seen(4)?.axes[0]);
+    let apart = |face, what| Err(DepthMapCubeError::Apart { face, what });
+    let is_off = |value: f64, most: f64| value.is_nan() || value > most;
+    for (face, axes) in AXES.into_iter().enumerate() {
+        if cameras[face].depth != cameras[0].depth {
+            return apart(face, CubeMismatch::Direction);
+        }
+        let own = seen(face)?;
+        let [forward, right, up] =
+            [0, 1, 2].map(|axis| is_off((own.axes[axis] - frame * axes[axis]).length(), TOLERANCE));
+        let lengths = [1, 2].map(|axis| is_off((own.axes[axis].length() - 1.0).abs(), TOLERANCE));
+        if lengths != [false; 2] {
+            return apart(face, CubeMismatch::Width);
+        }
+        let is_skew = is_off(own.axes[0].dot(own.axes[1]).abs().max(own.axes[0].dot(own.axes[2]).abs()), TOLERANCE);
+        if forward || right || up || is_skew {
+            return apart(face, CubeMismatch::Axes);
+        }
+        // Rounding of an origin or a translation is that of its size.
+        if is_off((own.place - first.place).length(), TOLERANCE * (first.place.length() + first.near)) {
+            return apart(face, CubeMismatch::Place);
+        }
+        let scale = is_off((own.scale / first.scale - 1.0).abs(), TOLERANCE);
+        let infinity = is_off((own.depths[0] - first.depths[0]).abs(), TOLERANCE);
+        if scale || infinity || is_off((own.depths[1] / first.depths[1] - 1.0).abs(), TOLERANCE) {
+            return apart(face, CubeMismatch::Depths);
+        }
+    }
+    Ok(())
+}

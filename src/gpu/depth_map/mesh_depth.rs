@@ -1,0 +1,155 @@
+//! The depth of a mesh, as the light of a depth map sees it.
+
+use super::errors::MeshDepthError;
+use crate::gpu::PositionBuffer;
+use crate::gpu::common::dispatch_limits::DispatchLimits;
+use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::pipelines::{Pipelines, group};
+use crate::gpu::common::requirements::{Subject, check_alive};
+use crate::layout::MeshDepthView;
+use crate::shadow::DepthDirection;
+use crate::stages::MESH_DEPTH;
+use crate::{Mesh, ShadowCamera};
+
+/// Draws the depth of a mesh into a depth map, for [`DepthMapVolumes`](crate::gpu::DepthMapVolumes). Front and back faces
+/// are drawn alike. Many meshes can be drawn in one pass, and anything else that writes depth beside them.
+///
+/// A mesh with an object-precision volume does not need this. It is for casters that share a map with others, and for
+/// comparing.
+#[derive(Debug)]
+pub struct MeshDepth {
+    shared: Pipelines,
+    pipeline: wgpu::RenderPipeline,
+    indices: wgpu::Buffer,
+    count: u32,
+    vertices: u32,
+    depth: DepthDirection,
+}
+
+impl MeshDepth {
+    /// Makes what draws `mesh` into attachments of `format`, without color and with one sample. `depth` tells which depth
+    /// is near, as [`ShadowCamera::depth`] of the light does.
+    ///
+    /// # Errors
+    /// [`MeshDepthError`] if `format` has no depth, or the device lacks something or refuses it.
+    pub fn new(
+        pipelines: impl Into<Pipelines>,
+        mesh: &Mesh,
+        format: wgpu::TextureFormat,
+        depth: DepthDirection,
+    ) -> Result<Self, MeshDepthError> {
+        if !format.has_depth_aspect() {
+            return Err(MeshDepthError::Format(format));
+        }
+        let count = 3 * mesh.faces().len() as u64;
+        let count = u32::try_from(count).map_err(|_| MeshDepthError::Faces(mesh.faces().len()))?;
+        let shared = pipelines.into();
+        shared.clone().construct(Subject::DepthMap, || {
+            let device = shared.device().clone();
+            any_error(&device, || Self {
+                pipeline: make(&shared, format, depth),
+                indices: filled(
+                    &device,
+                    "faces of a depth map",
+                    bytemuck::cast_slice(mesh.faces()),
+                    wgpu::BufferUsages::INDEX,
+                ),
+                count,
+                vertices: mesh.vertex_count(),
+                depth,
+                shared,
+            })
+            .map_err(|message| MeshDepthError::Refused { message })
+        })
+    }
+
+    /// Draws the mesh as `light` sees it. Clear the depth of the pass to the far end before: 0 with reversed depth, else 1.
+    ///
+    /// # Errors
+    /// [`MeshDepthError`] if the positions or the light are refused. Nothing is drawn then.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        positions: PositionBuffer<'_>,
+        light: &ShadowCamera,
+    ) -> Result<(), MeshDepthError> {
+        light.check()?;
+        if light.depth != self.depth {
+            return Err(MeshDepthError::Depth { light: light.depth, made: self.depth });
+        }
+        let device = self.shared.device();
+        check_alive(device)?;
+        let end = positions.end(self.vertices)?;
+        if self.count == 0 {
+            return Ok(());
+        }
+        let base = DispatchLimits::new(&device.limits()).align_down(positions.offset);
+        let word = |bytes: u64| u32::try_from(bytes / 4).unwrap_or(u32::MAX);
+        let [x, y, z] = light.origin;
+        let view = MeshDepthView {
+            columns: light.view_projection,
+            origin: [x, y, z, 0.0],
+            place: [word(positions.offset - base), word(positions.stride), 0, 0],
+        };
+        let group = any_error(device, || {
+            let view = filled(device, "mesh depth", bytemuck::bytes_of(&view), wgpu::BufferUsages::STORAGE);
+            let bound = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: positions.buffer,
+                offset: base,
+                size: wgpu::BufferSize::new(end - base),
+            });
+            group(device, "mesh depth", &layout(&self.shared), &[view.as_entire_binding(), bound])
+        });
+        let group = group.map_err(|message| MeshDepthError::Refused { message })?;
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.count, 0, 0..1);
+        Ok(())
+    }
+}
+
+/// The layout of the bind group: view, positions.
+fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+    let ty = wgpu::BufferBindingType::Storage { read_only: true };
+    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let visibility = wgpu::ShaderStages::VERTEX;
+    let entry = |binding| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    pipelines.layout("mesh depth", vec![entry(0), entry(1)])
+}
+
+fn make(shared: &Pipelines, format: wgpu::TextureFormat, depth: DepthDirection) -> wgpu::RenderPipeline {
+    let device = shared.device();
+    let nearer = match depth {
+        DepthDirection::Reversed => wgpu::CompareFunction::Greater,
+        DepthDirection::Standard => wgpu::CompareFunction::Less,
+    };
+    let label = Some(MESH_DEPTH.name);
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label,
+        bind_group_layouts: &[Some(&layout(shared))],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label,
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &shared.module(MESH_DEPTH.name, &MESH_DEPTH.wgsl()),
+            entry_point: label,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(nearer),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}

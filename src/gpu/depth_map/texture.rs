@@ -1,0 +1,80 @@
+//! Textures that are taken as depth maps.
+
+use super::errors::DepthMapEncodeError;
+
+/// The formats of maps.
+pub(super) const MAP_FORMATS: [wgpu::TextureFormat; 6] = [
+    wgpu::TextureFormat::Depth16Unorm,
+    wgpu::TextureFormat::Depth24Plus,
+    wgpu::TextureFormat::Depth24PlusStencil8,
+    wgpu::TextureFormat::Depth32Float,
+    wgpu::TextureFormat::Depth32FloatStencil8,
+    wgpu::TextureFormat::R32Float,
+];
+
+/// Whether a texture can be taken as a map of `made` texels; its format.
+pub(super) fn check_texture(
+    texture: &wgpu::Texture,
+    made: [u32; 2],
+) -> Result<wgpu::TextureFormat, DepthMapEncodeError> {
+    let (format, samples) = (texture.format(), texture.sample_count());
+    let given = [texture.width(), texture.height()];
+    if !MAP_FORMATS.contains(&format) {
+        return Err(DepthMapEncodeError::Format(format));
+    }
+    if samples != 1 {
+        return Err(DepthMapEncodeError::Samples(samples));
+    }
+    if given != made {
+        return Err(DepthMapEncodeError::Size { given, made });
+    }
+    if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+        return Err(DepthMapEncodeError::Usage);
+    }
+    Ok(format)
+}
+
+/// Whether a texture can be taken as the objects of a map of `made` texels.
+pub(super) fn check_objects(texture: &wgpu::Texture, made: [u32; 2]) -> Result<(), DepthMapEncodeError> {
+    let given = [texture.width(), texture.height()];
+    if texture.format() != wgpu::TextureFormat::R32Uint {
+        return Err(DepthMapEncodeError::ObjectFormat(texture.format()));
+    }
+    if given != made {
+        return Err(DepthMapEncodeError::Size { given, made });
+    }
+    if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+        return Err(DepthMapEncodeError::Usage);
+    }
+    Ok(())
+}
+
+/// One texel of no object.
+pub(super) fn object_texture(device: &wgpu::Device) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("no objects"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Uint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    })
+}
+
+/// A texture of `R32Float` that a stage writes and others read.
+pub(super) fn written_texture(device: &wgpu::Device, label: &'static str, [width, height]: [u32; 2]) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}

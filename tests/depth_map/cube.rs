@@ -1,0 +1,407 @@
+//! Cubes of six maps: the stencil against the crossings of rays with a boundary that an oracle of its own builds, the merged
+//! samples against their twin, and cameras that do not meet.
+
+use glam::{DQuat, DVec2, DVec3, Mat4};
+use rimline::gpu::{
+    CubeMismatch, DepthEdges, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
+    DepthMapVolumesError, ShadowFormat,
+};
+use rimline::reference::cpu::{depth_cells, depth_cube};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+use wgpu::TextureFormat;
+
+use crate::boundary::Boundary;
+use crate::maps::Map;
+use crate::parity::{SIDE, device_depth, seen, vector};
+use crate::picture::stencil_of;
+use crate::scene::{Eye, Rays};
+use crate::textures::{depth_view, read, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("cube_parity_is_that_of_rays", every_cell),
+    ("cube_parity_of_marked_cells_is_that_of_rays", differences),
+    ("cube_parity_with_a_cut_near_rectangle_is_that_of_rays", cut),
+    ("cube_parity_of_lists_that_overflow_is_that_of_rays", overflow),
+    ("cubes_have_no_gaps_and_no_specks_where_maps_meet", plane),
+    ("cube_maps_that_are_exchanged_are_noticed", exchanged),
+    ("cube_samples_and_cells_equal_their_twins", twins),
+    ("cubes_that_do_not_meet_are_refused", refused),
+];
+
+/// Six maps with their cameras.
+struct Cube {
+    light: DVec3,
+    cameras: [ShadowCamera; 6],
+    maps: [Option<Map>; 6],
+    /// Each map has depths that its neighbours do not share.
+    side: u32,
+}
+
+/// Discs across borders and corners and elsewhere, on a background or not, with noise or not, and maps that are not there.
+fn cube(random: &mut Random) -> Cube {
+    let side = 3 + random.below(8) as u32;
+    let light = 2.0 * vector(random);
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let far = [None, Some(40.0)][random.below(2)];
+    let cameras = DepthMapCube::cameras(light.as_vec3().to_array(), 0.3, far, depth, side);
+    let light = light.as_vec3().as_dvec3();
+    let turn = DQuat::from_axis_angle(vector(random), f64::from(random.between(0.0, 6.0)));
+    let is_turned = random.below(2) == 0;
+    let cameras = if is_turned { turned(&cameras, turn) } else { cameras };
+    let discs: Vec<_> = (0..=random.below(5))
+        .map(|_| {
+            let mut axis = vector(random).to_array();
+            // On a border: two components are as large; at a corner: three.
+            let kind = random.below(3);
+            for other in 1..=kind {
+                axis[other] = axis[other].signum() * axis[0].abs();
+            }
+            let axis = if is_turned { turn * DVec3::from_array(axis) } else { DVec3::from_array(axis) };
+            (axis.normalize(), f64::from(random.between(0.5, 0.98)), f64::from(random.between(1.0, 6.0)))
+        })
+        .collect();
+    let background = [f64::INFINITY, f64::from(random.between(4.0, 9.0))][random.below(2)];
+    let noise = random.below(3) == 0;
+    let is_reversed = depth == DepthDirection::Reversed;
+    let nothing = if is_reversed { 0.0 } else { 1.0 };
+    let maps = cameras.map(|camera| {
+        let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
+        let is_there = random.below(8) != 0;
+        let map = Map::new([side; 2], is_reversed, |texel| {
+            let [x, y] = [texel % side, texel / side].map(|at| (f64::from(at) + 0.5) / f64::from(side) * 2.0 - 1.0);
+            let point = matrix * glam::DVec4::new(x, -y, 0.5, 1.0);
+            let ray = (point.truncate() / point.w).normalize();
+            let hits = discs.iter().filter(|(axis, reach, _)| axis.dot(ray) > *reach).map(|disc| disc.2);
+            let distance = hits.fold(background, f64::min);
+            match random.below(6) {
+                0 if noise => f32::NAN,
+                1 | 2 if noise => device_depth(&camera, light + f64::from(random.between(1.0, 7.0)) * ray),
+                _ if distance.is_infinite() => nothing,
+                _ => device_depth(&camera, light + distance * ray),
+            }
+        });
+        is_there.then_some(map)
+    });
+    Cube { light, cameras, maps, side }
+}
+
+/// Cameras whose world is turned.
+fn turned(cameras: &[ShadowCamera; 6], turn: DQuat) -> [ShadowCamera; 6] {
+    cameras.map(|camera| {
+        let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+        let matrix = matrix * glam::DMat4::from_quat(turn.inverse());
+        ShadowCamera { view_projection: matrix.as_mat4().to_cols_array_2d(), ..camera }
+    })
+}
+
+#[derive(Debug, Default)]
+struct Tally {
+    dark: usize,
+    lit: usize,
+    near_borders: usize,
+    cut: usize,
+    wrong: usize,
+}
+
+#[derive(Clone, Copy)]
+struct Kind {
+    near: [f32; 2],
+    threshold: f32,
+    overflows: bool,
+    /// Two maps change places before they are given: a negative control.
+    is_exchanged: bool,
+}
+
+fn trial(gpu: &Gpu, random: &mut Random, kind: Kind, tally: &mut Tally) -> Result<(), String> {
+    let Cube { light, cameras, maps, side } = cube(random);
+    let place = light * f64::from(random.below(2) as u32) + f64::from(random.between(0.1, 6.0)) * vector(random);
+    let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+    let near = f64::from(random.between(kind.near[0], kind.near[1]));
+    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
+    let is_relative = random.below(2) == 0;
+    let eye = Eye { place, forward: vector(random), near, is_relative, depth, far, half_width }.camera();
+    let rays = Rays::new(&eye, SIDE);
+    let seen = seen(random, &rays);
+    let centres: Vec<_> = (0..SIDE * SIDE)
+        .map(|pixel| DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5))
+        .collect();
+    let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
+    let threshold = kind.threshold;
+    let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
+    let capacity = kind.overflows.then(|| random.below(3) as u32);
+    let options = DepthMapOptions { edges, capacity, slope_bias: 0.0, ..Default::default() };
+    let format = ShadowFormat { depth, ..Default::default() };
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
+    let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
+    let mut views = Vec::new();
+    for map in &maps {
+        let texture = |map: &Map| texture(gpu, map.size, TextureFormat::R32Float, &map.depths);
+        views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
+    }
+    if kind.is_exchanged {
+        views.swap(0, 3);
+    }
+    let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+    let stencil = stencil_of(gpu, &pipelines, (SIDE, &depths), |encoder| {
+        volumes.encode(encoder, given, &eye, None).map_err(text)
+    })?;
+    let boundary = Boundary::cube(&maps, &cameras, light, f64::from(threshold));
+    for (&centre, value) in centres.iter().zip(stencil) {
+        let around =
+            [(0.0, 0.0, 1.003), (0.06, 0.05, 0.997), (-0.06, 0.05, 1.003), (0.05, -0.06, 1.003), (-0.05, -0.06, 0.997)];
+        let truths = around.map(|(x, y, share)| {
+            let (near, place) = seen(centre + DVec2::new(x, y));
+            let place = near + share * (place - near);
+            (boundary.parity(near, place), boundary.is_dark(near), boundary.is_dark(place))
+        });
+        // With every edge marked, parity is darkness.
+        let is_unclear = threshold < 0.0 && truths.iter().any(|truth| truth.0 != truth.2);
+        if is_unclear || truths != [truths[0]; 5] {
+            tally.near_borders += 1;
+            continue;
+        }
+        let (truth, is_cut, _) = truths[0];
+        *(if truth { &mut tally.dark } else { &mut tally.lit }) += 1;
+        tally.cut += usize::from(is_cut);
+        tally.wrong += usize::from((value != 0) != truth);
+    }
+    Ok(())
+}
+
+fn trials(seed: u64, count: u32, kind: Kind) -> Result<Tally, String> {
+    println!("seed {seed}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(seed);
+    let mut tally = Tally::default();
+    for number in 0..count {
+        let before = tally.wrong;
+        trial(&gpu, &mut random, kind, &mut tally)?;
+        if tally.wrong > before {
+            println!("trial {number}: {} wrong", tally.wrong - before);
+        }
+    }
+    println!("{tally:?}");
+    Ok(tally)
+}
+
+const EVERY_CELL: Kind = Kind { near: [0.05, 0.2], threshold: -1.0, overflows: false, is_exchanged: false };
+
+fn right(seed: u64, count: u32, kind: Kind) -> Result<Tally, String> {
+    let tally = trials(seed, count, kind)?;
+    let pixels = tally.dark + tally.lit + tally.near_borders;
+    if tally.wrong > 0 || tally.dark < pixels / 10 || tally.lit < pixels / 10 || tally.near_borders > pixels / 4 {
+        return Err(format!("{tally:?}"));
+    }
+    Ok(tally)
+}
+
+fn every_cell() -> Result<(), String> {
+    right(1651, 60, EVERY_CELL).map(drop)
+}
+
+fn differences() -> Result<(), String> {
+    right(1652, 60, Kind { threshold: 0.01, ..EVERY_CELL }).map(drop)
+}
+
+/// Near rectangles that are large: they cut the boundary, and lie across several maps.
+fn cut() -> Result<(), String> {
+    let tally = right(1653, 60, Kind { near: [0.5, 6.0], ..EVERY_CELL })?;
+    if tally.cut < 1000 { Err(format!("the near rectangle is cut too rarely: {tally:?}")) } else { Ok(()) }
+}
+
+fn overflow() -> Result<(), String> {
+    right(1654, 20, Kind { near: [0.05, 2.0], threshold: 0.01, overflows: true, is_exchanged: false }).map(drop)
+}
+
+/// Negative control.
+fn exchanged() -> Result<(), String> {
+    let tally = trials(1655, 10, Kind { is_exchanged: true, ..EVERY_CELL })?;
+    if tally.wrong > 500 { Ok(()) } else { Err(format!("{tally:?}")) }
+}
+
+/// A plane that several maps see: what lies on it is lit, and what lies behind it is dark, also where the moved surface passes from map to
+/// map.
+fn plane() -> Result<(), String> {
+    const SEED: u64 = 1657;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let (mut seen, mut wrong) = ([0; 2], [0; 2]);
+    for _ in 0..80 {
+        let side = 9 + random.below(20) as u32;
+        let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
+        let light = vector(&mut random).as_vec3();
+        let cameras = DepthMapCube::cameras(light.to_array(), 0.2, None, depth, side);
+        let (light, normal) = (light.as_dvec3(), vector(&mut random));
+        let height = f64::from(random.between(1.0, 3.0));
+        let is_reversed = depth == DepthDirection::Reversed;
+        let mut views = Vec::new();
+        for camera in &cameras {
+            let rays = Rays::new(camera, side);
+            let map = Map::new([side; 2], is_reversed, |texel| {
+                let at = DVec2::new(f64::from(texel % side) + 0.5, f64::from(texel / side) + 0.5);
+                let ray = rays.at(at).1.normalize();
+                let t = height / -ray.dot(normal);
+                let nothing = if is_reversed { 0.0 } else { 1.0 };
+                if t > 0.0 && t < 1e4 { device_depth(camera, light + t * ray) } else { nothing }
+            });
+            views.push(depth_view(&texture(&gpu, map.size, TextureFormat::R32Float, &map.depths)?));
+        }
+        // An eye on the light's side of the plane, which looks at a place that is not far from the light's foot.
+        let foot = light - height * normal;
+        let aside = vector(&mut random);
+        let target = foot + f64::from(random.between(0.0, 1.5)) * height * (aside - aside.dot(normal) * normal);
+        let away = vector(&mut random);
+        let away = if away.dot(normal) < 0.0 { -away } else { away };
+        let place = target + f64::from(random.between(0.5, 4.0)) * away + 0.3 * normal;
+        let (near, is_relative) = (0.05, true);
+        let eye = Eye { place, forward: target - place, near, is_relative, depth, far: None, half_width: None };
+        let eye = eye.camera();
+        let rays = Rays::new(&eye, SIDE);
+        // The move takes at most half of what is left to infinity, which is twice the distance.
+        for (behind, expected) in [(0.0, false), (1.2 * height, true)] {
+            let points = (0..SIDE * SIDE).map(|pixel| {
+                let centre = DVec2::new(f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5);
+                let (near, ray) = rays.at(centre);
+                let t = -((near - foot).dot(normal) + behind) / ray.dot(normal);
+                let point = near + t * ray;
+                let way = point - light;
+                let is_taken = t > 0.0 && t < 100.0 && -way.dot(normal) > 0.4 * way.length();
+                is_taken.then_some(point)
+            });
+            let points: Vec<_> = points.collect();
+            let nothing = if is_reversed { 0.0 } else { 1.0 };
+            let depths: Vec<_> =
+                points.iter().map(|point| point.map_or(nothing, |point| device_depth(&eye, point))).collect();
+            let format = ShadowFormat { depth, ..Default::default() };
+            let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, 2).map_err(text)?;
+            let options = DepthMapOptions::default();
+            let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
+            let given = [0, 1, 2, 3, 4, 5].map(|face: usize| Some(&views[face]));
+            let stencil = stencil_of(&gpu, &pipelines, (SIDE, &depths), |encoder| {
+                volumes.encode(encoder, given, &eye, None).map_err(text)
+            })?;
+            let kind = usize::from(expected);
+            seen[kind] += points.iter().flatten().count();
+            let is_wrong = |(point, value): &(&Option<DVec3>, u8)| point.is_some() && (*value != 0) != expected;
+            wrong[kind] += points.iter().zip(stencil).filter(is_wrong).count();
+        }
+    }
+    println!("{seen:?} on the plane and behind it, {wrong:?} wrong");
+    if wrong == [0; 2] && seen.iter().all(|&seen| seen > 20_000) {
+        Ok(())
+    } else {
+        Err(format!("{wrong:?} of {seen:?}"))
+    }
+}
+
+fn twins() -> Result<(), String> {
+    const SEED: u64 = 1656;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let eye = crate::stages::camera(DepthDirection::Reversed);
+    let (mut shared, mut listed) = (0, 0);
+    for round in 0..40 {
+        let Cube { cameras, maps, side, .. } = cube(&mut random);
+        let threshold = [-1.0, 0.0, 0.02][round % 3];
+        let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
+        let options = DepthMapOptions { edges, ..Default::default() };
+        let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
+        let mut views = Vec::new();
+        for map in &maps {
+            let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
+            views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
+        }
+        let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
+        gpu.submit(|encoder| volumes.encode(encoder, given, &eye, None).map(drop).map_err(text))?;
+        let is_reversed = cameras[0].depth == DepthDirection::Reversed;
+        let mut shape = Map { size: [side; 2], is_reversed, depths: Vec::new() }.shape(threshold, u32::MAX);
+        (shape.faces, shape.cells, shape.capacity) = (6, 6 * (side - 1) * (side - 1), 6 * (side - 1) * (side - 1));
+        let depths = depth_cube(&shape, maps.each_ref().map(|map| map.as_ref().map(|map| &map.depths[..])));
+        let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
+        let found = read(&gpu, volumes.texture().texture())?;
+        same(&format!("samples of round {round}"), &bits(&found), &bits(&depths))?;
+        let expected = depth_cells(&shape, &depths);
+        let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
+        same(&format!("cells of round {round}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
+        listed += expected.count;
+        let own = |face: u32, texel: u32| {
+            let [x, y] = [texel % side + face % 3 * side, texel / side + face / 3 * side];
+            let map = maps[face as usize].as_ref();
+            map.is_some_and(|map| map.depths[texel as usize].to_bits() != depths[(y * 3 * side + x) as usize].to_bits())
+        };
+        shared += (0..6).map(|face| (0..side * side).filter(|&texel| own(face, texel)).count()).sum::<usize>();
+        if !maps.iter().all(Option::is_none) && round == 0 {
+            let other = depth_cube(&shape, maps.each_ref().map(|_| None));
+            must_fail("no maps", &same("samples", &bits(&other), &bits(&depths)))?;
+        }
+    }
+    println!("{listed} cells, {shared} samples are another map's");
+    if listed > 3000 && shared > 300 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let options = DepthMapOptions::default();
+    let made = |side, cameras: [ShadowCamera; 6]| DepthMapCube::new(&pipelines, side, &cameras, options).err();
+    let reversed = DepthDirection::Reversed;
+    let right = |place, near, side| DepthMapCube::cameras(place, near, None, reversed, side);
+    let place = [1.0, 2.0, 3.0];
+    let cameras = right(place, 0.1, 16);
+    let with = |face: usize, camera: ShadowCamera| {
+        let mut cameras = cameras;
+        cameras[face] = camera;
+        made(16, cameras)
+    };
+    let apart = |face, what| Some(DepthMapCubeError::Apart { face, what });
+    let lost = ShadowCamera { view_projection: [[0.0; 4]; 4], ..cameras[2] };
+    let parallel = Eye {
+        place: DVec3::ZERO,
+        forward: DVec3::X,
+        near: 0.1,
+        is_relative: true,
+        depth: reversed,
+        far: Some(9.0),
+        half_width: Some(2.0),
+    };
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    let too_large = DepthMapVolumesError::Texture { size: [3 * most, 2 * most], most };
+    let found = [
+        made(16, cameras),
+        made(2, right(place, 0.1, 2)),
+        // Cameras for 90°: the width of a map with very many texels.
+        made(16, right(place, 0.1, 1 << 20)),
+        made(16, right(place, 0.1, 15)),
+        with(1, right([1.0, 2.0, 3.001], 0.1, 16)[1]),
+        with(5, right(place, 0.2, 16)[5]),
+        with(3, cameras[2]),
+        with(4, DepthMapCube::cameras(place, 0.1, Some(50.0), reversed, 16)[4]),
+        with(3, DepthMapCube::cameras(place, 0.1, None, DepthDirection::Standard, 16)[3]),
+        with(0, parallel.camera()),
+        with(1, lost),
+        made(most, right(place, 0.1, most)),
+    ];
+    let expected = [
+        None,
+        Some(DepthMapCubeError::Side(2)),
+        apart(0, CubeMismatch::Width),
+        apart(0, CubeMismatch::Width),
+        apart(1, CubeMismatch::Place),
+        apart(5, CubeMismatch::Depths),
+        apart(3, CubeMismatch::Axes),
+        apart(4, CubeMismatch::Depths),
+        apart(3, CubeMismatch::Direction),
+        Some(DepthMapCubeError::Parallel { face: 0 }),
+        Some(DepthMapCubeError::Light { face: 1, error: rimline::CameraError::Singular }),
+        Some(DepthMapCubeError::Volumes(too_large)),
+    ];
+    same("cubes", &found, &expected)
+}

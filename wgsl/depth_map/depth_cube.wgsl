@@ -1,0 +1,65 @@
+// Depth cube: puts six maps into one texture, three in a row. Samples of two or three maps that lie on one ray get the nearest of their depths,
+// so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing.
+
+@group(0) @binding(2) var texture_1: texture_2d<f32>;
+@group(0) @binding(3) var texture_2: texture_2d<f32>;
+@group(0) @binding(4) var texture_3: texture_2d<f32>;
+@group(0) @binding(5) var texture_4: texture_2d<f32>;
+@group(0) @binding(6) var texture_5: texture_2d<f32>;
+@group(0) @binding(7) var cube_texture: texture_storage_2d<r32float, write>;
+
+const BLOCK: u32 = 256u;
+
+fn loaded(map: texture_2d<f32>, at: vec2<u32>) -> u32 {
+  if (any(textureDimensions(map) != depth_map.size)) {
+    return FAR_KEY;
+  }
+  return sample_key(bitcast<u32>(textureLoad(map, at, 0).x));
+}
+
+fn key_of_face(face: u32, at: vec2<u32>) -> u32 {
+  switch face {
+    case 0u: {
+      return loaded(depth_texture, at);
+    }
+    case 1u: {
+      return loaded(texture_1, at);
+    }
+    case 2u: {
+      return loaded(texture_2, at);
+    }
+    case 3u: {
+      return loaded(texture_3, at);
+    }
+    case 4u: {
+      return loaded(texture_4, at);
+    }
+    default: {
+      return loaded(texture_5, at);
+    }
+  }
+}
+
+// Workgroups take blocks of texels in turn, where a dispatch may not have as many.
+@compute @workgroup_size(BLOCK)
+fn depth_cube(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let side = depth_map.size.x;
+  for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
+    let texel = block * BLOCK + local;
+    let at = vec2<u32>(texel % (3u * side), texel / (3u * side));
+    if (at.y < 2u * side) {
+      let direction = direction_of(at.x / side + 3u * (at.y / side), at % side);
+      var key = FAR_KEY;
+      for (var face = 0u; face < 6u; face++) {
+        if (has_direction(face, direction)) {
+          key = min(key, key_of_face(face, sample_of(face, direction)));
+        }
+      }
+      textureStore(cube_texture, at, vec4<f32>(bitcast<f32>(bits_of_key(key)), 0.0, 0.0, 0.0));
+    }
+  }
+}
