@@ -184,6 +184,10 @@ shared_structs! {
         group_high: [u32; 4],
         /// Three vertices for each face. Entries past the last face of the mesh name vertex 0 three times.
         corners: [u32; 96],
+        /// A bit for each face, set if it belongs to the same polygon as the face before it.
+        continues: u32,
+        /// 0.
+        padding: [u32; 3],
     }
 
     /// The points of one dispatch of the shadow depth query.
@@ -279,6 +283,8 @@ shared_structs! {
         position_offset: u32,
         /// Words from one vertex to the next.
         position_stride: u32,
+        /// Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
+        twisted_at: u32,
     }
 
     /// A caster in the table of casters. Slots are places in the masks of what is drawn together; other places are in the
@@ -534,6 +540,14 @@ shared_structs! {
         threshold: u32,
         /// 1: near is 1 and far is 0.
         is_reversed: u32,
+        /// Maps: 1, or the 6 of a cube.
+        faces: u32,
+        /// 1: edges between different objects are marked.
+        objects: u32,
+        /// Bits of what depth differences are multiplied with. 0: the threshold is one of device depth.
+        ratio: u32,
+        /// Bits of the depth at infinity.
+        at_infinity: u32,
     }
 
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
@@ -562,6 +576,16 @@ shared_structs! {
         infinity: [f32; 4],
         /// The distance that the surface is moved: a share of the slopes, a share of the depth, a constant, 0.
         bias: [f32; 4],
+    }
+
+    /// A mesh as the light of a depth map sees it.
+    struct MeshDepthView {
+        /// Columns of the matrix that maps positions less the origin to the light's clip space.
+        columns: [[f32; 4]; 4],
+        /// The origin, and 0.
+        origin: [f32; 4],
+        /// The word of x of vertex 0, the words from one vertex to the next, and twice 0.
+        place: [u32; 4],
     }
 
     /// Casters that are drawn together, and the caller's options for their volumes.

@@ -90,10 +90,14 @@ pub mod cpu {
     pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
-    pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells};
+    pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells, depth_cells_of_objects};
+    pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube};
+    pub use crate::cpu::depth_map::depth_merge::depth_merge;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};
+    pub use crate::cpu::depth_map::mesh_depth::mesh_depth;
     pub use crate::cpu::depth_map::samples::{Key, Samples};
+    pub use crate::cpu::depth_map::world_step::world_step;
     pub use crate::cpu::extract::arguments::arguments;
     pub use crate::cpu::extract::compact::{CompactedList, WINDING, compact};
     pub use crate::cpu::extract::edges::{edges, silhouettes_into};
@@ -101,14 +105,15 @@ pub mod cpu {
     pub use crate::cpu::extract::extraction::extract_by;
     pub use crate::cpu::extract::facing::{facing, facing_into};
     pub use crate::cpu::extract::per_edge::per_edge;
-    pub use crate::cpu::polygon::convex::convex;
     pub use crate::cpu::polygon::cut_edges::{Piece, PieceEnd, cut_edges};
     pub use crate::cpu::polygon::cut_quads::cut_quads;
     pub use crate::cpu::polygon::edge_pair::{EdgePair, edge_pair};
     pub use crate::cpu::polygon::half_space::fits_half_space;
-    pub use crate::cpu::polygon::outline::{Outline, Seen};
+    pub use crate::cpu::polygon::outline::Outline;
     pub use crate::cpu::polygon::polygon_facing::polygon_facing;
     pub use crate::cpu::polygon::polygon_masks::{PolygonMasks, polygon_masks};
+    pub use crate::cpu::polygon::polygon_turns::polygon_turns;
+    pub use crate::cpu::polygon::seen::Seen;
     pub use crate::cpu::query::depth_arguments::depth_arguments;
     pub use crate::cpu::query::exact_shadow_depth::exactly_between;
     pub use crate::cpu::query::shadow_boxes::shadow_boxes;
@@ -127,6 +132,7 @@ pub mod cpu {
     pub use crate::cpu::shadow::list_sides::list_sides;
     pub use crate::cpu::shadow::multiplicity::{EdgeFace, side_of_edge};
     pub use crate::cpu::shadow::piece_arguments::piece_arguments;
+    pub use crate::cpu::shadow::piece_crossings::piece_crossings;
     pub use crate::cpu::shadow::pieces::{
         PiecePoints, piece_dark_cap, piece_light_cap, piece_near_cap, piece_side, piece_side_clipped,
     };

@@ -60,7 +60,7 @@ pub const EDGES: Stage = Stage {
     ],
     entry_points: &["edges"],
 };
-/// Computes facing masks of polygons whose outlines are convex, and lists the others.
+/// Computes facing masks of quadrilaterals and triangles whose corners all turn alike, and lists the other polygons.
 pub const POLYGON_FACING: Stage = Stage {
     name: "polygon_facing",
     files: files![
@@ -70,9 +70,25 @@ pub const POLYGON_FACING: Stage = Stage {
         "common/determinant",
         "common/filter",
         "polygon/outlines",
+        "polygon/quads",
         "polygon/polygon_facing"
     ],
     entry_points: &["polygon_facing"],
+};
+/// Decides quadrilaterals and convex outlines by their turns, and lists the other polygons.
+pub const POLYGON_TURNS: Stage = Stage {
+    name: "polygon_turns",
+    files: files![
+        "common/common",
+        "extract/one_caster",
+        "common/positions",
+        "common/determinant",
+        "common/filter",
+        "polygon/outlines",
+        "polygon/quads",
+        "polygon/polygon_turns"
+    ],
+    entry_points: &["polygon_turns"],
 };
 /// Finds how lights see the outlines that are left, by all pairs of their edges.
 pub const OUTLINE: Stage = Stage {
@@ -319,9 +335,28 @@ pub const STENCIL_CROSSINGS: Stage = Stage {
         "shadow/boxes",
         "shadow/world",
         "shadow/pencil",
+        "shadow/crossings",
         "shadow/stencil_crossings"
     ],
     entry_points: &["stencil_crossings"],
+};
+/// Adds the sides of pieces to the half planes that they cross.
+pub const PIECE_CROSSINGS: Stage = Stage {
+    name: "piece_crossings",
+    files: files![
+        "common/common",
+        "shadow/shadow",
+        "shadow/choices",
+        "shadow/caster",
+        "shadow/chosen",
+        "shadow/boxes",
+        "shadow/world",
+        "shadow/pencil",
+        "shadow/crossings",
+        "shadow/piece_lists",
+        "shadow/piece_crossings"
+    ],
+    entry_points: &["piece_crossings"],
 };
 /// Computes upper bounds of the stencil counts.
 pub const STENCIL_BOUND: Stage = Stage {
@@ -427,17 +462,32 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 /// Lists the cells of a depth map that have a triangle to draw.
 pub const DEPTH_CELLS: Stage = Stage {
     name: "depth_cells",
-    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_cells"],
+    files: files!["depth_map/samples", "depth_map/world_step", "depth_map/edge_code", "depth_map/depth_cells"],
     entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
 };
 
+/// Merges two depth maps of one light.
+pub const DEPTH_MERGE: Stage = Stage {
+    name: "depth_merge",
+    files: files!["depth_map/samples", "depth_map/depth_merge"],
+    entry_points: &["depth_merge"],
+};
+
+/// Puts the six maps of a cube into one texture.
+pub const DEPTH_CUBE: Stage = Stage {
+    name: "depth_cube",
+    files: files!["depth_map/samples", "depth_map/cube", "depth_map/depth_cube"],
+    entry_points: &["depth_cube"],
+};
+
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 38] = [
+pub const STAGES: [Stage; 42] = [
     NEEDS,
     DEFORM,
     FACING,
     EXACT_FACING,
     POLYGON_FACING,
+    POLYGON_TURNS,
     OUTLINE,
     POLYGON_MASKS,
     EDGES,
@@ -465,11 +515,14 @@ pub const STAGES: [Stage; 38] = [
     PIECE_ARGUMENTS,
     STENCIL_PENCIL,
     STENCIL_CROSSINGS,
+    PIECE_CROSSINGS,
     STENCIL_BOUND,
     SHADOW_BOXES,
     SHADOW_DEPTH,
     DEPTH_ARGUMENTS,
     EXACT_SHADOW_DEPTH,
+    DEPTH_MERGE,
+    DEPTH_CUBE,
     DEPTH_CELLS,
 ];
 
@@ -531,9 +584,19 @@ pub const PIECES: Stage = Stage {
 /// Vertex shaders of the boundary that is rebuilt from a depth map, and of its near cap.
 pub const DEPTH_SURFACE: Stage = Stage {
     name: "depth_surface",
-    files: files!["depth_map/samples", "depth_map/edge_code", "depth_map/depth_surface"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cube",
+        "depth_map/depth_surface"
+    ],
     entry_points: &["depth_surface", "depth_near_cap"],
 };
+
+/// The vertex shader that draws a mesh into a depth map.
+pub const MESH_DEPTH: Stage =
+    Stage { name: "mesh_depth", files: files!["depth_map/mesh_depth"], entry_points: &["mesh_depth"] };
 
 /// WGSL that is not a stage: files that callers include or replace.
 pub const INCLUDES: [(&str, &str); 2] = [

@@ -1,5 +1,6 @@
 //! `cargo bench --bench polygons`: a torus of quadrilaterals beside its triangles. How long the mesh takes to build, how
-//! long the CPU takes to extract silhouettes, and how many faces and records there are. `--quick` for small meshes.
+//! long the CPU takes to extract silhouettes, and how many faces and records there are. `--quick` for small meshes, `--stages` for the stages on the
+//! GPU, `--gpu` for the GPU alone.
 
 mod on_gpu;
 
@@ -19,6 +20,9 @@ pub(crate) const SEED: u64 = 15;
 fn main() {
     let is_quick = std::env::args().any(|argument| argument == "--quick");
     let sizes: &[u32] = if is_quick { &[32, 64] } else { &[128, 707] };
+    if std::env::args().any(|argument| argument == "--gpu") {
+        return on_gpu::measure(sizes).expect("a GPU");
+    }
     println!("seed {SEED}; one thread; least of {ROUNDS} runs, milliseconds");
     println!(
         "| quadrilaterals | bump | records | of triangles | build | of triangles | 1 light | of triangles | 8 lights | of triangles | by pairs, % | twisted, % |"

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer};
+use rimline::gpu::{Extractor, ExtractorOptions, PositionBuffer, StageTimer};
 use rimline::mesh::Weld;
-use rimline::{Light, Mesh};
+use rimline::{Light, Mesh, wgpu};
 use rimline_measure::device::Gpu;
 use rimline_measure::polygons::{PolygonSet, quad_torus};
 use rimline_measure::random::Random;
@@ -12,7 +12,7 @@ use rimline_measure::random::Random;
 use crate::{ROUNDS, SEED};
 
 pub(crate) fn measure(sizes: &[u32]) -> Result<(), String> {
-    let gpu = &*Gpu::shared()?;
+    let gpu = &Gpu::with(wgpu::Features::TIMESTAMP_QUERY, wgpu::Limits::default())?;
     println!("\n{}; least of {} runs, milliseconds", gpu.name, 4 * ROUNDS);
     println!("| quadrilaterals | bump | 1 light | of triangles | ratio | 8 lights | of triangles | ratio |");
     println!("|---:|---:|---:|---:|---:|---:|---:|---:|");
@@ -50,5 +50,41 @@ fn compare(gpu: &Gpu, set: &PolygonSet, bump: f32) -> Result<(), String> {
         cells.push(format!("{:.2} | {:.2} | {:.2}", least[0], least[1], least[0] / least[1]));
     }
     println!("| {} | {bump} | {} |", mesh.face_count(), cells.join(" | "));
+    if std::env::args().any(|argument| argument == "--stages") {
+        stages(gpu, set, [&mesh, &triangles], &lights[..1])?;
+        stages(gpu, set, [&mesh, &triangles], &lights)?;
+    }
+    Ok(())
+}
+
+/// The least time of each stage, of the polygons and of their triangles.
+fn stages(gpu: &Gpu, set: &PolygonSet, meshes: [&Mesh; 2], lights: &[Light]) -> Result<(), String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let buffer = gpu.storage(&set.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    for mesh in meshes {
+        let mut extractor = {
+            let options = ExtractorOptions { max_lights: lights.len(), ..ExtractorOptions::default() };
+            Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| text(&error))?
+        };
+        let mut timer = StageTimer::new(&gpu.device, &gpu.queue).ok_or("no timestamps")?;
+        let mut least: Vec<(&str, f64)> = Vec::new();
+        for round in 0..=4 * ROUNDS {
+            timer.clear();
+            gpu.submit(|encoder| {
+                extractor.encode(encoder, positions, lights, Some(&mut timer)).map_err(|error| text(&error))?;
+                timer.resolve(encoder);
+                Ok(())
+            })?;
+            let times = timer.read(&gpu.device, &gpu.queue).map_err(|error| text(&error))?;
+            if round == 0 {
+                least = times;
+            } else {
+                least.iter_mut().zip(times).for_each(|(least, time)| least.1 = least.1.min(time.1));
+            }
+        }
+        let of_stage: Vec<_> = least.iter().map(|(name, time)| format!("{name} {time:.2}")).collect();
+        println!("stages, milliseconds: {}", of_stage.join(", "));
+    }
     Ok(())
 }

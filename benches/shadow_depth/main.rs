@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rimline::gpu::{PositionBuffer, ShadowQuery, ShadowQueryOptions, read_back_vec};
 use rimline::reference::cpu::{Threads, shadow_depth};
-use rimline::{Light, wgpu};
+use rimline::{Light, Mesh, wgpu};
 use rimline_measure::shapes::{self, Shape};
 
 const ROUNDS: usize = 5;
@@ -35,8 +35,9 @@ fn main() {
                 if skip {
                     let points = &points[..points.len() / 16];
                     let mut found = Vec::new();
+                    let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a mesh");
                     let run = || {
-                        found = shadow_depth(&shape.positions, &shape.faces, points, &lights, Threads::all())
+                        found = shadow_depth(&shape.positions, &mesh, points, &lights, Threads::all())
                             .expect("good lights");
                     };
                     print("CPU", &shape, points.len(), median(run));

@@ -21,5 +21,6 @@ pub use common::parallel::Threads;
 pub use deform::deform::{Displace, deform};
 pub use extract::extraction::{Extraction, extract};
 pub use extract::facing::FacingStatistics;
-pub use hidden::hidden_faces::{HiddenCaster, HiddenError, HiddenFaces, HiddenOptions, HiddenStatistics};
+pub use hidden::hidden_faces::{HiddenCaster, HiddenError, HiddenFaces, HiddenStatistics};
+pub use hidden::options::HiddenOptions;
 pub use query::shadow_depth::shadow_depth;

@@ -4,9 +4,12 @@ use rimline::gpu::{
     Extraction, ExtractionIncludeError, Extractor, ExtractorOptions, ListOptions, PositionBuffer, include_wgsl,
     results_bind_group_layout,
 };
+use rimline::mesh::Weld;
 use rimline::reference::Method;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, Mesh};
+use rimline::reference::layout::EdgeMasks;
+use rimline::{Light, Mesh, Predicate};
+use rimline_measure::polygons::quad_torus;
 use rimline_measure::shapes;
 
 use rimline_measure::cases::{Case, case, topologies};
@@ -17,8 +20,11 @@ use rimline_measure::on_gpu::read;
 use rimline_measure::random::Random;
 use rimline_measure::{lights, must_fail, same};
 
-pub(crate) const TESTS: &[Test] =
-    &[("the_include_reads_what_the_twin_finds", computed), ("the_include_refuses_what_it_cannot_read", refused)];
+pub(crate) const TESTS: &[Test] = &[
+    ("the_include_reads_what_the_twin_finds", computed),
+    ("the_include_reads_edges_beside_twisted_polygons", polygons),
+    ("the_include_refuses_what_it_cannot_read", refused),
+];
 
 fn text<E: std::fmt::Display>(error: E) -> String {
     error.to_string()
@@ -146,6 +152,12 @@ fn read_light(gpu: &Gpu, scene: &Scene, light: usize) -> Result<Vec<[u32; 8]>, S
 pub(crate) fn expected(scene: &Scene, facing: &[u32], light: usize) -> Vec<[u32; 8]> {
     let mesh = &scene.mesh;
     let masks = cpu::edges(mesh.edges(), facing, mesh.faces().len(), LIGHTS, Threads::ONE);
+    expected_of(scene, &masks, light)
+}
+
+/// The same from the masks of edges.
+fn expected_of(scene: &Scene, masks: &[EdgeMasks], light: usize) -> Vec<[u32; 8]> {
+    let mesh = &scene.mesh;
     let plane = &masks[light / 32 * mesh.edges().len()..][..mesh.edges().len()];
     let list = cpu::compact(plane, light as u32 % 32, usize::MAX);
     let entries = list.entries.iter().map(|entry| {
@@ -183,6 +195,36 @@ fn computed() -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Quadrilaterals of which many are twisted, from lists that fit and lists that overflow.
+fn polygons() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 82;
+    println!("seed {seed}");
+    let mut random = Random::new(seed);
+    let set = quad_torus(&mut random, 9, 7, 0.35);
+    let mesh = set.mesh(Weld::Position).map_err(text)?;
+    let mut twisted = 0;
+    for capacity in [u32::MAX, 5] {
+        let lists = ListOptions { capacity: Some(capacity), ordered: false, vertices_per_edge: 4 };
+        let lights = lights(&mut random, LIGHTS);
+        let scene = Scene::new(gpu, ("torus".to_owned(), set.positions.clone(), mesh.clone()), &lights, lists)?;
+        let found = cpu::extract(&set.positions, &mesh, &lights, Predicate::Exact, Threads::ONE).map_err(text)?;
+        twisted += found.twisted.iter().map(|mask| mask.count_ones()).sum::<u32>();
+        for light in [0, 5, 31, 32, 39] {
+            let what = format!("capacity {capacity}, light {light}");
+            let mut read = read_light(gpu, &scene, light)?;
+            let expected = expected_of(&scene, &found.masks, light);
+            same(&what, &read, &expected)?;
+            if let Some(first) = read.first_mut() {
+                first[4] ^= 1;
+                must_fail("a flipped winding bit", &same(&what, &read, &expected))?;
+            }
+        }
+    }
+    println!("{twisted} twisted pairs");
+    if twisted > 500 { Ok(()) } else { Err(format!("{twisted} twisted pairs")) }
 }
 
 fn refused() -> Result<(), String> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rimline::Light;
 use rimline::mesh::Weld;
-use rimline::reference::cpu::{Outline, Seen, convex, edge_pair, fits_half_space};
+use rimline::reference::cpu::{Outline, Seen, edge_pair, fits_half_space, polygon_turns};
 use rimline_measure::polygons::{PolygonSet, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle};
@@ -253,7 +253,8 @@ fn convex_outlines_take_the_cheap_way() {
             })
             .collect();
         let light = [0.1, -0.2, 3.0, 1.0];
-        assert_eq!(convex(&ring, light), i32::from(turns == 1), "seed {seed}, {count} corners");
+        let by_turns = (turns == 1).then_some(Seen::Facing);
+        assert_eq!(polygon_turns(&ring, light), by_turns, "seed {seed}, {count} corners");
         let expected = if turns == 1 { (Seen::Facing, false) } else { (Seen::Twisted, true) };
         assert_eq!(loops(&[&ring]).seen(light), expected, "seed {seed}, {count} corners");
     }

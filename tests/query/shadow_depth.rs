@@ -1,7 +1,7 @@
 //! The shadow depth query's CPU twin: against brute force, and what must hold of any such count.
 
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Light, LightError};
+use rimline::{Light, LightError, Mesh};
 use rimline_measure::random::Random;
 use rimline_measure::shadow_cases::{ShadowCase, lattice, shadow_cases};
 use rimline_measure::shapes::{self, Shape};
@@ -10,7 +10,8 @@ use rimline_measure::{is_long, must_fail, same, shadow_oracle};
 type Outcome = Result<(), String>;
 
 fn depths(shape: &Shape, points: &[[f32; 3]], lights: &[Light]) -> Vec<i32> {
-    cpu::shadow_depth(&shape.positions, &shape.faces, points, lights, Threads::all()).expect("good lights")
+    let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).expect("a mesh");
+    cpu::shadow_depth(&shape.positions, &mesh, points, lights, Threads::all()).expect("good lights")
 }
 
 fn case_depths(case: &ShadowCase) -> Vec<i32> {
@@ -46,7 +47,8 @@ fn cases_worked_by_hand() {
 #[test]
 fn refused_lights() {
     let refused = |lights: &[Light]| {
-        cpu::shadow_depth(&[[0.0; 3]], &[[0, 0, 0]], &[[0.0; 3]], lights, Threads::ONE).expect_err("a bad light")
+        let mesh = Mesh::from_faces(3, vec![[0, 1, 2]]).expect("a mesh");
+        cpu::shadow_depth(&[[0.0; 3]], &mesh, &[[0.0; 3]], lights, Threads::ONE).expect_err("a bad light")
     };
     let good = Light::point([1.0, 2.0, 3.0]);
     assert_eq!(refused(&[good, Light::homogeneous([0.0; 4])]), LightError::Zero { index: 1 });

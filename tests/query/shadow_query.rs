@@ -57,8 +57,8 @@ fn found(
 }
 
 fn expected(case: &ShadowCase) -> Result<Vec<i32>, String> {
-    let Shape { positions, faces } = &case.shape;
-    cpu::shadow_depth(positions, faces, &case.points, &case.lights, Threads::all()).map_err(text)
+    cpu::shadow_depth(&case.shape.positions, &mesh_of(&case.shape)?, &case.points, &case.lights, Threads::all())
+        .map_err(text)
 }
 
 fn room(case: &ShadowCase) -> ShadowQueryOptions {
@@ -167,12 +167,12 @@ fn boxes() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let mut random = Random::new(151);
     for case in chosen(shadow_cases(&mut random, 1, 1)).into_iter().skip(3).chain(larger()) {
-        let Shape { positions, faces } = &case.shape;
+        let positions = &case.shape.positions;
         let mut query = ShadowQuery::new(&gpu.pipelines, &mesh_of(&case.shape)?, room(&case)).map_err(text)?;
         let buffers = [positions, &case.points].map(|points| gpu.storage(points));
         let [bound, points] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
         gpu.submit(|encoder| query.encode_at(encoder, bound, points, 1, &case.lights, None).map_err(text))?;
-        let right = cpu::shadow_boxes(positions, faces, Threads::all());
+        let right = cpu::shadow_boxes(positions, &mesh_of(&case.shape)?, Threads::all());
         let mut clusters: Vec<FaceCluster> = gpu.read(query.clusters(), right.len())?;
         same(&case.name, &clusters, &right)?;
         clusters[0].low[1] ^= 1;
@@ -311,8 +311,9 @@ fn recount() -> Result<(), String> {
         })
         .collect();
     let faces: Vec<[u32; 3]> = (0..count).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    let mesh = Mesh::from_faces(positions.len(), faces).map_err(text)?;
     let light = Light::point([0.1, 100.0, 0.2]);
-    let clusters = gpu.storage(&cpu::shadow_boxes(&positions, &faces, Threads::all()));
+    let clusters = gpu.storage(&cpu::shadow_boxes(&positions, &mesh, Threads::all()));
     let (positions, points) = (gpu.storage(&positions), gpu.storage(&[[0.0_f32, -1.0, 0.0]]));
     let word = uniform(gpu, &LightBatch::new(&[light], 0, 3));
     let chunk = uniform(gpu, &PointChunk { count: 1, offset: 0, stride: 3, lights: 1, first_light: 0 });

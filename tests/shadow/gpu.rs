@@ -23,6 +23,7 @@ mod rays;
 mod receivers;
 mod refusals;
 mod render;
+mod rounds;
 mod samples;
 mod scene;
 mod scene_refusals;
@@ -30,6 +31,7 @@ mod skinned;
 mod stages;
 mod thousands;
 mod trials;
+mod twisted;
 mod zp_plus_2005;
 
 use libtest_mimic::{Failed, Trial};
@@ -54,6 +56,7 @@ fn main() {
         passing::TESTS,
         proxies::TESTS,
         polygons::TESTS,
+        twisted::TESTS,
         hidden::TESTS,
         receivers::TESTS,
         levels::TESTS,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use rimline::reference::cpu::{self, Threads};
-use rimline::{Counting, Light};
+use rimline::{Counting, Light, Mesh};
 use rimline_measure::shapes::Shape;
 
 use crate::classes::CLASSES;
@@ -64,7 +64,8 @@ fn casters(frame: &Frame) -> Shape {
 /// Depths of those points, nothing elsewhere.
 fn depths(shape: &Shape, light: Light, points: &[Option<[f32; 3]>]) -> Result<Vec<Option<i32>>, String> {
     let asked: Vec<_> = points.iter().copied().flatten().collect();
-    let found = cpu::shadow_depth(&shape.positions, &shape.faces, &asked, &[light], Threads::all())
+    let mesh = Mesh::from_faces(shape.positions.len(), shape.faces.clone()).map_err(|error| error.to_string())?;
+    let found = cpu::shadow_depth(&shape.positions, &mesh, &asked, &[light], Threads::all())
         .map_err(|error| error.to_string())?;
     let mut found = found.into_iter();
     Ok(points.iter().map(|point| point.and_then(|_| found.next())).collect())

@@ -125,7 +125,12 @@ impl<'a> Renderer<'a> {
     }
 
     /// Copies the stencil values, rows of so many bytes, which split into samples.
-    fn copy_stencil(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture, row: u32) -> wgpu::Buffer {
+    pub(crate) fn copy_stencil(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::Texture,
+        row: u32,
+    ) -> wgpu::Buffer {
         let copy = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("stencil"),
             size: u64::from(row) * u64::from(target.height()),
@@ -236,7 +241,7 @@ impl<'a> Renderer<'a> {
         Ok(counted)
     }
 
-    fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+    pub(crate) fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
         let read = if sample_count == 1 { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() };
         let read = read | wgpu::TextureUsages::TEXTURE_BINDING;
         self.gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -325,7 +330,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Depth of every body; the stencil cleared.
-    fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
+    pub(crate) fn depth(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, view: &wgpu::TextureView) {
         let device = &self.gpu.device;
         let camera = frame.eye.camera();
         let is_reversed = frame.eye.depth == DepthDirection::Reversed;
@@ -410,7 +415,7 @@ impl<'a> Renderer<'a> {
 }
 
 /// The depth as `load` says, the stencil cleared.
-fn attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDescriptor<'_> {
+pub(crate) fn attachment(view: &wgpu::TextureView, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDescriptor<'_> {
     wgpu::RenderPassDescriptor {
         label: Some("count"),
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {

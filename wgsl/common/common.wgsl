@@ -106,6 +106,9 @@ struct FaceCluster {
   group_high: vec4<u32>,
   // Three vertices for each face. Entries past the last face of the mesh name vertex 0 three times.
   corners: array<u32, 96>,
+  // A bit for each face, set if it belongs to the same polygon as the face before it.
+  continues: u32,
+  padding: array<u32, 3>,
 }
 
 // The points of one dispatch of the shadow depth query.

@@ -11,6 +11,8 @@ struct RimlineInfo {
   // The word of vertex 0 in the bound positions, and the words from one vertex to the next.
   position_offset: u32,
   position_stride: u32,
+  // Where the masks of L-twisted polygons lie behind the facing masks. 0: there are none.
+  twisted_at: u32,
 }
 
 // A silhouette edge for one light.
@@ -55,6 +57,11 @@ fn rimline_faces_light(face: u32, light: u32) -> bool {
   return ((rimline_facing[face] >> light) & 1u) != 0u;
 }
 
+// Whether a face is L-twisted as seen from a light. Such a face counts nowhere: its neighbours' edges to it are boundaries.
+fn rimline_is_twisted(face: u32, light: u32) -> bool {
+  return rimline_info.twisted_at != 0u && ((rimline_facing[rimline_info.twisted_at + face] >> light) & 1u) != 0u;
+}
+
 // The number of silhouette edges of a light, including those that its list has no room for.
 fn rimline_silhouettes(light: u32) -> u32 {
   return rimline_counts[rimline_info.first_light + light];
@@ -71,15 +78,23 @@ fn rimline_silhouette(light: u32, instance: u32) -> RimlineSilhouette {
   let faces = rimline_edge_faces[edge];
   let face_0 = faces.x & 0x7fffffffu;
   var kind = faces.x >> 31u;
-  var valid = true;
+  let counts_0 = !rimline_is_twisted(face_0, light);
+  let faces_0 = rimline_faces_light(face_0, light);
+  // Face 1 runs against face 0, or alike: so it may be a silhouette where both face the light, or only one of them.
+  var counts_1 = false;
+  var turned_1 = false;
   if (faces.y == 0xffffffffu) {
     kind = 2u;
   } else if (overflowed) {
-    let differ = rimline_faces_light(face_0, light) != rimline_faces_light(faces.y, light);
-    valid = differ == (kind == 0u);
+    counts_1 = !rimline_is_twisted(faces.y, light);
+    turned_1 = rimline_faces_light(faces.y, light) == (kind == 1u);
   }
-  var winding = rimline_faces_light(face_0, light);
-  if (!overflowed) {
+  // The sign of the face that counts, as face 0 would have it.
+  var winding = select(turned_1, faces_0, counts_0);
+  var valid = true;
+  if (overflowed) {
+    valid = counts_0 != counts_1 || (counts_0 && faces_0 == turned_1);
+  } else {
     winding = rimline_list[light * rimline_info.capacity + instance] >= 0x80000000u;
   }
   return RimlineSilhouette(valid, edge, vertices.x, vertices.y, winding, kind);

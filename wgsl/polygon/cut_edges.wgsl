@@ -12,7 +12,66 @@ var<workgroup> is_tangled: array<atomic<u32>, 64>;
 var<workgroup> cut_counts: array<atomic<u32>, 64>;
 // The edges that cut it, a bit for each. A large outline has a word for each invocation, which took every 64th edge.
 var<workgroup> cutting: array<u32, 64>;
+// Likewise: those that have an end on it, in space, and those of which it is the second end.
+var<workgroup> touching: array<u32, 64>;
+var<workgroup> touching_second: array<u32, 64>;
 var<workgroup> odd: array<atomic<u32>, 64>;
+
+// Whether a point comes before another on a line, in the direction in which coordinates grow: the first that differs.
+fn is_below(p: vec3<u32>, q: vec3<u32>) -> bool {
+  let lower = ordered(p);
+  let upper = ordered(q);
+  if (lower.x != upper.x) {
+    return lower.x < upper.x;
+  }
+  if (lower.y != upper.y) {
+    return lower.y < upper.y;
+  }
+  return lower.z < upper.z;
+}
+
+// An edge in the direction in which coordinates grow.
+fn in_space(e: Edge) -> Edge {
+  if (is_below(e.a, e.b)) {
+    return e;
+  }
+  return Edge(e.b, e.a, e.has_length);
+}
+
+// Whether one of two edges on a line is on the left of the other, seen in the direction in which coordinates grow, in which both
+// run: it begins before it, or ends behind it.
+fn precedes(f: Edge, item: u32, e: Edge, index: u32) -> bool {
+  if (any(f.a != e.a)) {
+    return is_below(f.a, e.a);
+  }
+  if (any(f.b != e.b)) {
+    return is_below(e.b, f.b);
+  }
+  return item < index;
+}
+
+// What an edge on the line of another does to it.
+struct InLine {
+  // It ends within the other, which it cuts there.
+  cuts: bool,
+  // It overlaps the end of the other, on the left of that.
+  is_left_at_end: bool,
+  end: vec3<u32>,
+}
+
+fn in_line(f: Edge, item: u32, e: Edge, index: u32) -> InLine {
+  let own = in_space(e);
+  let theirs = in_space(f);
+  let is_before = precedes(theirs, item, own, index);
+  let is_up = all(own.a == e.a);
+  let cuts = is_before && is_below(own.a, theirs.b) && is_below(theirs.b, own.b);
+  let is_left = select(
+    !is_before && all(theirs.a == own.a),
+    is_before && !is_below(theirs.b, own.b),
+    is_up,
+  );
+  return InLine(cuts, is_left, theirs.b);
+}
 
 // Whether two edges on one line have the same direction.
 fn runs_alike(p: vec3<u32>, q: vec3<u32>, a: vec3<u32>, b: vec3<u32>) -> bool {
@@ -27,6 +86,9 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
   let step = select(1u, OUTLINE_LANES, work.is_large);
   let e = work.edge;
   var own = 0u;
+  var touches = 0u;
+  var touches_second = 0u;
+  let is_up = is_below(e.a, e.b);
   let triangles = outline.end_triangle - outline.first_triangle;
   let end = select(0u, outline.count + triangles, work.exists);
   for (var item = select(0u, lane, work.is_large); item < end; item += step) {
@@ -74,9 +136,25 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
       signs[test] = turn(p, q, r, work.place).moved;
     }
     if (is_edge) {
-      let crosses = signs[0] * signs[1] < 0 && (signs[2] > 0) != (signs[3] > 0);
-      if (crosses && (signs[2] == 0 || signs[3] == 0 || signs[2] == signs[1])) {
-        own |= 1u << select(item, item / OUTLINE_LANES, work.is_large);
+      let bit = 1u << select(item, item / OUTLINE_LANES, work.is_large);
+      var touch = signs[2] == 0 || signs[3] == 0;
+      var is_second = signs[3] == 0;
+      // Points on the line of the edge are on the right of the direction in which coordinates grow.
+      let left = select(vec2<bool>(signs[2] >= 0, signs[3] >= 0), vec2<bool>(signs[2] > 0, signs[3] > 0), is_up);
+      var crosses = signs[0] * signs[1] < 0 && left.x != left.y && (touch || signs[2] == signs[1]);
+      if (signs[2] == 0 && signs[3] == 0) {
+        let f = Edge(corners[0], corners[1], true);
+        let found = in_line(f, item, e, work.index);
+        crosses = found.cuts;
+        is_second = all(found.end == f.b);
+        if (found.is_left_at_end) {
+          atomicXor(&odd[slot], 1u);
+        }
+      }
+      if (crosses) {
+        own |= bit;
+        touches |= select(0u, bit, touch);
+        touches_second |= select(0u, bit, touch && is_second);
         atomicAdd(&cut_counts[slot], 1u);
       }
       continue;
@@ -97,6 +175,31 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
     }
   }
   cutting[lane] = own;
+  touching[lane] = touches;
+  touching_second[lane] = touches_second;
+}
+
+// The end of an edge that is on the work's edge, in space, and 1; or 0 if that is not how it cuts.
+fn touch_of(outline: OutlineRange, work: Work, lane: u32, index: u32) -> vec4<u32> {
+  let word = select(lane, index % OUTLINE_LANES, work.is_large);
+  let bit = 1u << select(index, index / OUTLINE_LANES, work.is_large);
+  if ((touching[word] & bit) == 0u) {
+    return vec4<u32>(0u);
+  }
+  let f = edge_at(outline.first + index);
+  return vec4<u32>(select(f.a, f.b, (touching_second[word] & bit) != 0u), 1u);
+}
+
+// How far along the work's edge a point on it is.
+fn along_edge(e: Edge, point: vec3<u32>) -> f32 {
+  let a = bitcast<vec3<f32>>(e.a);
+  let along = bitcast<vec3<f32>>(e.b) - a;
+  let from_a = bitcast<vec3<f32>>(point) - a;
+  let size = abs(along);
+  if (size.x >= size.y && size.x >= size.z) {
+    return from_a.x / along.x;
+  }
+  return select(from_a.z / along.z, from_a.y / along.y, size.y >= size.z);
 }
 
 // With more cuts, those of an edge are ordered by how far along they are, which is rounded.
@@ -110,24 +213,35 @@ fn common_side(signs: vec2<i32>) -> i32 {
 // Whether edge j cuts edge e before edge i does. Turns decide where the one cut is on one side of the other edge. Otherwise all
 // three may cross each other. How far along the earliest of the three the others cut it decides for all three, so that what
 // is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
-fn is_before(outline: OutlineRange, work: Work, j: u32, i: u32, by_turns: bool) -> bool {
+fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_turns: bool) -> bool {
   let e = work.edge;
+  let touch_j = touch_of(outline, work, lane, j);
+  let touch_i = touch_of(outline, work, lane, i);
+  // Where both are at one point in space, any order will do.
+  if (by_turns && touch_j.w + touch_i.w == 2u) {
+    if (all(touch_j == touch_i)) {
+      return j < i;
+    }
+    return is_below(touch_j.xyz, touch_i.xyz) == is_below(e.a, e.b);
+  }
   let f = edge_at(outline.first + i);
   let g = edge_at(outline.first + j);
-  var earliest = select(work.index, min(work.index, min(i, j)), by_turns);
+  let is_touch = touch_j.w + touch_i.w != 0u;
+  var earliest = select(work.index, min(work.index, min(i, j)), by_turns && !is_touch);
   let k = edge_at(outline.first + earliest);
   // The sides of the end of e at f and g; those of the ends of g at f, and of f at g; those of the end of k at both of the others.
   var signs: array<i32, 8>;
-  for (var test = 0u; test < select(0u, 8u, by_turns); test++) {
+  for (var test = 0u; test < select(0u, select(8u, 5u, is_touch), by_turns); test++) {
     var p = f;
     if (test == 1u || test == 4u || test == 5u) {
       p = g;
     }
     var r = e.b;
     switch (test) {
-      case 2u: { r = g.a; }
+      // The point of the one that touches, at the other.
+      case 2u: { r = select(g.a, touch_j.xyz, is_touch); }
       case 3u: { r = g.b; }
-      case 4u: { r = f.a; }
+      case 4u: { r = select(f.a, touch_i.xyz, is_touch); }
       case 5u: { r = f.b; }
       case 6u, 7u: {
         if (earliest == work.index) {
@@ -146,6 +260,13 @@ fn is_before(outline: OutlineRange, work: Work, j: u32, i: u32, by_turns: bool) 
       default: {}
     }
     signs[test] = turn(p.a, p.b, r, work.place).moved;
+  }
+  if (by_turns && is_touch) {
+    let side = select(signs[4], signs[2], touch_j.w == 1u);
+    if (side == 0) {
+      return j < i;
+    }
+    return select(side == signs[1], side != signs[0], touch_j.w == 1u);
   }
   if (by_turns) {
     // The cut of g is on this side of f, or that of f on this side of g.
@@ -172,6 +293,8 @@ fn is_before(outline: OutlineRange, work: Work, j: u32, i: u32, by_turns: bool) 
     }
     places[other] = cut_at(edge_at(outline.first + cutting), along, work.place);
   }
+  places.x = select(places.x, along_edge(e, touch_i.xyz), touch_i.w == 1u);
+  places.y = select(places.y, along_edge(e, touch_j.xyz), touch_j.w == 1u);
   if (earliest == work.index) {
     return places.y < places.x || (places.y == places.x && j < i);
   }
@@ -197,7 +320,7 @@ fn rank_cuts(outline: OutlineRange, work: Work, lane: u32, by_turns: bool) {
     for (var word = 0u; word < select(1u, OUTLINE_LANES, work.is_large); word++) {
       for (var rest = cutting[select(lane, word, work.is_large)]; rest != 0u; rest &= rest - 1u) {
         let j = cutting_edge(work, word, firstTrailingBit(rest));
-        if (j != i && is_before(outline, work, j, i, by_turns)) {
+        if (j != i && is_before(outline, work, lane, j, i, by_turns)) {
           rank++;
         }
       }
@@ -247,10 +370,14 @@ fn list_before(outline: OutlineRange, work: Work, lane: u32, last: u32) {
   for (var end = 0u; end < 2u; end++) {
     let other = select(last, before, end == 0u);
     if (other != CORNER) {
-      ends[end] = crossing_point(outline, work.index, other, work.place);
+      let touch = touch_of(outline, work, lane, other);
+      ends[end] = touch.xyz;
+      if (touch.w == 0u) {
+        ends[end] = crossing_point(outline, work.index, other, work.place);
+      }
     }
   }
-  list_piece(outline, work.place, ends[0], ends[1], !is_odd);
+  write_piece(work.place, take_room(work.place, 1u), ends[0], ends[1], !is_odd, middle_of(outline));
 }
 
 @compute @workgroup_size(64)

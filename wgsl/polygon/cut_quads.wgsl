@@ -8,15 +8,17 @@ fn cut_quad(outline: OutlineRange, light: u32, first: u32, is_positive: bool) {
   for (var corner = 0u; corner < 4u; corner++) {
     corners[corner] = place_of(outlines[outline.first + (first + corner) % 4u].x);
   }
-  let middle = crossing_point(outline, (first + 1u) % 4u, (first + 3u) % 4u, light);
+  let crossing = crossing_point(outline, (first + 1u) % 4u, (first + 3u) % 4u, light);
+  let middle = middle_of(outline);
+  let place = take_room(light, 6u);
   // The lobe of corners 0 and 1, and that of corners 2 and 3.
   for (var lobe = 0u; lobe < 2u; lobe++) {
     let a = corners[2u * lobe];
     let b = corners[2u * lobe + 1u];
     let is_turned = is_positive == (lobe == 1u);
-    list_piece(outline, light, a, b, is_turned);
-    list_piece(outline, light, b, middle, is_turned);
-    list_piece(outline, light, middle, a, is_turned);
+    write_piece(light, place + 3u * lobe, a, b, is_turned, middle);
+    write_piece(light, place + 3u * lobe + 1u, b, crossing, is_turned, middle);
+    write_piece(light, place + 3u * lobe + 2u, crossing, a, is_turned, middle);
   }
 }
 

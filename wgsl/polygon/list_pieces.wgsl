@@ -1,20 +1,42 @@
 // Lists pieces of L-twisted polygons, and finds where edges cross as seen from a light.
 
-// For each light of the batch the number of its pieces; then lists of pieces, of as many words each.
-@group(0) @binding(9) var<storage, read_write> pieces: array<atomic<u32>>;
+struct Pieces {
+  // For each light of the batch the number of its pieces.
+  counts: array<atomic<u32>, 32>,
+  // A list for each light, with room for as many pieces each.
+  words: array<u32>,
+}
 
-const PIECE_COUNTS: u32 = 32u;
+@group(0) @binding(9) var<storage, read_write> pieces: Pieces;
+
 // Words of a piece: where it begins, where it ends, and the middle of its polygon.
 const PIECE_WORDS: u32 = 9u;
 
-// How far along (a, b) the plane through the light and (c, d) is.
+// The sine of an angle at which rounding tells more of a plane than the light and the edge in it do.
+const END_ON: f32 = 0x1p-17;
+
+fn largest_of(v: vec3<f32>) -> f32 {
+  return max(max(abs(v.x), abs(v.y)), abs(v.z));
+}
+
+// A vector whose largest component is 1, so that products neither vanish nor overflow.
+fn to_unit(v: vec3<f32>) -> vec3<f32> {
+  return v / max(largest_of(v), 0x1p-126);
+}
+
+// How far along (a, b) the plane through the light and (c, d) is. If the light looks along (c, d), it is where it sees c.
 fn cut_at(f: Edge, e: Edge, place: u32) -> f32 {
   let a = bitcast<vec3<f32>>(e.a);
   let b = bitcast<vec3<f32>>(e.b);
   let c = bitcast<vec3<f32>>(f.a);
   let light = scaled_light(place);
-  let normal = cross_product(bitcast<vec3<f32>>(f.b) - c, light.xyz - light.w * c);
-  let ends = vec2<f32>(dot(normal, a - c), dot(normal, b - c));
+  let sight = to_unit(light.xyz - light.w * c);
+  var normal = cross_product(to_unit(bitcast<vec3<f32>>(f.b) - c), sight);
+  if (largest_of(normal) <= END_ON) {
+    normal = cross_product(to_unit(cross_product(to_unit(b - a), to_unit(light.xyz - light.w * a))), sight);
+  }
+  let scale = max(max(largest_of(a - c), largest_of(b - c)), 0x1p-126);
+  let ends = vec2<f32>(dot(normal, (a - c) / scale), dot(normal, (b - c) / scale));
   let at = ends.x / (ends.x - ends.y);
   // The signs of both are exactly opposite, but here they are rounded.
   return select(clamp(at, 0.0, 1.0), 0.5, ends.x == ends.y);
@@ -31,27 +53,31 @@ fn crossing_point(outline: OutlineRange, i: u32, j: u32, place: u32) -> vec3<u32
 
 // A point amid the corners of a polygon. It is in no triangle of its surface as a rule, so faces from there are in no plane with
 // these. Nothing here can be fused, so it has the same bits for all pieces.
-fn middle_of(outline: OutlineRange) -> vec3<f32> {
+fn middle_of(outline: OutlineRange) -> vec3<u32> {
   var corners: array<vec3<f32>, 4>;
   for (var quarter = 0u; quarter < 4u; quarter++) {
     corners[quarter] = bitcast<vec3<f32>>(place_of(outlines[outline.first + quarter * outline.count / 4u].x));
   }
-  return ((corners[0] + corners[1]) + (corners[2] + corners[3])) * 0.25;
+  return bitcast<vec3<u32>>(((corners[0] + corners[1]) + (corners[2] + corners[3])) * 0.25);
 }
 
-// Lists a piece from one place to another, or the other way round, so that what is dark is on its left.
-fn list_piece(outline: OutlineRange, light: u32, from_end: vec3<u32>, to_end: vec3<u32>, is_turned: bool) {
-  let place = atomicAdd(&pieces[light], 1u);
+// Takes room for pieces of a light, and returns the place of the first in its list.
+fn take_room(light: u32, count: u32) -> u32 {
+  return atomicAdd(&pieces.counts[light], count);
+}
+
+// Writes a piece from one place to another, or the other way round, so that what is dark is on its left. A place past the end of
+// the list is left out.
+fn write_piece(light: u32, place: u32, from_end: vec3<u32>, to_end: vec3<u32>, is_turned: bool, middle: vec3<u32>) {
   if (place >= chunk.capacity) {
     return;
   }
-  let at = PIECE_COUNTS + PIECE_WORDS * (light * chunk.capacity + place);
+  let at = PIECE_WORDS * (light * chunk.capacity + place);
   let first = select(from_end, to_end, is_turned);
   let second = select(to_end, from_end, is_turned);
-  let middle = bitcast<vec3<u32>>(middle_of(outline));
   for (var axis = 0u; axis < 3u; axis++) {
-    atomicStore(&pieces[at + axis], first[axis]);
-    atomicStore(&pieces[at + 3u + axis], second[axis]);
-    atomicStore(&pieces[at + 6u + axis], middle[axis]);
+    pieces.words[at + axis] = first[axis];
+    pieces.words[at + 3u + axis] = second[axis];
+    pieces.words[at + 6u + axis] = middle[axis];
   }
 }

@@ -8,13 +8,14 @@
 
 const ONE_LOOP: u32 = 0x80000000u;
 
-// Words of the head: the workgroups of the indirect dispatch, the number of entries, the number of records. `polygon_masks` makes
-// entries of its own, for `cut_edges`, and counts them and their workgroups behind.
-const WORKGROUPS: u32 = 0u;
-const ENTRY_COUNT: u32 = 3u;
-const CUT_WORKGROUPS: u32 = 4u;
-const CUT_COUNT: u32 = 7u;
-const RECORD_COUNT: u32 = 8u;
+// Words of the head: three indirect dispatches, each with the number of its items behind it. The first is over records, the second
+// over entries. `polygon_masks` makes entries of its own, for `cut_edges`: the third is over them.
+const RECORD_WORKGROUPS: u32 = 0u;
+const RECORD_COUNT: u32 = 3u;
+const WORKGROUPS: u32 = 4u;
+const ENTRY_COUNT: u32 = 7u;
+const CUT_WORKGROUPS: u32 = 8u;
+const CUT_COUNT: u32 = 11u;
 const UNDECIDED_HEAD: u32 = 12u;
 
 // Words of a record: the polygon, with the highest bit if a corner is not finite, and its undecided lights; then what is found for

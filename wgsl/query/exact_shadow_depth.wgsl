@@ -52,6 +52,31 @@ fn exactly_between(face: Face, p: vec3<u32>, light: vec4<u32>) -> bool {
   return true;
 }
 
+fn is_between(segment: Segment, index: u32) -> bool {
+  let face = face_of(index);
+  let decision = decide(segment, face);
+  return decision == BETWEEN ||
+    (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light]));
+}
+
+// What a face counts: 0 if it is not between, else 1, or -1 after an odd number of triangles of the same polygon.
+fn count_of(segment: Segment, index: u32) -> i32 {
+  var count = 0;
+  var at = index;
+  var is_going = true;
+  // Loops in loops, because llvmpipe silently ends a loop after 65,535 turns.
+  while (is_going) {
+    for (var run = 0u; run < 1024u && is_going; run++) {
+      if (is_between(segment, at)) {
+        count = select(-count, 1, at == index);
+      }
+      is_going = count != 0 && continues(at);
+      at--;
+    }
+  }
+  return count;
+}
+
 // A face of a pair, as it was noted.
 fn noted_face(noted: UndecidedFaces, at: u32) -> u32 {
   return select(select(noted.face_2, noted.face_1, at == 1u), noted.face_0, at == 0u);
@@ -69,9 +94,11 @@ fn exact_shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
     return;
   }
   let query = query_of(pair);
+  let segment = segment_of(query);
   for (var at = 0u; at < noted.count; at++) {
-    if (exactly_between(face_of(noted_face(noted, at)), query.p_bits, batch.light_bits[query.light])) {
-      atomicAdd(&depths[query.at], 1);
+    let count = count_of(segment, noted_face(noted, at));
+    if (count != 0) {
+      atomicAdd(&depths[query.at], count);
     }
   }
 }
@@ -99,13 +126,9 @@ fn exact_shadow_depth_recount(
     if (misses(segment, clusters[at / CLUSTER].low, clusters[at / CLUSTER].high)) {
       continue;
     }
-    let face = face_of(at);
-    var decision = decide(segment, face);
-    if (decision == UNDECIDED && exactly_between(face, segment.p_bits, batch.light_bits[segment.light])) {
-      decision = BETWEEN;
-    }
-    if (decision == BETWEEN) {
-      atomicAdd(&depths[query.at], 1);
+    let count = count_of(segment, at);
+    if (count != 0) {
+      atomicAdd(&depths[query.at], count);
     }
   }
 }

@@ -1,5 +1,5 @@
-// Shadow depth: counts the faces strictly between each point and each light. One invocation takes one pair of point and
-// light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
+// Shadow depth: counts the faces strictly between each point and each light. The triangles of a polygon count 1 and -1 in turn, so
+// that it counts once if an odd number of them lie between. One invocation takes one pair of point and light. It notes undecided faces for exact_shadow_depth.wgsl. A pair with too many of them is listed, and
 // exact_shadow_depth.wgsl counts it again.
 
 var<private> undecided: UndecidedFaces;
@@ -14,12 +14,32 @@ fn note(face: u32) {
   undecided.count++;
 }
 
-// The number of faces of a cluster that lie between.
-fn count_cluster(segment: Segment, cluster: u32) -> u32 {
+// What a face that lies between counts: 1, or -1 after an odd number of triangles of the same polygon. It is 0 where one of those is
+// undecided.
+fn turn_of(segment: Segment, index: u32) -> i32 {
+  var turn = 1;
+  var at = index;
+  // Loops in loops, because llvmpipe silently ends a loop after 65,535 turns.
+  while (continues(at) && turn != 0) {
+    for (var run = 0u; run < 1024u && continues(at) && turn != 0; run++) {
+      at--;
+      let decision = decide(segment, face_of(at));
+      if (decision == BETWEEN) {
+        turn = -turn;
+      } else if (decision == UNDECIDED) {
+        turn = 0;
+      }
+    }
+  }
+  return turn;
+}
+
+// What the faces of a cluster that lie between count.
+fn count_cluster(segment: Segment, cluster: u32) -> i32 {
   let low = clusters[cluster].low;
   let high = clusters[cluster].high;
   if (misses(segment, low, high)) {
-    return 0u;
+    return 0;
   }
   // One bound for all edges, because the box holds them all.
   let to_low = bitcast<vec3<f32>>(low.xyz) - segment.p;
@@ -29,7 +49,7 @@ fn count_cluster(segment: Segment, cluster: u32) -> u32 {
   let underflow = underflow_bound(bitcast<f32>(max(low.w, segment.largest)));
   let bound = (RELATIVE * segment.size) * (edge * reach) + underflow * (1.0 + 3.0 * segment.size);
   let is_certain = segment.is_certain && low.w < LARGE;
-  var count = 0u;
+  var count = 0;
   for (var at = 0u; at < CLUSTER; at++) {
     let face = face_of(CLUSTER * cluster + at);
     let d = edge_determinants(
@@ -42,18 +62,24 @@ fn count_cluster(segment: Segment, cluster: u32) -> u32 {
       continue;
     }
     let decision = decide(segment, face);
+    if (decision == NOT_BETWEEN) {
+      continue;
+    }
+    var turn = 0;
     if (decision == BETWEEN) {
-      count++;
-    } else if (decision == UNDECIDED) {
+      turn = turn_of(segment, CLUSTER * cluster + at);
+      count += turn;
+    }
+    if (turn == 0) {
       note(CLUSTER * cluster + at);
     }
   }
   return count;
 }
 
-// The number of faces of the range that lie between.
-fn count_range(segment: Segment) -> u32 {
-  var count = 0u;
+// What the faces of the range that lie between count.
+fn count_range(segment: Segment) -> i32 {
+  var count = 0;
   for (var group = range.first; group < range.end; group += CLUSTER) {
     if (misses(segment, clusters[group].group_low, clusters[group].group_high)) {
       continue;
@@ -82,7 +108,7 @@ fn shadow_depth(@builtin(global_invocation_id) id: vec3<u32>) {
   let query = query_of(pair);
   var counted = 0;
   if (is_finite(query.p_bits)) {
-    counted = i32(count_range(segment_of(query)));
+    counted = count_range(segment_of(query));
     if (undecided.count > MOST_UNDECIDED) {
       counted = 0;
       list(pair);

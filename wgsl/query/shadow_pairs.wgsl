@@ -40,6 +40,11 @@ fn face_of(index: u32) -> Face {
   return face;
 }
 
+// Whether a face belongs to the same polygon as the face before it.
+fn continues(index: u32) -> bool {
+  return ((clusters[index / CLUSTER].continues >> (index % CLUSTER)) & 1u) != 0u;
+}
+
 const NOT_BETWEEN: u32 = 0u;
 const BETWEEN: u32 = 1u;
 const UNDECIDED: u32 = 2u;

@@ -175,6 +175,14 @@ pub(crate) enum UsageError {
          to --scenes"
     )]
     CastersWithoutScene,
+    #[error("{0}; give another light, or leave out --hide-covered")]
+    Covered(rimline::cpu::HiddenError),
+    #[error(
+        "--method {0} draws each file by itself, so no file covers another; leave out --hide-covered or --method {0}"
+    )]
+    CoveredMethod(String),
+    #[error("--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, or leave out --hide-covered", .file.display())]
+    CoveredPolygons { file: PathBuf },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

@@ -17,6 +17,7 @@ use crate::shadow::pictures::Pictures;
 use crate::shadow::posed_model::PosedModel;
 use crate::shadow::render_resources::RenderResources;
 use crate::shadow::shadow_scene::{ShadowInputs, ShadowScene, open_gpu};
+use crate::shadow::shadows::ShadowMethod;
 use crate::shown::Line;
 
 /// Moments that the camera is chosen by: it must see all of the motion.
@@ -53,9 +54,15 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let mut set = ShadowScene::new(scene, bodies, &points)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let pictures =
-        Pictures::new(&gpu, &resources, scene.method.counting(), scene.mode, scene.volumes, set.is_in_parts())
-            .map_err(fail)?;
+    let pictures = Pictures::new(
+        &gpu,
+        &resources,
+        ShadowMethod::new(scene.method.counting(), &set.bodies),
+        scene.mode,
+        scene.volumes,
+        set.is_in_parts(),
+    )
+    .map_err(fail)?;
     drop(progress);
 
     let progress = Progress::pictures(u64::from(frames));

@@ -140,6 +140,14 @@ impl Input {
         Ok(Shape::Posed { model: self.model(), pose })
     }
 
+    /// The mesh, if the file has polygons.
+    pub(crate) fn polygons(&self) -> Option<&Mesh> {
+        match &self.source {
+            Source::World { polygons, .. } => polygons.as_deref(),
+            Source::Gltf(_) => None,
+        }
+    }
+
     /// The mesh that all instances make.
     pub(crate) fn mesh(&self, shape: &Shape<'_>) -> Result<Mesh, Failure> {
         if let (Source::World { polygons: Some(mesh), .. }, Shape::World(_)) = (&self.source, shape) {

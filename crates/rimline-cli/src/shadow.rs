@@ -3,6 +3,7 @@
 pub(crate) mod args;
 pub(crate) mod casters;
 pub(crate) mod counts;
+mod covered;
 mod depth;
 mod extracted;
 mod found;
@@ -11,7 +12,6 @@ mod masks;
 mod part;
 pub(crate) mod pictures;
 pub(crate) mod posed_model;
-mod published;
 mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
@@ -21,6 +21,7 @@ mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
+mod single_casters;
 mod volume_overlay;
 
 use std::time::Instant;
@@ -40,17 +41,22 @@ use crate::progress::Progress;
 use crate::target::is_same_file;
 use crate::times::Times;
 use crate::warm_up;
-use args::ShadowArgs;
+use args::{CountingArg, ShadowArgs, value_name};
 use casters::Casters;
+use covered::CoveredFaces;
 use masks::Masks;
 use part::PARTS;
 use pictures::Pictures;
 use render_resources::{DrawInputs, RenderResources};
 use report::Report;
 use shadow_scene::{ShadowInputs, ShadowScene, mask_file};
+use shadows::ShadowMethod;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let scene = &args.scene;
+    if args.hide_covered && scene.method == CountingArg::ZpPlus2005 {
+        return Err(UsageError::CoveredMethod(value_name(&scene.method)).into());
+    }
     args.out.as_deref().map_or(Ok(()), |out| ending::check(out, Written::Png))?;
     let progress = Progress::start();
     let mut times = Times::default();
@@ -82,24 +88,35 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     if let Some(out) = args.out.as_deref().filter(|out| mask_files.iter().any(|file| is_same_file(out, file))) {
         return Err(UsageError::SameOutput { file: out.to_owned() }.into());
     }
+    if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
+        return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
+    }
     mask_files.iter().try_for_each(|file| inputs.spare(file))?;
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
 
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let counting = scene.method.counting();
-    let pictures = output
-        .is_some()
-        .then(|| Pictures::new(&gpu, &resources, counting, scene.mode, scene.volumes, set.is_in_parts()));
+    let method = ShadowMethod::new(scene.method.counting(), &set.bodies);
+    let pictures =
+        output.is_some().then(|| Pictures::new(&gpu, &resources, method, scene.mode, scene.volumes, set.is_in_parts()));
     let pictures = pictures.transpose().map_err(fail)?;
-    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, counting)).transpose().map_err(fail)?;
+    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, method)).transpose().map_err(fail)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
     let mut casters =
         Casters::new(&gpu, pipelines, set.samples(), scene.volumes && pictures.is_some()).map_err(fail)?;
     times.add("pipelines", begin.elapsed().as_secs_f64() * 1e3);
     times.measure("topology", || casters.place(&gpu, &set.bodies))?;
+    let covered = args
+        .hide_covered
+        .then(|| {
+            progress.step("looking for covered faces");
+            let covered = times.measure("covered", || CoveredFaces::find(&set.bodies, &set.ranged()))?;
+            casters.leave_out(&gpu, &set.bodies, &covered).map(|()| covered)
+        })
+        .transpose()?;
+    progress.step("drawing");
     times.measure("compile", || {
         warm_up::shadow_stages(&gpu, pipelines, &frame::shadow_camera(&set.camera), &set.ranged())
     })?;
@@ -128,7 +145,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
             output.finish(|file| mask.write_png(file))?;
         }
     }
-    let report = Report::read(&gpu, &set, &casters).map_err(fail)?;
+    let report = Report::read(&gpu, &set, &casters, covered.as_ref()).map_err(fail)?;
     gpu.check()?;
     drop(progress);
     report.bound().warn();

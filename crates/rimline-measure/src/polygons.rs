@@ -248,3 +248,25 @@ pub fn quad_box(cuts: u32) -> PolygonSet {
     }
     set
 }
+
+/// Many random polygons together, and bodies of quadrilaterals.
+pub fn random_set(random: &mut Random, most: usize) -> PolygonSet {
+    let mut set = match random.below(4) {
+        0 => {
+            let bump = [0.0, 0.01, 0.1, 0.3][random.below(4)];
+            quad_torus(random, 12, 8, bump)
+        }
+        1 => quad_box(1 + random.below(3) as u32),
+        _ => PolygonSet::default(),
+    };
+    for _ in 0..5 + random.below(30) {
+        let (_, one) = random_polygon(random, most);
+        let first = set.positions.len() as u32;
+        set.positions.extend(&one.positions);
+        for loops in one.polygons() {
+            let moved = |corners: Vec<u32>| corners.into_iter().map(|corner| first + corner).collect();
+            set.push(&loops.into_iter().map(moved).collect::<Vec<_>>());
+        }
+    }
+    set
+}

@@ -4,7 +4,7 @@
 use super::edge_pair::Edge;
 use super::outline::Outline;
 use super::turn::turn;
-use crate::cpu::common::double_sign::{cross, difference, dot, to_light};
+use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_light};
 
 /// Where a piece begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,24 +31,25 @@ pub struct Piece {
     pub is_turned: bool,
 }
 
-/// The pieces of an outline's edges. Each has an odd number of `triangles` between the light and what is on its left, and
-/// an even number on its right. `triangles` are those of the polygon: their boundary is the outline. No edges of the
-/// outline overlap in space.
+/// The pieces of an outline's edges. What they wind around has an odd number of `triangles` between it and the light, and all else has
+/// an even number. `triangles` are those of the polygon: their boundary is the outline. Where edges overlap in space, their pieces
+/// cancel but for one, or all.
 pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]) -> Vec<Piece> {
     let edges = outline.edges();
     let mut pieces = Vec::new();
     for (index, &edge) in edges.iter().enumerate() {
         let others = edges.iter().enumerate().filter(|&(other, _)| other != index);
-        let cutting = others.filter(|&(_, &other)| cuts(other, edge, light));
-        let crossings = in_order(edges, index, &cutting.map(|(other, _)| other).collect::<Vec<_>>(), light);
-        let crossing = |&other: &usize| PieceEnd::Crossing { edge: other, at: cut_at(edges[other], edge, light) };
+        let cutting = others.clone().filter_map(|(other, _)| cut(edges, index, other, light));
+        let crossings = in_order(edges, index, &cutting.collect::<Vec<_>>(), light);
+        let crossing = |cut: &Cut| PieceEnd::Crossing { edge: cut.edge, at: cut.along(edges, index, light) };
         let ends: Vec<PieceEnd> = std::iter::once(PieceEnd::Corner)
             .chain(crossings.iter().map(crossing))
             .chain(std::iter::once(PieceEnd::Corner))
             .collect();
         // The last piece ends at the end of the edge, and each crossing exchanges the sides.
-        let is_odd_at_end =
-            triangles.iter().filter(|triangle| holds_left_of_end(triangle, edge, light)).count() % 2 != 0;
+        let beyond = triangles.iter().filter(|triangle| holds_left_of_end(triangle, edge, light)).count();
+        let between = others.filter(|&(other, _)| is_left_at_end(edges, index, other, light)).count();
+        let is_odd_at_end = (beyond + between) % 2 != 0;
         for (piece, ends) in ends.windows(2).enumerate() {
             let is_odd = is_odd_at_end == (crossings.len() - piece).is_multiple_of(2);
             pieces.push(Piece { edge: index, ends: [ends[0], ends[1]], is_turned: !is_odd });
@@ -57,47 +58,116 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
     pieces
 }
 
-/// Whether an edge `(c, d)` cuts an edge `(a, b)` between its ends as seen from the light. An end of `(c, d)` that lies on
-/// `(a, b)` in space counts as on its right. So edges that begin or end there cut in pairs or not at all, except
-/// where they pass from one side to the other.
-fn cuts([c, d]: Edge, [a, b]: Edge, light: [f32; 4]) -> bool {
+/// Where an edge is cut by another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cut {
+    /// The other edge.
+    edge: usize,
+    /// The end of the other, if it is on the edge that is cut, in space.
+    touch: Option<[f32; 3]>,
+}
+
+impl Cut {
+    /// How far along edge `e` it is. It is rounded.
+    fn along(&self, edges: &[Edge], e: usize, light: [f32; 4]) -> f64 {
+        let Some(touch) = self.touch else { return cut_at(edges[self.edge], edges[e], light) };
+        let [a, b] = edges[e].map(|end| end.map(f64::from));
+        let axis = (0..3).max_by(|&i, &j| (b[i] - a[i]).abs().total_cmp(&(b[j] - a[j]).abs())).unwrap_or(0);
+        (f64::from(touch[axis]) - a[axis]) / (b[axis] - a[axis])
+    }
+}
+
+/// How edge `other` cuts edge `e` between its ends as seen from the light. Points on the line of `e` in space are taken as beside it:
+/// on the right of the direction in which coordinates grow. So edges that begin or end there cut in pairs or not at all,
+/// except where they pass from one side to the other. An edge that overlaps `e` is beside it, too, on the side that [`precedes`]
+/// tells. If that is the other one, it cuts `e` where it ends.
+fn cut(edges: &[Edge], e: usize, other: usize, light: [f32; 4]) -> Option<Cut> {
+    let ([a, b], [c, d]) = (edges[e], edges[other]);
     let ends = [turn(c, d, a, light), turn(c, d, b, light)];
+    let sides = [turn(a, b, c, light), turn(a, b, d, light)];
+    if sides == [0, 0] {
+        let ([low, high], [_, end]) = (in_space([a, b]), in_space([c, d]));
+        let is_within = is_below(low, end) && is_below(end, high);
+        return (is_within && precedes(edges, other, e)).then_some(Cut { edge: other, touch: Some(end) });
+    }
     if ends[0] * ends[1] >= 0 {
+        return None;
+    }
+    let is_left = |side: i32| if is_below(a, b) { side > 0 } else { side >= 0 };
+    let touch = if sides[0] == 0 { Some(c) } else { (sides[1] == 0).then_some(d) };
+    // Not where it crosses the opposite directions. An end that lies on the other edge is no opposite.
+    (is_left(sides[0]) != is_left(sides[1]) && (touch.is_some() || sides[0] == ends[1]))
+        .then_some(Cut { edge: other, touch })
+}
+
+/// Whether edge `other` overlaps edge `e` in space next to the end of `e`, on its left.
+fn is_left_at_end(edges: &[Edge], e: usize, other: usize, light: [f32; 4]) -> bool {
+    let ([a, b], [c, d]) = (edges[e], edges[other]);
+    if turn(a, b, c, light) != 0 || turn(a, b, d, light) != 0 {
         return false;
     }
-    let sides = [turn(a, b, c, light), turn(a, b, d, light)];
-    // Not where it crosses the opposite directions. An end that lies on the other edge is no opposite.
-    (sides[0] > 0) != (sides[1] > 0) && (sides.contains(&0) || sides[0] == ends[1])
+    let ([low, high], [from, to]) = (in_space([a, b]), in_space([c, d]));
+    if is_below(a, b) {
+        precedes(edges, other, e) && !is_below(to, high)
+    } else {
+        from == low && !precedes(edges, other, e)
+    }
+}
+
+/// Whether one of two edges on a line is on the left of the other, seen in the direction in which coordinates grow: it begins
+/// before it, or ends behind it.
+fn precedes(edges: &[Edge], one: usize, other: usize) -> bool {
+    let ([low, high], [from, to]) = (in_space(edges[one]), in_space(edges[other]));
+    is_below(low, from) || low == from && (is_below(to, high) || high == to && one < other)
+}
+
+/// The ends of an edge in the direction in which coordinates grow.
+fn in_space([a, b]: Edge) -> Edge {
+    if is_below(a, b) { [a, b] } else { [b, a] }
+}
+
+/// Whether a point comes before another on a line, in the direction in which coordinates grow: the first that differs.
+fn is_below(p: [f32; 3], q: [f32; 3]) -> bool {
+    p.into_iter().zip(q).find(|(p, q)| p != q).is_some_and(|(p, q)| p < q)
 }
 
 /// With more cuts, those of an edge are ordered by how far along they are, which is rounded.
 const MOST_ORDERED: usize = 256;
 
-/// What cuts edge `e`, in order along it. By turns if their answers fit together, and else by rounded places.
-fn in_order(edges: &[Edge], e: usize, cuts: &[usize], light: [f32; 4]) -> Vec<usize> {
-    let ranked = |is_before: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
-        let rank = |i: usize| cuts.iter().filter(|&&j| j != i && is_before(j, i)).count();
-        let mut ranked: Vec<_> = cuts.iter().map(|&i| (rank(i), i)).collect();
-        ranked.sort_unstable();
+/// The cuts of edge `e`, in order along it. By turns if their answers fit together, and else by rounded places.
+fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut> {
+    let ranked = |is_before: &dyn Fn(&Cut, &Cut) -> bool| -> Vec<(usize, Cut)> {
+        let rank = |i: &Cut| cuts.iter().filter(|j| j.edge != i.edge && is_before(j, i)).count();
+        let mut ranked: Vec<_> = cuts.iter().map(|i| (rank(i), *i)).collect();
+        ranked.sort_by_key(|&(rank, cut)| (rank, cut.edge));
         ranked
     };
-    let at = |i: usize| cut_at(edges[i], edges[e], light);
+    let at = |cut: &Cut| cut.along(edges, e, light);
     let mut found =
-        if cuts.len() <= MOST_ORDERED { ranked(&|j, i| is_before(edges, [e, j, i], light)) } else { Vec::new() };
+        if cuts.len() <= MOST_ORDERED { ranked(&|j, i| is_before(edges, e, j, i, light)) } else { Vec::new() };
     if found.len() < cuts.len() || found.windows(2).any(|pair| pair[0].0 == pair[1].0) {
-        found = ranked(&|j, i| at(j) < at(i) || at(j) == at(i) && j < i);
+        found = ranked(&|j, i| at(j) < at(i) || at(j) == at(i) && j.edge < i.edge);
     }
-    found.into_iter().map(|(_, i)| i).collect()
+    found.into_iter().map(|(_, cut)| cut).collect()
 }
 
-/// Whether edge `j` cuts edge `e` before edge `i` does. Turns decide where the one cut is on one side of the other edge.
-/// Otherwise all three may cross each other. How far along the earliest of the three the others cut it decides for all
+/// Whether cut `j` of edge `e` comes before cut `i`. Turns decide where the one cut is on one side of the other edge.
+/// Otherwise all three edges may cross each other. How far along the earliest of the three the others cut it decides for all
 /// three.
-fn is_before(edges: &[Edge], [e, j, i]: [usize; 3], light: [f32; 4]) -> bool {
+fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> bool {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
+    let [start, end] = edges[e];
+    let (touches, [j, i]) = ([j.touch, i.touch], [j.edge, i.edge]);
+    // Where both are at one point in space, any order will do.
+    match touches {
+        [Some(p), Some(q)] if p == q => return j < i,
+        [Some(p), Some(q)] => return is_below(p, q) == is_below(start, end),
+        [Some(p), None] => return if side(i, p) == 0 { j < i } else { side(i, p) != side(i, end) },
+        [None, Some(q)] => return if side(j, q) == 0 { j < i } else { side(j, q) == side(j, end) },
+        [None, None] => {}
+    }
     let sides = |of: usize, edge: usize| edges[edge].map(|end| side(of, end));
     let common = |[p, q]: [i32; 2]| if p * q < 0 { 0 } else { p + q };
-    let end = edges[e][1];
     let (of_j, of_i) = (sides(i, j), sides(j, i));
     match (common(of_j).signum(), common(of_i).signum()) {
         (0, 0) => {}
@@ -116,15 +186,23 @@ fn is_before(edges: &[Edge], [e, j, i]: [usize; 3], light: [f32; 4]) -> bool {
     turned * side(i, end) * side(j, end) > 0
 }
 
-/// How far along `(a, b)` the plane through the light and `(c, d)` is.
+/// How far along `(a, b)` the plane through the light and `(c, d)` is. If the light looks along `(c, d)`, it is where it sees `c`.
 fn cut_at([c, d]: Edge, [a, b]: Edge, [x, y, z, w]: [f32; 4]) -> f64 {
     let [a, b, c, d] = [a, b, c, d].map(|point| point.map(f64::from));
-    let normal = cross(difference(d, c), to_light(c, [x, y, z].map(f64::from), f64::from(w)));
+    let towards = |point| to_light(point, [x, y, z].map(f64::from), f64::from(w));
+    let [along, sight] = [difference(d, c), towards(c)];
+    let mut normal = cross(along, sight);
+    if sum_of_sizes(normal) <= END_ON * sum_of_sizes(along) * sum_of_sizes(sight) {
+        normal = cross(cross(difference(b, a), towards(a)), sight);
+    }
     let [from, to] = [a, b].map(|end| dot(normal, difference(end, c)));
     let at = from / (from - to);
     // The signs of both are exactly opposite, but here they are rounded, and the light has not moved.
     if at.is_nan() { 0.5 } else { at.clamp(0.0, 1.0) }
 }
+
+/// The sine of an angle at which rounding tells more of a plane than the light and the edge in it do.
+const END_ON: f64 = 1e-12;
 
 /// Whether the directions next to the end of an edge, a little before it and less to its left, run through a triangle.
 fn holds_left_of_end(&[p, q, r]: &[[f32; 3]; 3], [a, b]: Edge, light: [f32; 4]) -> bool {

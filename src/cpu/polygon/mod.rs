@@ -1,7 +1,5 @@
 //! Polygons as a light sees them: facing, averted, in a plane with the light, or L-twisted; NUMERICS.md, "Outlines".
 
-pub(crate) mod convex;
-pub(crate) mod convex_batch;
 #[cfg(feature = "reference")]
 pub(crate) mod cut_edges;
 #[cfg(feature = "reference")]
@@ -11,4 +9,7 @@ pub(crate) mod half_space;
 pub(crate) mod outline;
 pub(crate) mod polygon_facing;
 pub(crate) mod polygon_masks;
+pub(crate) mod polygon_turns;
+pub(crate) mod seen;
 pub(crate) mod turn;
+pub(crate) mod turns_batch;

@@ -1,23 +1,11 @@
 //! Outline: how a light sees the outline of a polygon.
 
-use super::convex::convex;
 use super::edge_pair::{Edge, edge_pair};
 use super::half_space::fits_half_space;
+use super::polygon_turns::polygon_turns;
+use super::seen::Seen;
 use super::turn::{turn, turn_as_given};
 use crate::cpu::common::positions::{is_finite, position};
-
-/// How a light sees an outline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
-    /// It is simple and counter-clockwise.
-    Facing,
-    /// It is simple and clockwise.
-    Averted,
-    /// Each of its edges is in one plane with the light and each corner. So it has no extent as seen from the light.
-    InPlane,
-    /// Anything else: it crosses itself, or goes around the light, or has a hole that is not in its outer loop.
-    Twisted,
-}
 
 /// The outline of a polygon at the positions of its corners, without edges of length 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,14 +39,10 @@ impl Outline {
 
     /// How the light `(l, w)` sees it, and whether this took more than the cheap way.
     pub fn seen(&self, light: [f32; 4]) -> (Seen, bool) {
-        if self.is_loop {
-            match convex(&self.corners, light) {
-                ..0 => return (Seen::Averted, false),
-                0 => {}
-                1.. => return (Seen::Facing, false),
-            }
+        match if self.is_loop { polygon_turns(&self.corners, light) } else { None } {
+            Some(seen) => (seen, false),
+            None => (self.seen_by_pairs(light), true),
         }
-        (self.seen_by_pairs(light), true)
     }
 
     /// The same for every outline, by all pairs of edges.

@@ -1,8 +1,9 @@
 //! Polygon facing: for each polygon and light whether it faces the light, and whether it is L-twisted.
 
-use super::convex_batch::convex_batch;
-use super::outline::{Outline, Seen};
+use super::outline::Outline;
 use super::polygon_masks::{PolygonMasks, polygon_masks};
+use super::seen::Seen;
+use super::turns_batch::{Decided, turns_batch};
 use crate::Light;
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::extract::facing::{FacingStatistics, largest_magnitude};
@@ -11,8 +12,7 @@ use crate::light;
 use crate::mesh::Polygons;
 
 /// Masks of polygons for `lights`: ⌈N/32⌉ planes with one [`PolygonMasks`] for each polygon. A vertex that `positions`
-/// lacks counts as non-finite. `undecided_pairs` counts what the cheap way for convex outlines left to all pairs of
-/// edges, and `exact_zeros` polygons in a plane with a light.
+/// lacks counts as non-finite. `undecided_pairs` counts what turns left to all pairs of edges, and `exact_zeros` polygons in a plane with a light.
 pub fn polygon_facing(
     positions: &[[f32; 3]],
     polygons: &Polygons,
@@ -29,11 +29,12 @@ pub fn polygon_facing(
             // In runs, so that what is found of them stays in the cache.
             for (run, masks) in masks.chunks_mut(RUN).enumerate() {
                 let run = first + RUN * run..first + RUN * run + masks.len();
-                let convex = convex_batch(positions, polygons, run.clone(), largest, &light_batch);
-                for ((polygon, masks), convex) in run.zip(masks).zip(convex) {
-                    *masks = PolygonMasks { facing: convex.facing, ..PolygonMasks::default() };
-                    if convex.undecided != 0 {
-                        decide(masks, positions, polygons.outline(polygon), lights, convex.undecided, &mut statistics);
+                let decided = turns_batch(positions, polygons, run.clone(), largest, &light_batch);
+                for ((polygon, masks), decided) in run.zip(masks).zip(decided) {
+                    let Decided { facing, twisted, undecided } = decided;
+                    *masks = PolygonMasks { facing, twisted, excluded: twisted };
+                    if undecided != 0 {
+                        decide(masks, positions, polygons.outline(polygon), lights, undecided, &mut statistics);
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! Polygon masks: the masks of a polygon, from how lights see its outline.
 
-use super::outline::Seen;
+use super::seen::Seen;
 
 /// Masks of one polygon for 32 lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,19 +1,22 @@
 //! Shadow boxes: boxes around clusters of 32 faces, and around groups of 32 clusters.
 
+use bytemuck::Zeroable;
+
 use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::FaceCluster;
-use crate::mesh::is_degenerate;
+use crate::mesh::{Mesh, is_degenerate};
 
 /// The number of faces in a cluster, and of clusters in a group.
 pub(crate) const CLUSTER: usize = 32;
 
-/// The faces in the order given, 32 in each cluster, with the boxes around the faces that count. A face counts if it is
+/// The faces of the mesh in order, 32 in each cluster, with the boxes around the faces that count. A face counts if it is
 /// finite and names three different vertices. A vertex that `positions` lacks counts as non-finite.
-pub fn shadow_boxes(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads) -> Vec<FaceCluster> {
-    let mut clusters: Vec<_> = faces.chunks(CLUSTER).map(clustered).collect();
-    threads.share_runs_of(CLUSTER, &mut clusters, |first, clusters| {
-        for (cluster, faces) in clusters.iter_mut().zip(faces[CLUSTER * first..].chunks(CLUSTER)) {
+pub fn shadow_boxes(positions: &[[f32; 3]], mesh: &Mesh, threads: Threads) -> Vec<FaceCluster> {
+    let mut clusters = clusters(mesh, ANY_RUN);
+    threads.share_runs_of(CLUSTER, &mut clusters, |_, clusters| {
+        for cluster in clusters {
+            let (faces, _) = cluster.corners.as_chunks::<3>();
             let counts = |face: &&[u32; 3]| !is_degenerate(**face);
             let corners = faces.iter().filter(counts).map(|face| face.map(|vertex| position(positions, vertex)));
             let boxes = corners.filter(|face| face.iter().all(|&p| is_finite(p))).flatten().map(Keys::around);
@@ -28,13 +31,55 @@ pub fn shadow_boxes(positions: &[[f32; 3]], faces: &[[u32; 3]], threads: Threads
     clusters
 }
 
-/// A cluster without its boxes.
-pub(crate) fn clustered(faces: &[[u32; 3]]) -> FaceCluster {
-    let mut cluster: FaceCluster = bytemuck::Zeroable::zeroed();
-    for (corner, &vertex) in cluster.corners.iter_mut().zip(faces.as_flattened()) {
-        *corner = vertex;
+/// A run of clusters that holds every mesh.
+const ANY_RUN: usize = usize::MAX / CLUSTER;
+
+/// The clusters of a mesh without their boxes. No polygon lies in two runs of `run` clusters: before one that would, places stay
+/// empty. One with more faces than a run lies in several all the same, see [`largest_polygon`].
+pub(crate) fn clusters(mesh: &Mesh, run: usize) -> Vec<FaceCluster> {
+    let mut clusters = vec![FaceCluster::zeroed(); cluster_count(mesh, run)];
+    let mut put = |place: usize, face: [u32; 3], continues: bool| {
+        let cluster = &mut clusters[place / CLUSTER];
+        cluster.corners[place % CLUSTER * 3..][..3].copy_from_slice(&face);
+        cluster.continues |= u32::from(continues) << (place % CLUSTER);
+    };
+    let Some(polygons) = mesh.polygons() else {
+        for (place, &face) in mesh.faces().iter().enumerate() {
+            put(place, face, false);
+        }
+        return clusters;
+    };
+    let mut end = 0;
+    for polygon in 0..polygons.len() {
+        let triangles = &mesh.faces()[polygons.triangles(polygon)];
+        let first = first_place(end, triangles.len(), run);
+        for (at, &face) in triangles.iter().enumerate() {
+            put(first + at, face, at > 0);
+        }
+        end = first + triangles.len();
     }
-    cluster
+    clusters
+}
+
+/// The number of clusters that [`clusters`] gives.
+pub(crate) fn cluster_count(mesh: &Mesh, run: usize) -> usize {
+    let end = mesh.polygons().map_or(mesh.faces().len(), |polygons| {
+        let sizes = (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len());
+        sizes.fold(0, |end, size| first_place(end, size, run) + size)
+    });
+    end.div_ceil(CLUSTER)
+}
+
+/// The number of triangles of the largest polygon.
+pub(crate) fn largest_polygon(mesh: &Mesh) -> usize {
+    mesh.polygons()
+        .map_or(1, |polygons| (0..polygons.len()).map(|polygon| polygons.triangles(polygon).len()).max().unwrap_or(0))
+}
+
+/// Where a polygon of `size` triangles begins if all places below `end` are taken.
+fn first_place(end: usize, size: usize, run: usize) -> usize {
+    let run = run * CLUSTER;
+    if end / run == (end + size).saturating_sub(1) / run { end } else { end.next_multiple_of(run) }
 }
 
 /// A box of integers that have the same order as the floats. No device can flush or round them.

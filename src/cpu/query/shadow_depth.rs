@@ -8,11 +8,12 @@ use crate::cpu::common::parallel::Threads;
 use crate::cpu::common::positions::{is_finite, position};
 use crate::layout::FaceCluster;
 use crate::light::{LightError, MAX_LIGHTS, check_shadow_lights};
-use crate::mesh::is_degenerate;
+use crate::mesh::{Mesh, is_degenerate};
 
-/// The depths of `points` for `lights`: the number of faces strictly between point and light. Each face counts once,
-/// whatever its orientation. All inputs are in one space. Points follow each other in the result, with one number for
-/// each light. A point that is infinite or NaN has −1.
+/// The depths of `points` for `lights`: the number of faces of `mesh` strictly between point and light. Each face counts once,
+/// whatever its orientation. A polygon counts once if an odd number of its triangles lie between, and not at all otherwise:
+/// where it is folded, it darkens what its outline does, L-twisted or not. All inputs are in one space. Points follow each
+/// other in the result, with one number for each light. A point that is infinite or NaN has −1.
 ///
 /// Three kinds of faces do not count: those with an infinite or NaN vertex, those with a vertex that `positions` lacks,
 /// and those that name a vertex twice. A face that contains the point or the light does not lie between them. Other
@@ -25,13 +26,13 @@ use crate::mesh::is_degenerate;
 /// or a negative `w`.
 pub fn shadow_depth(
     positions: &[[f32; 3]],
-    faces: &[[u32; 3]],
+    mesh: &Mesh,
     points: &[[f32; 3]],
     lights: &[Light],
     threads: Threads,
 ) -> Result<Vec<i32>, LightError> {
     check_shadow_lights(lights, MAX_LIGHTS)?;
-    let clusters = shadow_boxes(positions, faces, threads);
+    let clusters = shadow_boxes(positions, mesh, threads);
     let mut depths = vec![0; points.len() * lights.len()];
     // A point costs about as much as the mesh has faces, so a few points are enough for a thread.
     threads.share_runs_of(16, &mut depths, |first, depths| {
@@ -64,17 +65,34 @@ impl Segment {
 
     fn depth(&self, positions: &[[f32; 3]], clusters: &[FaceCluster]) -> i32 {
         let mut depth = 0;
-        for group in clusters.chunks(CLUSTER) {
+        for (group_at, group) in clusters.chunks(CLUSTER).enumerate() {
             if self.misses(group[0].group_low, group[0].group_high) {
                 continue;
             }
-            for cluster in group.iter().filter(|cluster| !self.misses(cluster.low, cluster.high)) {
-                let (faces, _) = cluster.corners.as_chunks::<3>();
+            for (at, cluster) in group.iter().enumerate() {
+                if self.misses(cluster.low, cluster.high) {
+                    continue;
+                }
                 let bound = self.edge_bound(cluster);
-                depth += faces.iter().filter(|&&face| self.crosses(positions, face, bound)).count() as i32;
+                for place in 0..CLUSTER {
+                    if self.crosses(positions, corners_of(cluster, place), bound) {
+                        depth += self.turn(positions, clusters, (group_at * CLUSTER + at) * CLUSTER + place);
+                    }
+                }
             }
         }
         depth
+    }
+
+    /// What a face that lies between counts: 1, or −1 after an odd number of triangles of the same polygon.
+    fn turn(&self, positions: &[[f32; 3]], clusters: &[FaceCluster], face: usize) -> i32 {
+        let continues = |at: &usize| clusters[at / CLUSTER].continues >> (at % CLUSTER) & 1 != 0;
+        let others = (1..=face).rev().take_while(continues).map(|at| at - 1);
+        let is_between = |at: &usize| {
+            let cluster = &clusters[at / CLUSTER];
+            self.crosses(positions, corners_of(cluster, at % CLUSTER), self.edge_bound(cluster))
+        };
+        1 - 2 * (others.filter(is_between).count() % 2) as i32
     }
 
     /// Whether the segment certainly crosses no face in this box.
@@ -150,6 +168,11 @@ const MARGIN: f64 = 1e-14;
 /// A corner of a box.
 fn corner_of([x, y, z, _]: [u32; 4]) -> [f64; 3] {
     [x, y, z].map(|bits| f64::from(f32::from_bits(bits)))
+}
+
+/// The vertices of a face of a cluster.
+fn corners_of(cluster: &FaceCluster, place: usize) -> [u32; 3] {
+    [0, 1, 2].map(|corner| cluster.corners[3 * place + corner])
 }
 
 fn light_xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {

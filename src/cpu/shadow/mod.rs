@@ -11,6 +11,7 @@ pub(crate) mod list_sides;
 pub(crate) mod multiplicity;
 #[cfg(feature = "reference")]
 pub(crate) mod piece_arguments;
+pub(crate) mod piece_crossings;
 #[cfg(feature = "reference")]
 pub(crate) mod pieces;
 pub(crate) mod pyramid;

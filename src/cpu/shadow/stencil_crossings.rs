@@ -33,7 +33,7 @@ pub fn stencil_crossings(
     bins
 }
 
-fn cross_edge(pencil: &StencilPencil, bins: &mut [u32], ends: [Vec3; 2], weight: u32) {
+pub(super) fn cross_edge(pencil: &StencilPencil, bins: &mut [u32], ends: [Vec3; 2], weight: u32) {
     let [p, q] = ends.map(|end| pencil.half_plane(end));
     let bin = |at: f32| ((at - pencil.first) * pencil.scale).clamp(0.0, (BINS - 1) as f32) as usize;
     let (first, last) = (bin(p.min(q)), bin(p.max(q)));

@@ -19,9 +19,10 @@ impl Bindings {
             let (Some(place), Some(name)) = (&variable.binding, &variable.name) else { continue };
             let ty = match module.types[variable.ty].inner {
                 naga::TypeInner::Image { class: naga::ImageClass::Depth { multi }, .. } => Some(depth_type(multi)),
-                naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, .. }, .. } => {
-                    Some(FLOAT_TEXTURE)
+                naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
+                    Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { FLOAT_TEXTURE })
                 }
+                naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. } => Some(WRITTEN_TEXTURE),
                 _ => buffer_type(variable.space),
             };
             let Some(ty) = ty.filter(|_| place.group == 0) else { continue };
@@ -67,6 +68,20 @@ pub(crate) const FLOAT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
     sample_type: wgpu::TextureSampleType::Float { filterable: false },
     view_dimension: wgpu::TextureViewDimension::D2,
     multisampled: false,
+};
+
+/// A texture of two dimensions, of integers.
+pub(crate) const UINT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Uint,
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+
+/// A texture of two dimensions that a stage writes.
+const WRITTEN_TEXTURE: wgpu::BindingType = wgpu::BindingType::StorageTexture {
+    access: wgpu::StorageTextureAccess::WriteOnly,
+    format: wgpu::TextureFormat::R32Float,
+    view_dimension: wgpu::TextureViewDimension::D2,
 };
 
 /// A depth texture of two dimensions.

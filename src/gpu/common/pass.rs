@@ -29,8 +29,8 @@ pub(crate) struct Dispatch {
     pub(crate) workgroups: u32,
     /// Workgroups along y.
     pub(crate) rows: u32,
-    /// If the GPU decides how many workgroups there are: where it wrote that.
-    pub(crate) indirect: Option<wgpu::Buffer>,
+    /// If the GPU decides how many workgroups there are: where it wrote that, and at which byte.
+    pub(crate) indirect: Option<(wgpu::Buffer, u64)>,
 }
 
 impl Dispatch {
@@ -43,7 +43,7 @@ impl Dispatch {
     fn record(&self, pass: &mut wgpu::ComputePass<'_>) {
         pass.set_bind_group(0, self.group.as_ref(), &self.offsets);
         match &self.indirect {
-            Some(arguments) => pass.dispatch_workgroups_indirect(arguments, 0),
+            Some((arguments, at)) => pass.dispatch_workgroups_indirect(arguments, *at),
             None => pass.dispatch_workgroups(self.workgroups, self.rows, 1),
         }
     }

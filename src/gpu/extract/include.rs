@@ -70,6 +70,7 @@ impl Shared {
             lights: shape.batch_lights(batch) as u32,
             position_offset: bound.offset_words,
             position_stride: bound.stride_words,
+            twisted_at: if shape.polygons.is_some() { shape.faces as u32 } else { 0 },
         });
         let info = table.into_buffer(device, "rimline info");
         let resources = [

@@ -15,11 +15,15 @@ const ENTRY_EDGES: usize = 4;
 const ENTRY_LIGHTS: usize = 16;
 pub(super) const HEAD_WORDS: u64 = 12;
 const RECORD_WORDS: u64 = 10;
-/// Bytes of the head before the workgroups of `cut_edges`.
-pub(super) const CUT_WORKGROUPS: u64 = 16;
+/// Bytes of the head before the arguments of the indirect dispatches over records, over entries, and over those of `cut_edges`.
+pub(super) const RECORD_WORKGROUPS: u64 = 0;
+pub(super) const WORKGROUPS: u64 = 16;
+pub(super) const CUT_WORKGROUPS: u64 = 32;
 const ONE_LOOP: u32 = 1 << 31;
-/// Bytes of the arguments of an indirect dispatch, with which the head begins.
+/// Bytes of the arguments of an indirect dispatch.
 pub(super) const ARGUMENTS: u64 = 12;
+/// The head before an encode. No dispatch has workgroups; those over records have one row.
+const HEAD: [u32; HEAD_WORDS as usize] = [0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0];
 /// Counts before the lists of pieces, and words of a piece.
 pub(crate) const PIECE_COUNTS: u64 = 32;
 pub(crate) const PIECE_WORDS: u64 = 9;
@@ -94,7 +98,9 @@ pub(crate) struct PolygonBuffers {
     pub(crate) shape: PolygonShape,
     pub(super) outlines: wgpu::Buffer,
     pub(super) undecided: wgpu::Buffer,
-    /// The workgroups of `outline` and `cut_edges`.
+    /// The head before an encode.
+    pub(super) head: wgpu::Buffer,
+    /// The arguments of the indirect dispatches, at the same bytes as in the head.
     pub(super) arguments: wgpu::Buffer,
     /// For each batch of lights, with lists.
     pub(crate) pieces: Vec<wgpu::Buffer>,
@@ -110,14 +116,12 @@ impl PolygonBuffers {
     ) -> Self {
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let pieces = batch_lights.filter_map(|lights| shape.pieces(lights));
-        let mut head = vec![0_u32; shape.undecided_bytes() as usize / 4];
-        // The third numbers of workgroups.
-        (head[2], head[6]) = (1, 1);
         Self {
             shape,
             outlines: filled(device, "outlines", bytemuck::cast_slice(&outlines(polygons)), storage),
-            undecided: filled(device, "undecided outlines", bytemuck::cast_slice(&head), storage),
-            arguments: buffer(device, "outline dispatch", ARGUMENTS, storage | BufferUsages::INDIRECT),
+            undecided: buffer(device, "undecided outlines", shape.undecided_bytes(), storage),
+            head: filled(device, "outline head", bytemuck::cast_slice(&HEAD), BufferUsages::COPY_SRC),
+            arguments: buffer(device, "outline dispatch", 4 * HEAD_WORDS, storage | BufferUsages::INDIRECT),
             pieces: pieces.map(|(label, bytes)| buffer(device, label, bytes, storage)).collect(),
         }
     }

@@ -1,21 +1,24 @@
-//! The stages of polygons: facing of convex outlines, the outlines that are left, their masks, and the pieces of those that
-//! are L-twisted.
+//! The stages of polygons: facing of those whose corners turn alike, the turns of the others, the outlines that are left, their
+//! masks, and the pieces of those that are L-twisted.
 
 use super::bind_groups::BindGroupBuilder;
-use super::polygon_buffers::{ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers};
-use crate::gpu::common::dispatch_limits::{WORKGROUP, loops};
+use super::polygon_buffers::{
+    ARGUMENTS, CUT_WORKGROUPS, HEAD_WORDS, PIECE_COUNTS, PolygonBuffers, RECORD_WORKGROUPS, WORKGROUPS,
+};
+use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::pass::{Dispatch, Pass};
 use crate::gpu::common::pipelines::Pipeline;
 use crate::gpu::common::positions::BoundPositions;
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{Chunk, LightBatch};
-use crate::stages::{CUT_EDGES, CUT_QUADS, OUTLINE, POLYGON_FACING, POLYGON_MASKS, Stage};
+use crate::stages::{CUT_EDGES, CUT_QUADS, OUTLINE, POLYGON_FACING, POLYGON_MASKS, POLYGON_TURNS, Stage};
 
 /// The stages, in order.
 #[derive(Debug)]
 pub(super) struct PolygonPasses {
     facing: Pass,
+    turns: Pass,
     outline: Pass,
     masks: Pass,
     /// With lists: what no sign of is in doubt, and the others.
@@ -29,29 +32,32 @@ impl PolygonPasses {
         let row = binder.device.limits().max_compute_workgroups_per_dimension;
         let row = ("ENTRY_ROW", f64::from(row));
         let windows = [("WINDOW_WORDS", f64::from(window_words)), row];
-        let pass = |pipeline: Pipeline, workgroups: u32, indirect: Option<&wgpu::Buffer>| {
-            let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.cloned(), ..dispatch.clone() };
+        let polygons = buffers.shape.polygons as u32;
+        let workgroups = polygons.div_ceil(WORKGROUP);
+        // `at`: where the GPU writes how many workgroups there are.
+        let pass = |pipeline: Pipeline, at: Option<u64>| {
+            let indirect = at.map(|at| (buffers.arguments.clone(), at));
+            let one = |dispatch: &Dispatch| Dispatch { workgroups, indirect: indirect.clone(), ..dispatch.clone() };
             Pass { pipeline, dispatches: dispatches.iter().map(one).collect() }
         };
         let compute = |stage: &Stage, constants: &[(&'static str, f64)]| {
             binder.pipelines.compute(stage, stage.entry_points.first().copied().unwrap_or(stage.name), constants)
         };
-        let polygons = buffers.shape.polygons as u32;
-        let few = loops(binder.device, polygons) * (WORKGROUP / 64);
-        let mut masks = pass(compute(&POLYGON_MASKS, &[row]), few, None);
+        let mut masks = pass(compute(&POLYGON_MASKS, &[row]), Some(RECORD_WORKGROUPS));
         for dispatch in &mut masks.dispatches {
             let resources = resources(binder, &masks.pipeline, dispatch);
             dispatch.group = Some(masks.pipeline.bind(binder.device, &resources));
         }
         let has_pieces = !buffers.pieces.is_empty();
         Some(Self {
-            facing: pass(compute(&POLYGON_FACING, &windows), polygons.div_ceil(WORKGROUP), None),
-            outline: pass(compute(&OUTLINE, &windows), 0, Some(&buffers.arguments)),
+            facing: pass(compute(&POLYGON_FACING, &windows), None),
+            turns: pass(compute(&POLYGON_TURNS, &windows), Some(RECORD_WORKGROUPS)),
+            outline: pass(compute(&OUTLINE, &windows), Some(WORKGROUPS)),
             masks,
             cut: has_pieces.then(|| {
                 [
-                    pass(compute(&CUT_QUADS, &windows), few, None),
-                    pass(compute(&CUT_EDGES, &windows), 0, Some(&buffers.arguments)),
+                    pass(compute(&CUT_QUADS, &windows), Some(RECORD_WORKGROUPS)),
+                    pass(compute(&CUT_EDGES, &windows), Some(CUT_WORKGROUPS)),
                 ]
             }),
         })
@@ -68,7 +74,9 @@ impl PolygonPasses {
         positions: &wgpu::Buffer,
         bound: &BoundPositions,
     ) {
-        for pass in [&mut self.facing, &mut self.outline].into_iter().chain(self.cut.iter_mut().flatten()) {
+        for pass in
+            [&mut self.facing, &mut self.turns, &mut self.outline].into_iter().chain(self.cut.iter_mut().flatten())
+        {
             for dispatch in &mut pass.dispatches {
                 let mut resources = resources(binder, &pass.pipeline, dispatch);
                 resources.extend(bound.bindings(positions));
@@ -85,28 +93,24 @@ impl PolygonPasses {
         batch: usize,
         mut timer: Option<&mut StageTimer>,
     ) {
-        let PolygonBuffers { undecided, arguments, .. } = buffers;
-        // All counts but the third numbers of workgroups.
-        for at in [0, ARGUMENTS, CUT_WORKGROUPS + ARGUMENTS] {
-            let end = if at == ARGUMENTS {
-                CUT_WORKGROUPS + 8
-            } else if at == 0 {
-                8
-            } else {
-                4 * HEAD_WORDS
-            };
-            encoder.clear_buffer(undecided, at, Some(end - at));
-        }
-        self.facing.record(encoder, batch..batch + 1, timer.as_deref_mut());
-        encoder.copy_buffer_to_buffer(undecided, 0, arguments, 0, ARGUMENTS);
-        self.outline.record(encoder, batch..batch + 1, timer.as_deref_mut());
-        self.masks.record(encoder, batch..batch + 1, timer.as_deref_mut());
+        let PolygonBuffers { undecided, head, arguments, .. } = buffers;
+        let arguments = |encoder: &mut wgpu::CommandEncoder, at| {
+            encoder.copy_buffer_to_buffer(undecided, at, arguments, at, ARGUMENTS);
+        };
+        let batches = batch..batch + 1;
+        encoder.copy_buffer_to_buffer(head, 0, undecided, 0, 4 * HEAD_WORDS);
+        self.facing.record(encoder, batches.clone(), timer.as_deref_mut());
+        arguments(encoder, RECORD_WORKGROUPS);
+        self.turns.record(encoder, batches.clone(), timer.as_deref_mut());
+        arguments(encoder, WORKGROUPS);
+        self.outline.record(encoder, batches.clone(), timer.as_deref_mut());
+        self.masks.record(encoder, batches.clone(), timer.as_deref_mut());
         if let (Some(cut), Some(pieces)) = (&self.cut, buffers.pieces.get(batch)) {
             encoder.clear_buffer(pieces, 0, Some(4 * PIECE_COUNTS));
             let [quads, edges] = cut;
-            quads.record(encoder, batch..batch + 1, timer.as_deref_mut());
-            encoder.copy_buffer_to_buffer(undecided, CUT_WORKGROUPS, arguments, 0, ARGUMENTS);
-            edges.record(encoder, batch..batch + 1, timer);
+            quads.record(encoder, batches.clone(), timer.as_deref_mut());
+            arguments(encoder, CUT_WORKGROUPS);
+            edges.record(encoder, batches, timer);
         }
     }
 }

@@ -24,14 +24,19 @@ const POINTS: u64 = 64;
 const UNDECIDED_HEAD: u64 = 8;
 const UNDECIDED: u64 = size_of::<UndecidedFaces>() as u64;
 
-/// The runs of clusters that one binding and one dispatch of the boxes stage can hold.
-pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
+/// The number of clusters that one binding and one dispatch of the boxes stage can hold: whole groups.
+pub(super) fn cluster_run(split: &DispatchLimits) -> Result<usize, MemoryError> {
     let bytes = (GROUP * size_of::<FaceCluster>()) as u64;
     let groups = (split.binding / bytes).min(split.workgroups);
     if groups == 0 {
         return Err(MemoryError::Binding { what: "a group of faces", bytes, limit: split.binding });
     }
-    let run = groups as usize * GROUP;
+    Ok(groups as usize * GROUP)
+}
+
+/// The runs of clusters that one binding and one dispatch of the boxes stage can hold.
+pub(super) fn cluster_chunks(split: &DispatchLimits, clusters: usize) -> Result<Vec<Range<usize>>, MemoryError> {
+    let run = cluster_run(split)?;
     Ok((0..clusters).step_by(run).map(|first| first..(first + run).min(clusters)).collect())
 }
 

@@ -7,11 +7,12 @@ use wgpu::BufferUsages;
 use super::errors::{ShadowQueryEncodeError, ShadowQueryError};
 use super::options::ShadowQueryOptions;
 use super::plan::{
-    CLUSTER, GROUP, cluster_chunks, most_queries, point_chunks, range_clusters, undecided_bytes, workgroups,
+    CLUSTER, GROUP, cluster_chunks, cluster_run, most_queries, point_chunks, range_clusters, undecided_bytes,
+    workgroups,
 };
-use crate::cpu::query::shadow_boxes::clustered;
+use crate::cpu::query::shadow_boxes::{self, cluster_count, largest_polygon};
 use crate::gpu::common::dispatch_limits::{DispatchLimits, binding};
-use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded, padded};
+use crate::gpu::common::memory::{Allocation, MemoryError, buffer, check, filled, guarded, padded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::positions::{BoundPositions, PositionBuffer, PositionError};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
@@ -25,7 +26,7 @@ use crate::stages::{DEPTH_ARGUMENTS, EXACT_SHADOW_DEPTH, SHADOW_BOXES, SHADOW_DE
 use crate::{Light, Mesh};
 
 /// Counts the faces of one mesh that lie strictly between points and lights. Each face counts once, whatever its
-/// orientation and whatever the mesh. On a closed mesh the parity tells inside from outside. A point in shadow has a
+/// orientation and whatever the mesh. A polygon counts once if an odd number of its triangles lie between. On a closed mesh the parity tells inside from outside. A point in shadow has a
 /// depth above 0. The depths equal those of [`crate::cpu::shadow_depth`] on every device; that function describes how
 /// ties are broken.
 ///
@@ -99,8 +100,13 @@ impl ShadowQuery {
         let ShadowQueryOptions { max_points, max_lights, skip_by_boxes, memory_limit, .. } = options;
         check_room(max_lights)?;
         let split = DispatchLimits::new(&device.limits());
-        let clusters = mesh.faces().len().div_ceil(CLUSTER);
-        cluster_chunks(&split, clusters)?;
+        let run = cluster_run(&split)?;
+        let faces = largest_polygon(mesh);
+        if faces > run * CLUSTER {
+            let bytes = (faces.div_ceil(CLUSTER) * size_of::<FaceCluster>()) as u64;
+            return Err(MemoryError::Binding { what: "the triangles of a polygon", bytes, limit: split.binding }.into());
+        }
+        let clusters = cluster_count(mesh, run);
         let max_points = max_points.max(1);
         let most_queries = most_queries(&split, max_points, max_lights);
         point_chunks(&split, most_queries, max_points, max_lights, 12)?;
@@ -113,11 +119,10 @@ impl ShadowQuery {
             split.buffer,
             memory_limit,
         )?;
-        let contents: Vec<_> = mesh.faces().chunks(CLUSTER).map(clustered).collect();
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let [cluster_buffer, depths, undecided_pairs, recount_dispatch] = guarded(device, bytes, || {
             [
-                filled(device, "face clusters", bytemuck::cast_slice(&contents), storage),
+                filled(device, "face clusters", bytemuck::cast_slice(&shadow_boxes::clusters(mesh, run)), storage),
                 buffer(device, "depths", depth_bytes, storage),
                 buffer(device, "undecided pairs", undecided_bytes, storage),
                 buffer(device, "recount dispatch", 12, storage | BufferUsages::INDIRECT),

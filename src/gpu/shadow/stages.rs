@@ -15,8 +15,8 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::{UniformTable, entry};
 use crate::layout::{CHUNK, LANES, PieceDraws, SeenLight, ShadowDraw, ShadowDraws, ShadowShape};
 use crate::stages::{
-    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND, STENCIL_CROSSINGS,
-    STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
+    BOUNDS, CAPS, CHOOSE, LIST_SIDES, PIECE_ARGUMENTS, PIECE_CROSSINGS, RELIST, SHADOW_ARGUMENTS, STENCIL_BOUND,
+    STENCIL_CROSSINGS, STENCIL_PENCIL, Stage, ZP_PLUS_2005_CASES,
 };
 
 /// The pipelines of these stages.
@@ -37,6 +37,8 @@ pub(crate) struct StagePipelines {
     arguments: Pipeline,
     /// Only for a caster with polygons.
     piece_arguments: Option<Pipeline>,
+    /// The same, if the caller asks for a bound.
+    piece_crossings: Option<Pipeline>,
     /// Pencil, crossings and bound. Only if the caller asks for a bound.
     bound: Option<[Pipeline; 3]>,
 }
@@ -60,6 +62,7 @@ impl StagePipelines {
             list_sides: of_casters(&LIST_SIDES),
             arguments: of_lists(&SHADOW_ARGUMENTS),
             piece_arguments: settings.has_pieces.then(|| of_lists(&PIECE_ARGUMENTS)),
+            piece_crossings: (settings.has_pieces && settings.bound_counts).then(|| of_lists(&PIECE_CROSSINGS)),
             bound: settings
                 .bound_counts
                 .then(|| [of_casters(&STENCIL_PENCIL), of_casters(&STENCIL_CROSSINGS), of_lists(&STENCIL_BOUND)]),
@@ -293,7 +296,8 @@ impl<'a> Binder<'a> {
 
     /// From `list_sides` on.
     fn listing(&self) -> Vec<Pass> {
-        let StagePipelines { device, list_sides, arguments, piece_arguments, bound, .. } = self.pipelines;
+        let StagePipelines { device, list_sides, arguments, piece_arguments, piece_crossings, bound, .. } =
+            self.pipelines;
         let is_cpu = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let over_sides = |size: &GroupSize, room: &Room| {
             // An invocation takes some sixteen sides of a list that is full, and all edges take few turns.
@@ -304,7 +308,11 @@ impl<'a> Binder<'a> {
         let mut listing = vec![self.for_each(list_sides, over_sides), self.for_each(arguments, |_, _| [1, 1])];
         listing.extend(piece_arguments.iter().map(|stage| self.for_each(stage, |_, _| [1, 1])));
         if let Some([pencil, crossings, bound]) = bound {
-            listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides), self.for_all(bound)]);
+            listing.extend([self.for_all(pencil), self.for_each(crossings, over_sides)]);
+            // An invocation takes few pieces of many.
+            let over_pieces = |_: &GroupSize, room: &Room| [if is_cpu { 4 } else { 64 }, room.lights];
+            listing.extend(piece_crossings.iter().map(|stage| self.for_each(stage, over_pieces)));
+            listing.push(self.for_all(bound));
         }
         listing
     }

@@ -22,16 +22,65 @@ const MARGINS: &[&str] = &["--test shadow_margins", "--test shadow_cpu", "--test
 pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "hidden faces: faces of closed casters that face the light hide others",
-        changes: &[("src/cpu/hidden/hidden_faces.rs", "may_hide: side < 0 || !is_closed", "may_hide: true")],
+        changes: &[("src/cpu/hidden/hidden_faces.rs", "side < 0 || (side > 0 && !is_closed)", "side != 0")],
         tests: HIDDEN,
     },
     Mutation {
         name: "hidden faces: one corner behind the hider is enough",
         changes: &[(
             "src/cpu/hidden/tree.rs",
-            "face.corners.iter().all(|&corner| hider",
-            "face.corners.iter().any(|&corner| hider",
+            "face.corners.iter().all(|&corner| plane.side(corner) != *side)",
+            "face.corners.iter().any(|&corner| plane.side(corner) != *side)",
         )],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: the outline inside a body costs nothing",
+        changes: &[("src/cpu/hidden/outline.rs", "=> cut.cost_of_leaving_out(node),", "=> drop(node),")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: an open boundary costs nothing",
+        changes: &[("src/cpu/hidden/outline.rs", "cut.cost_of_keeping(node(edge.face_0));", "")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: a flow is never sent back",
+        changes: &[("src/cpu/hidden/min_cut.rs", "self.left[arc ^ 1] += 1;", "")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: a polygon is hidden if one of its triangles is",
+        changes: &[("src/cpu/hidden/hidden_faces.rs", "of.len() == triangles(face)", "of.len() <= triangles(face)")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: polygons that are not planar take part",
+        changes: &[("src/cpu/hidden/hidden_faces.rs", "[x, y, z, 1.0]) == 0", "[x, y, z, 1.0]) < 2")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: a face is in one cone alone",
+        changes: &[("src/cpu/hidden/cones.rs", "is_flat || sides.contains(&side)", "is_flat || sides[0] == side")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: a part ends before the plane",
+        changes: &[("src/cpu/hidden/clipped.rs", "let part = heights[inner]", "let part = 0.5 * heights[inner]")],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: a tree sees the directions beside its cone",
+        changes: &[(
+            "src/cpu/hidden/tree.rs",
+            "if side > 0 { [next, Place::Elsewhere] }",
+            "if side < 0 { [next, Place::Elsewhere] }",
+        )],
+        tests: HIDDEN,
+    },
+    Mutation {
+        name: "hidden faces: what lies in a plane is on no side of it",
+        changes: &[("src/cpu/hidden/tree.rs", "(sides.contains(&sign) || sides == [0; 3])", "sides.contains(&sign)")],
         tests: HIDDEN,
     },
     Mutation {
@@ -105,7 +154,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "stencil crossings: an edge ends in its own bin",
         changes: &[
-            ("wgsl/shadow/stencil_crossings.wgsl", "row + last + 1u", "row + last"),
+            ("wgsl/shadow/crossings.wgsl", "row + last + 1u", "row + last"),
             ("src/cpu/shadow/stencil_crossings.rs", "bins[last + 1] = bins[last + 1]", "bins[last] = bins[last]"),
         ],
         tests: MARGINS,
@@ -113,7 +162,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "stencil crossings: edges go the long way around the axis",
         changes: &[
-            ("wgsl/shadow/stencil_crossings.wgsl", "abs(p - q) > 2.0", "abs(p - q) > 4.0"),
+            ("wgsl/shadow/crossings.wgsl", "abs(p - q) > 2.0", "abs(p - q) > 4.0"),
             ("src/cpu/shadow/stencil_crossings.rs", "(p - q).abs() > 2.0", "(p - q).abs() > 4.0"),
         ],
         tests: MARGINS,
@@ -813,7 +862,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygons: convex outlines may go around twice",
         changes: &[(
-            "src/cpu/polygon/convex.rs",
+            "src/cpu/polygon/polygon_turns.rs",
             "(3..count.max(4) - 1).flat_map(",
             "(count..count.max(4) - 1).flat_map(",
         )],
@@ -896,7 +945,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygons: signs that are not certain decide",
         changes: &[(
-            "src/cpu/polygon/convex_batch.rs",
+            "src/cpu/polygon/turns_batch.rs",
             "self.are_certain &= is_certain;",
             "self.are_certain &= is_certain | true;",
         )],
@@ -904,11 +953,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "polygons: turns of both senses are convex",
-        changes: &[(
-            "src/cpu/polygon/convex_batch.rs",
-            "undecided: live & turns.is_any_positive & !turns.are_all_positive",
-            "undecided: 0 & turns.is_any_positive & !turns.are_all_positive",
-        )],
+        changes: &[("src/cpu/polygon/turns_batch.rs", "undecided: once & !facing }", "undecided: 0 & once }")],
         tests: POLYGONS,
     },
 ];

@@ -9,7 +9,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygon stages: two turns that are alike make a quadrilateral simple",
         changes: &[(
-            "wgsl/polygon/polygon_facing.wgsl",
+            "wgsl/polygon/polygon_turns.wgsl",
             "let facing = certain & ((up_0 & up_1 & (up_2 | up_3))",
             "let facing = certain & ((up_0 & up_1)",
         )],
@@ -18,7 +18,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygon stages: outlines around the light are cut as if they crossed",
         changes: &[(
-            "wgsl/polygon/polygon_facing.wgsl",
+            "wgsl/polygon/polygon_turns.wgsl",
             "let around = (up_0 & up_2) | (down_0 & down_2);",
             "let around = 0u * ((up_0 & up_2) | (down_0 & down_2));",
         )],
@@ -90,5 +90,35 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "pieces: they have no near caps",
         changes: &[("wgsl/shadow/piece_arguments.wgsl", "let kind = near_kind(light, true, false);", "let kind = 7u;")],
         tests: PICTURES,
+    },
+    Mutation {
+        name: "polygon depths: the first triangle of a cluster begins a polygon",
+        changes: &[
+            (
+                "wgsl/query/shadow_pairs.wgsl",
+                "(index % CLUSTER)) & 1u) != 0u",
+                "(index % CLUSTER)) & min(index % CLUSTER, 1u)) != 0u",
+            ),
+            (
+                "src/cpu/query/shadow_depth.rs",
+                "(at % CLUSTER) & 1 != 0",
+                "(at % CLUSTER) & (at % CLUSTER).min(1) as u32 != 0",
+            ),
+        ],
+        tests: &["--test polygon_gpu depths", "--test polygon_cpu query"],
+    },
+    Mutation {
+        name: "polygon depths: an undecided triangle is not between",
+        changes: &[("wgsl/query/shadow_depth.wgsl", "        turn = 0;\n", "        turn = turn;\n")],
+        tests: &["--test polygon_gpu depths"],
+    },
+    Mutation {
+        name: "pieces: the bound on counts leaves out those of odd numbers",
+        changes: &[(
+            "wgsl/shadow/piece_crossings.wgsl",
+            "row, place_at(at), place_at(at + 3u), 1u);",
+            "row, place_at(at), place_at(at + 3u), 1u - piece % 2u);",
+        )],
+        tests: &["--test shadow_gpu twist"],
     },
 ];

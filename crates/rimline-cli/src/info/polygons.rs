@@ -81,10 +81,8 @@ impl PolygonReport {
 
     pub(super) fn text(&self, text: &mut Text) {
         let Self { triangles, quadrilaterals, larger, most_corners, with_holes, nonplanar, non_finite, .. } = self;
-        text.line(
-            "polygons",
-            format_args!("{triangles} of 3 corners, {quadrilaterals} of 4, {larger} of up to {most_corners}"),
-        );
+        let up_to = if *larger > 0 { format!(", {larger} of up to {most_corners}") } else { String::new() };
+        text.line("polygons", format_args!("{triangles} of 3 corners, {quadrilaterals} of 4{up_to}"));
         text.more(format_args!("{nonplanar} not planar, {with_holes} with holes"));
         if *non_finite > 0 {
             text.more(format_args!("{non_finite} with a corner that is not finite"));

@@ -46,7 +46,8 @@ Arrays written, P points, N lights:
   lights (N,4) float32   as given
   depth (P,N) int32      number of faces strictly between the point and the light;
                          each face counts 1, whatever its orientation; 0 is lit,
-                         -1 is a point that is infinite or NaN
+                         -1 is a point that is infinite or NaN; a polygon counts
+                         1 if an odd number of its triangles lie between
 ";
 
 const QUERY_REMARKS: &str = "\

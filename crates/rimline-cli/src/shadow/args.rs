@@ -162,6 +162,11 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX")]
     pub(crate) mask: Option<PathBuf>,
 
+    /// Search, before anything is drawn, for faces whose shadow lies wholly in the shadow of other faces, and leave them out of the shadow
+    /// volumes, where that spares sides. Shadows stay the same. It pays where a model covers much of others
+    #[arg(long, conflicts_with = "area")]
+    pub(crate) hide_covered: bool,
+
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -176,6 +181,7 @@ Examples:
       --light dir:1,2,1,color=1,.8,.6 --light point:-90,80,60,range=300
   rimline shadow fox.glb box.glb --area disc --out soft.png
   rimline shadow fox.glb --light point:50,150,100 --mask fox --json
+  rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
 "
 );
 
@@ -186,10 +192,11 @@ Keys of --json: adapter, method, mode, files, faces, samples (of a light), count
 counts of all files together), may_wrap (the number of lights or samples whose counts may exceed 255, the most that \
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
-most that any instance in the file needs), statistics (a list, one for each file, of file, skipped, every_face, \
+most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
+count faces of all files, sides and sides_left are the sides of shadow volumes before and after), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
-pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists), milliseconds \
+pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \
 (by stage), set_up_milliseconds (opening the device, pipelines, compiling shaders), work_milliseconds (all other \
 stages).";
 

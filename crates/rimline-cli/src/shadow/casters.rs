@@ -3,6 +3,7 @@
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::{Light, ShadowCamera, wgpu};
 
+use super::covered::CoveredFaces;
 use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
@@ -19,6 +20,8 @@ pub(crate) struct Casters {
     pub(super) receivers: Vec<Receiver>,
     /// The silhouettes of each body by itself, where volumes are shown.
     shown: Option<Vec<Extracted>>,
+    /// Or, without covered faces, those of the faces that cast: each with its light and the number of its body.
+    casting: Option<Vec<(usize, usize, Extracted)>>,
     max_lights: usize,
 }
 
@@ -30,7 +33,7 @@ impl Casters {
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
         let shadows = Shadows::new(gpu, pipelines, max_lights)?;
-        Ok(Self { shadows, receivers: Vec::new(), shown: shows_volumes.then(Vec::new), max_lights })
+        Ok(Self { shadows, receivers: Vec::new(), shown: shows_volumes.then(Vec::new), casting: None, max_lights })
     }
 
     /// Takes the bodies with the faces that they have now.
@@ -47,6 +50,29 @@ impl Casters {
         Ok(())
     }
 
+    /// Leaves out covered faces, for bodies that are placed and stay where they are.
+    pub(super) fn leave_out(
+        &mut self,
+        gpu: &Gpu,
+        bodies: &[PosedModel<'_>],
+        covered: &CoveredFaces,
+    ) -> Result<(), Failure> {
+        self.shadows.leave_out(covered).map_err(|error| error.on(gpu))?;
+        if self.shown.take().is_none() {
+            return Ok(());
+        }
+        let mut casting = Vec::new();
+        for (number, body) in bodies.iter().enumerate() {
+            for light in 0..covered.found.len() {
+                if let Some(mesh) = covered.casting(number, body, light)? {
+                    casting.push((light, number, Extracted::of_mesh(gpu, &mesh, body, self.max_lights)?));
+                }
+            }
+        }
+        self.casting = Some(casting);
+        Ok(())
+    }
+
     /// Records what draws need.
     pub(super) fn encode(
         &mut self,
@@ -59,6 +85,11 @@ impl Casters {
         self.shadows.encode(encoder, bodies, camera, lights, timer)?;
         for (shown, body) in self.shown.iter_mut().flatten().zip(bodies) {
             shown.encode(encoder, body, lights, None)?;
+        }
+        for (_, number, casting) in self.casting.iter_mut().flatten() {
+            if let Some(body) = bodies.get(*number) {
+                casting.encode(encoder, body, lights, None)?;
+            }
         }
         Ok(())
     }
@@ -77,8 +108,9 @@ impl Casters {
         Ok(())
     }
 
-    /// The silhouettes whose volumes are shown.
-    pub(super) fn shown(&self) -> impl Iterator<Item = &Extraction> {
-        self.shown.iter().flatten().filter_map(|shown| shown.extraction.as_ref())
+    /// The silhouettes whose volumes are shown for a light.
+    pub(super) fn shown(&self, light: usize) -> impl Iterator<Item = &Extraction> {
+        let casting = self.casting.iter().flatten().filter(move |(of, ..)| *of == light).map(|(.., casting)| casting);
+        self.shown.iter().flatten().chain(casting).filter_map(|shown| shown.extraction.as_ref())
     }
 }

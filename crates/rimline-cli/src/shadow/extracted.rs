@@ -1,7 +1,7 @@
 //! The extraction of a single file's mesh.
 
 use rimline::gpu::{Extraction, Extractor, ExtractorOptions, StageTimer};
-use rimline::{Light, wgpu};
+use rimline::{Light, Mesh, wgpu};
 
 use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
@@ -18,10 +18,13 @@ pub(super) struct Extracted {
 
 impl Extracted {
     pub(super) fn new(gpu: &Gpu, body: &PosedModel<'_>, max_lights: usize) -> Result<Self, Failure> {
+        Self::of_mesh(gpu, &body.mesh()?, body, max_lights)
+    }
+
+    /// With some of the file's faces, over its vertices.
+    pub(super) fn of_mesh(gpu: &Gpu, mesh: &Mesh, body: &PosedModel<'_>, max_lights: usize) -> Result<Self, Failure> {
         let options = ExtractorOptions { max_lights, ..ExtractorOptions::default() };
-        let mesh = body.mesh()?;
-        let extractor =
-            Extractor::new(&gpu.pipelines, &mesh, options).map_err(|error| GpuError::from(error).on(gpu))?;
+        let extractor = Extractor::new(&gpu.pipelines, mesh, options).map_err(|error| GpuError::from(error).on(gpu))?;
         Ok(Self { extractor, extraction: None, topologies: body.topologies.clone() })
     }
 

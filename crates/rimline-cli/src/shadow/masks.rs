@@ -1,12 +1,12 @@
 //! What each light reaches, pixel centre by pixel centre.
 
-use rimline::{Counting, wgpu};
+use rimline::wgpu;
 use wgpu::{TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
 use super::receiver_pipelines::{Onto, ReceiverPipelines, Target};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
-use super::shadows::VolumePipelines;
+use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 
@@ -23,13 +23,13 @@ pub(crate) struct Masks {
 }
 
 impl Masks {
-    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, counting: Counting) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: ShadowMethod) -> Result<Self, GpuError> {
         let finished =
             resources.factory.target("mask", resources.size, MASK.format, MASK.samples, TextureUsages::COPY_SRC);
         let color = finished.create_view(&wgpu::TextureViewDescriptor::default());
         let depth = resources.target("depth", depth_format(&gpu.device), MASK.samples, TextureUsages::empty());
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, MASK, counting)?,
+            pipelines: RenderResources::pipelines(gpu, MASK, method)?,
             attachments: Attachments { color, depth },
             dark: resources.receivers(MASK, "dark", Onto::Nearest, None),
             lit: resources.receivers(MASK, "mask", Onto::Lit, None),

@@ -1,13 +1,13 @@
 //! The passes of a picture with shadows.
 
-use rimline::{Counting, wgpu};
+use rimline::wgpu;
 use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
 use super::part::{PARTS, Part};
 use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
-use super::shadows::VolumePipelines;
+use super::shadows::{ShadowMethod, VolumePipelines};
 use super::volume_overlay::VolumeOverlay;
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
@@ -40,7 +40,7 @@ impl Pictures {
     pub(crate) fn new(
         gpu: &Gpu,
         resources: &RenderResources<'_>,
-        counting: Counting,
+        method: ShadowMethod,
         mode: ModeArg,
         volumes: bool,
         in_parts: bool,
@@ -87,7 +87,7 @@ impl Pictures {
             ModeArg::Composited => Some(("dim", MULTIPLY)),
         };
         Ok(Self {
-            pipelines: RenderResources::pipelines(gpu, linear, counting)?,
+            pipelines: RenderResources::pipelines(gpu, linear, method)?,
             attachments,
             finished: factory.target("picture", resources.size, format, 1, TextureUsages::COPY_SRC),
             backdrop: cover("backdrop", include_str!("backdrop.wgsl"), &[], linear, Some(behind)),

@@ -105,6 +105,18 @@ impl<'a> PosedModel<'a> {
         self.input.mesh(&self.shape)
     }
 
+    /// Whether the mesh has polygons. The faces are their triangles.
+    pub(crate) fn has_polygons(&self) -> bool {
+        self.input.polygons().is_some()
+    }
+
+    /// The triangles of polygons, as a mesh over the same vertices.
+    pub(crate) fn triangles(&self) -> Result<Option<Mesh>, Failure> {
+        let mesh = || Mesh::from_faces(self.world.len(), self.faces.clone());
+        let triangles = self.has_polygons().then(mesh).transpose();
+        triangles.map_err(|error| Failure::input(&self.input.file)(error.into()))
+    }
+
     pub(crate) fn animation(&self) -> Option<usize> {
         self.animation
     }

@@ -1,7 +1,7 @@
 //! What pictures and masks with shadows share: targets, frame, lights.
 
 use rimline::gpu::ShadowFormat;
-use rimline::{Counting, wgpu};
+use rimline::wgpu;
 use wgpu::{BlendState, ColorWrites, LoadOp, TextureFormat, TextureUsages};
 
 use super::casters::Casters;
@@ -9,7 +9,7 @@ use super::depth::depth_format;
 use super::frame::Frame;
 use super::receiver_pipelines::{Layouts, Onto, ReceiverPipelines, Target};
 use super::shaded_lights::ShadedLightData;
-use super::shadows::VolumePipelines;
+use super::shadows::{ShadowMethod, VolumePipelines};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::PipelineFactory;
@@ -99,14 +99,14 @@ impl<'a> RenderResources<'a> {
         pass.set_bind_group(1, &self.lamp_group, &[light as u32 * STRIDE as u32]);
     }
 
-    pub(super) fn pipelines(gpu: &Gpu, target: Target, counting: Counting) -> Result<VolumePipelines, GpuError> {
+    pub(super) fn pipelines(gpu: &Gpu, target: Target, method: ShadowMethod) -> Result<VolumePipelines, GpuError> {
         let format = ShadowFormat {
             depth_stencil: depth_format(&gpu.device),
             samples: target.samples,
             colors: vec![Some(target.format)],
             ..ShadowFormat::default()
         };
-        VolumePipelines::new(gpu, &format, counting)
+        VolumePipelines::new(gpu, &format, method)
     }
 }
 

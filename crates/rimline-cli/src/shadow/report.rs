@@ -3,12 +3,14 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use rimline::cpu::{HiddenFaces, HiddenStatistics};
 use rimline::reference::layout::{ShadowLight, ShadowStatistics};
 use rimline::reference::shadow::{COUNT_Z_FAIL, COUNT_Z_PASS, COUNT_ZP_PLUS, COUNT_ZP_PLUS_2005};
 use serde_json::{Value, json};
 
 use super::casters::Casters;
 use super::counts::{self, CountBound};
+use super::covered::CoveredFaces;
 use super::found::Found;
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
@@ -34,10 +36,27 @@ pub(super) struct Report {
     /// Of each light, as given.
     lights: Vec<([f32; 4], f32, [f32; 3])>,
     samples: usize,
+    /// Of each light, if covered faces were asked for.
+    covered: Option<Vec<HiddenStatistics>>,
+    /// Covered faces that were left out.
+    left_out: usize,
 }
 
 fn casting(light: &ShadowLight) -> &'static str {
     ["nothing", "averted", "every"].get(light.casting as usize).copied().unwrap_or("unknown")
+}
+
+fn covered_json(covered: &HiddenStatistics) -> Value {
+    let HiddenStatistics { tried, hidden, left_out, undecided, without_room, sides, sides_left, .. } = covered;
+    json!({
+        "tried": tried,
+        "hidden": hidden,
+        "undecided": undecided,
+        "without_room": without_room,
+        "left_out": left_out,
+        "sides": sides,
+        "sides_left": sides_left,
+    })
 }
 
 fn counting(light: &ShadowLight) -> &'static str {
@@ -52,7 +71,12 @@ fn counting(light: &ShadowLight) -> &'static str {
 
 impl Report {
     /// Waits for the device.
-    pub(super) fn read(gpu: &Gpu, set: &ShadowScene<'_>, casters: &Casters) -> Result<Self, GpuError> {
+    pub(super) fn read(
+        gpu: &Gpu,
+        set: &ShadowScene<'_>,
+        casters: &Casters,
+        covered: Option<&CoveredFaces>,
+    ) -> Result<Self, GpuError> {
         let samples = set.samples();
         let found = casters.shadows.found(gpu)?;
         let file = |(body, found): (&PosedModel<'_>, Found)| File {
@@ -70,6 +94,8 @@ impl Report {
                 .map(|shaded| (shaded.light.to_array(), shaded.range, shaded.color))
                 .collect(),
             samples: samples / set.shaded_lights.len().max(1),
+            covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
+            left_out: casters.shadows.left_out(),
         })
     }
 
@@ -91,12 +117,16 @@ impl Report {
                     "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
                 })
             };
-            json!({
+            let mut of_light = json!({
                 "light": light,
                 "range": range.is_finite().then_some(range),
                 "color": color,
                 "casters": self.files.iter().map(caster).collect::<Vec<_>>(),
-            })
+            });
+            if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
+                of_light["covered"] = covered_json(covered);
+            }
+            of_light
         };
         let statistics = |File { name, found: Found { shadow, extraction, is_whole, .. }, .. }: &File| {
             // Of several files these are known for all together.
@@ -114,7 +144,7 @@ impl Report {
             })
         };
         let extraction = self.files.iter().map(|file| file.found.extraction).reduce(counts::sum);
-        let totals = json!({
+        let mut totals = json!({
             "skipped": self.all.skipped,
             "every_face": self.all.every_face,
             "capped": self.all.capped,
@@ -123,6 +153,9 @@ impl Report {
             "undecided_pairs": extraction.map(|all| all.undecided_pairs),
             "overflowed_lists": extraction.map(|all| all.overflowed_lists),
         });
+        if self.covered.is_some() {
+            totals["covered_faces"] = self.left_out.into();
+        }
         let [set_up, work] = times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
@@ -165,6 +198,13 @@ impl Report {
             if *skipped > 0 {
                 line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
+        }
+        for covered in self.covered.iter().flatten() {
+            let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;
+            let value = format!(
+                "{hidden} of {tried} faces are hidden from the light, {left_out} left out; sides {sides} before, {sides_left} after"
+            );
+            line("covered", &value);
         }
         line("milliseconds", &times.sums());
         line("by stage", &times.text());

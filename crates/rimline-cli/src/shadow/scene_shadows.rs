@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
+use rimline::cpu::HiddenFaces;
 use rimline::gpu::{
     Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines,
     StageTimer,
 };
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
+use super::covered::{CoveredFaces, VERSION};
 use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -79,6 +81,12 @@ impl SceneShadows {
         lights: &[Light],
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
+        self.set_lights(lights)?;
+        self.frame = Some(self.scene.encode(encoder, &[*camera], timer)?);
+        Ok(())
+    }
+
+    fn set_lights(&mut self, lights: &[Light]) -> Result<(), SceneError> {
         let Self { scene, lights: handles, .. } = self;
         for (number, &light) in lights.iter().enumerate() {
             match handles.get(number) {
@@ -86,7 +94,21 @@ impl SceneShadows {
                 None => handles.push(scene.add_light(light)?),
             }
         }
-        self.frame = Some(self.scene.encode(encoder, &[*camera], timer)?);
+        Ok(())
+    }
+
+    /// Leaves out covered faces. All files are placed and stay.
+    pub(super) fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
+        let lights: Vec<Light> = covered.found.iter().map(HiddenFaces::light).collect();
+        self.set_lights(&lights)?;
+        let casters: Vec<CasterHandle> =
+            self.files.iter().flat_map(|file| file.casters.iter().map(|&(_, caster)| caster)).collect();
+        for &caster in &casters {
+            self.scene.set_position_version(caster, Some(VERSION))?;
+        }
+        for (&light, found) in self.lights.iter().zip(&covered.found) {
+            self.scene.set_hidden_faces(light, &casters, Some(found))?;
+        }
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! What throws shadows, and what draws them: a scene of all files, or a single caster for each file with the published method.
+//! What throws shadows, and what draws them: a scene of all files, or a single caster for each file.
 
 use std::sync::Arc;
 
@@ -6,33 +6,49 @@ use rimline::gpu::{ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, Sha
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
+use super::covered::CoveredFaces;
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
-use super::published::Published;
 use super::scene_shadows::SceneShadows;
+use super::single_casters::SingleCasters;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+
+/// How shadows are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ShadowMethod {
+    pub(crate) counting: Counting,
+    /// Each file is a caster by itself.
+    is_single: bool,
+}
+
+impl ShadowMethod {
+    /// Scenes have neither ZP+ as published nor polygons.
+    pub(crate) fn new(counting: Counting, bodies: &[PosedModel<'_>]) -> Self {
+        let is_single = counting == Counting::ZpPlus2005 || bodies.iter().any(PosedModel::has_polygons);
+        Self { counting, is_single }
+    }
+}
 
 /// What draws volumes into attachments of one format.
 #[derive(Clone)]
 pub(crate) enum VolumePipelines {
     Scene(Arc<ScenePipelines>),
-    /// ZP+ as published, which scenes do not have.
-    Published(Arc<ShadowPipelines>),
+    Single(Arc<ShadowPipelines>),
 }
 
 /// The casters of all files.
 pub(crate) enum Shadows {
     Scene(Box<SceneShadows>),
-    Published(Published),
+    Single(SingleCasters),
 }
 
 impl VolumePipelines {
-    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, counting: Counting) -> Result<Self, GpuError> {
-        let shared = &gpu.pipelines;
-        Ok(if counting == Counting::ZpPlus2005 {
-            Self::Published(Arc::new(ShadowPipelines::new(shared, format, counting)?))
+    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: ShadowMethod) -> Result<Self, GpuError> {
+        let (shared, counting) = (&gpu.pipelines, method.counting);
+        Ok(if method.is_single {
+            Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
         } else {
             Self::Scene(Arc::new(ScenePipelines::new(shared, format, counting)?))
         })
@@ -41,7 +57,7 @@ impl VolumePipelines {
     fn counting(&self) -> Counting {
         match self {
             Self::Scene(pipelines) => pipelines.counting(),
-            Self::Published(pipelines) => pipelines.counting(),
+            Self::Single(pipelines) => pipelines.counting(),
         }
     }
 }
@@ -52,7 +68,7 @@ impl Shadows {
             VolumePipelines::Scene(pipelines) => {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
-            VolumePipelines::Published(pipelines) => Self::Published(Published::new(pipelines, max_lights)),
+            VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
         })
     }
 
@@ -60,7 +76,23 @@ impl Shadows {
     pub(crate) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         match self {
             Self::Scene(scene) => scene.place(gpu, bodies),
-            Self::Published(published) => published.place(gpu, bodies),
+            Self::Single(single) => single.place(gpu, bodies),
+        }
+    }
+
+    /// Leaves out covered faces of bodies that are placed and stay. Single casters leave out none.
+    pub(super) fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
+        match self {
+            Self::Scene(scene) => scene.leave_out(covered),
+            Self::Single(_) => Ok(()),
+        }
+    }
+
+    /// How many covered faces the last encode left out, summed over lights.
+    pub(super) fn left_out(&self) -> usize {
+        match self {
+            Self::Scene(scene) => scene.frame().map_or(0, |frame| frame.hidden().faces),
+            Self::Single(_) => 0,
         }
     }
 
@@ -75,7 +107,7 @@ impl Shadows {
     ) -> Result<(), GpuError> {
         match self {
             Self::Scene(scene) => scene.encode(encoder, camera, lights, timer),
-            Self::Published(published) => published.encode(encoder, bodies, camera, lights, timer),
+            Self::Single(single) => single.encode(encoder, bodies, camera, lights, timer),
         }
     }
 
@@ -88,9 +120,7 @@ impl Shadows {
     ) -> Result<(), GpuError> {
         match (self, pipelines) {
             (Self::Scene(scene), VolumePipelines::Scene(pipelines)) => Ok(scene.draw(pass, pipelines, light)?),
-            (Self::Published(published), VolumePipelines::Published(pipelines)) => {
-                Ok(published.draw(pass, pipelines, light)?)
-            }
+            (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
             (_, pipelines) => {
                 let (volumes, pipelines) = (self.counting(), pipelines.counting());
                 Err(ShadowDrawError::Counting { volumes, pipelines }.into())
@@ -101,7 +131,7 @@ impl Shadows {
     fn counting(&self) -> Counting {
         match self {
             Self::Scene(scene) => scene.counting,
-            Self::Published(_) => Counting::ZpPlus2005,
+            Self::Single(single) => single.counting(),
         }
     }
 
@@ -109,7 +139,7 @@ impl Shadows {
     pub(crate) fn facing(&self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<Vec<FacingMasks>, GpuError> {
         match self {
             Self::Scene(scene) => scene.facing(gpu, bodies),
-            Self::Published(published) => Ok(published.facing(bodies)),
+            Self::Single(single) => Ok(single.facing(bodies)),
         }
     }
 
@@ -117,7 +147,7 @@ impl Shadows {
     pub(crate) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, GpuError> {
         match self {
             Self::Scene(scene) => scene.found(gpu),
-            Self::Published(published) => Ok(published.found(gpu)?),
+            Self::Single(single) => Ok(single.found(gpu)?),
         }
     }
 
@@ -125,7 +155,7 @@ impl Shadows {
     pub(crate) fn statistics(&self, gpu: &Gpu) -> Result<ShadowStatistics, ReadError> {
         match self {
             Self::Scene(scene) => scene.statistics(gpu),
-            Self::Published(published) => published.statistics(gpu),
+            Self::Single(single) => single.statistics(gpu),
         }
     }
 }

@@ -51,8 +51,8 @@ impl VolumeOverlay {
         resources: &RenderResources<'_>,
         subject: &DrawInputs<'_>,
     ) -> Result<(), GpuError> {
-        for extraction in subject.casters.shown() {
-            for light in 0..subject.samples {
+        for light in 0..subject.samples {
+            for extraction in subject.casters.shown(light) {
                 let group = extraction.bind_group(&self.layout, light / 32)?;
                 resources.select(pass, light);
                 pass.set_bind_group(2, &group, &[]);

@@ -64,13 +64,14 @@ fn described() -> Outcome {
     let extract = ["extract", &model, light[0], light[1], "--out", &out];
     let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
     let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
-    let lines: [(&[&str], &[&str]); 10] = [
+    let lines: [(&[&str], &[&str]); 11] = [
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
         (&extract, &["--device", "cpu"]),
         (&query, &["--device", "gpu"]),
         (&query, &["--device", "cpu"]),
         (&shadow, &["--area", "disc", "--samples", "2"]),
+        (&shadow, &["--hide-covered"]),
         (&["info", &model], &[]),
         (&["info", &gltf], &[]),
         (&["verify", &at("bits")], &["--device", "cpu"]),

@@ -7,6 +7,7 @@ mod archive;
 mod bad_input;
 mod bench;
 mod contract;
+mod covered;
 mod draw;
 mod fallback;
 mod info;
@@ -25,6 +26,7 @@ mod outputs;
 mod outputs_unix;
 mod own_gltf;
 mod plot_labels;
+mod polygon_shadows;
 mod query;
 mod run;
 mod schema;
@@ -63,10 +65,12 @@ fn main() {
         npz_polygons::TESTS,
         obj_input::TESTS,
         contract::TESTS,
+        covered::TESTS,
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,
         plot_labels::TESTS,
+        polygon_shadows::TESTS,
         soft::TESTS,
         instances::TESTS,
         query::TESTS,

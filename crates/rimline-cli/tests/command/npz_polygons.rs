@@ -11,7 +11,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("npz_polygons::extract_writes_masks_of_polygons", extracted),
     ("npz_polygons::what_was_written_is_a_model", again),
     ("npz_polygons::bad_polygons_are_named", bad),
-    ("npz_polygons::other_subcommands_take_the_triangles", others),
+    ("npz_polygons::other_subcommands_take_them", others),
 ];
 
 /// A square with a square hole, and beside it a quadrilateral that is a bow tie from above. The first corner is there
@@ -45,7 +45,7 @@ fn polygons(loops: &[u8], sizes: &[u8], corners: &[u8]) -> Vec<u8> {
     write_zip(&[positions(), row("polygon_loops", loops), row("loop_sizes", sizes), row("loop_corners", corners)])
 }
 
-fn words(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
+pub(crate) fn words(archive: &[u8], name: &str) -> Result<Vec<u32>, String> {
     let entries = read_zip(archive)?;
     let entry = entries.iter().find(|entry| entry.name == format!("{name}.npy")).ok_or_else(|| format!("no {name}"))?;
     Ok(entry.bytes[128..].as_chunks::<4>().0.iter().map(|bytes| u32::from_ne_bytes(*bytes)).collect())

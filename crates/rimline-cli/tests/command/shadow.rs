@@ -77,7 +77,7 @@ impl Image {
 }
 
 /// A shape from the library, scaled and moved, as an .npz.
-fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u8> {
+pub(crate) fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> Vec<u8> {
     let place = |p: &[f32; 3]| [scale * p[0] + x, scale * p[1] + y, scale * p[2] + z];
     let positions: Vec<u8> = shape.positions.iter().flat_map(place).flat_map(f32::to_le_bytes).collect();
     let faces: Vec<u8> = shape.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
@@ -96,7 +96,7 @@ fn with_cube() -> Result<tempfile::TempDir, String> {
 }
 
 /// Runs `rimline` in words, with paths in a folder where a word begins with `@`.
-fn run(folder: &Path, line: &str) -> super::run::Run {
+pub(crate) fn run(folder: &Path, line: &str) -> super::run::Run {
     rimline(line.split_whitespace().map(|word| match word.strip_prefix('@') {
         Some(name) => folder.join(name).into_os_string(),
         None => word.into(),

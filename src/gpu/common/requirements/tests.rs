@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
-use crate::stages::{CAP_FACES, DEFORM, DEPTH_SURFACE, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl};
+use crate::stages::{CAP_FACES, DEFORM, DEPTH_SURFACE, MESH_DEPTH, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl};
 
 /// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
@@ -35,7 +35,7 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
     let module = naga::front::wgsl::parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).expect("valid WGSL");
     let size = |variable: &naga::GlobalVariable| u64::from(module.types[variable.ty].inner.size(module.to_ctx()));
-    let [mut uniforms, mut storage, mut textures, mut groups] = [0; 4];
+    let [mut uniforms, mut storage, mut textures, mut written, mut groups] = [0; 5];
     for (_, variable) in module.global_variables.iter() {
         let Some(binding) = &variable.binding else { continue };
         raise(found, "max_bindings_per_bind_group", u64::from(binding.binding) + 1);
@@ -49,11 +49,15 @@ fn reflect(found: &mut Found, wgsl: &str, is_drawn: bool) {
                 storage += 1;
                 raise(found, "max_storage_buffer_binding_size", size(variable));
             }
-            AddressSpace::Handle => textures += 1,
+            AddressSpace::Handle => match module.types[variable.ty].inner {
+                naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. } => written += 1,
+                _ => textures += 1,
+            },
             other => panic!("{:?} is bound in {other:?}", variable.name),
         }
     }
     raise(found, "max_sampled_textures_per_shader_stage", textures);
+    raise(found, "max_storage_textures_per_shader_stage", written);
     raise(found, "max_bind_groups", groups);
     raise(found, "max_uniform_buffers_per_shader_stage", uniforms);
     raise(found, "max_storage_buffers_per_shader_stage", storage);
@@ -105,7 +109,9 @@ fn needed(wanted: Subject) -> Found {
         let wgsl = if *stage == DEFORM { plain_deform_wgsl() } else { stage.wgsl() };
         reflect(&mut found, &wgsl, false);
     }
-    for stage in [&SIDES, &CAP_FACES, &PIECES, &DEPTH_SURFACE].into_iter().filter(|stage| subject(stage) == wanted) {
+    for stage in
+        [&SIDES, &CAP_FACES, &PIECES, &DEPTH_SURFACE, &MESH_DEPTH].into_iter().filter(|stage| subject(stage) == wanted)
+    {
         reflect(&mut found, &stage.wgsl(), true);
     }
     found.entry("max_bind_groups_plus_vertex_buffers").or_default();

@@ -1,17 +1,19 @@
-//! Convex batch: the cheap way for many polygons and lights at a time, by `f32` with the filter's bound.
+//! Turns batch: the cheap way for many polygons and lights at a time, by `f32` with the filter's bound.
 
 use std::ops::Range;
 
-use super::convex::convex_turns;
+use super::polygon_turns::convex_turns;
 use crate::cpu::extract::batch::{Batch, LANES};
 use crate::layout::LightBatch;
 use crate::mesh::Polygons;
 
 /// What is certain of a polygon for 32 lights.
 #[derive(Clone, Copy)]
-pub(crate) struct Convex {
-    /// The lights for which it is convex and faces them.
+pub(crate) struct Decided {
+    /// The lights that it faces.
     pub(crate) facing: u32,
+    /// The lights for which it is L-twisted.
+    pub(crate) twisted: u32,
     /// The lights for which it is not convex, and all lights if `f32` leaves a sign undecided.
     pub(crate) undecided: u32,
 }
@@ -20,27 +22,31 @@ pub(crate) struct Convex {
 #[derive(Clone, Copy)]
 struct Turns {
     are_all_positive: u32,
-    is_any_positive: u32,
+    /// The lights for which one turn or more are positive, two or more, three or more.
+    positive: [u32; 3],
     are_certain: bool,
 }
 
 impl Turns {
     fn add(&mut self, positive: u32, is_certain: bool) {
         self.are_all_positive &= positive;
-        self.is_any_positive |= positive;
+        let [once, twice, _] = self.positive;
+        self.positive[0] |= positive;
+        self.positive[1] |= once & positive;
+        self.positive[2] |= twice & positive;
         self.are_certain &= is_certain;
     }
 }
 
 /// Decides a run of polygons. `largest` is the largest coordinate there is.
-pub(crate) fn convex_batch(
+pub(crate) fn turns_batch(
     positions: &[[f32; 3]],
     polygons: &Polygons,
     run: Range<usize>,
     largest: f32,
     light_batch: &LightBatch,
-) -> impl Iterator<Item = Convex> {
-    let mut turns = vec![Turns { are_all_positive: u32::MAX, is_any_positive: 0, are_certain: false }; run.len()];
+) -> impl Iterator<Item = Decided> {
+    let mut turns = vec![Turns { are_all_positive: u32::MAX, positive: [0; 3], are_certain: false }; run.len()];
     let mut waiting = Waiting { corners: [[0; 3]; LANES], polygons: [0; LANES], count: 0 };
     let decide = |waiting: &mut Waiting, turns: &mut [Turns]| {
         let batch = Batch::new(positions, &waiting.corners[..waiting.count], light_batch);
@@ -50,7 +56,7 @@ pub(crate) fn convex_batch(
         }
         waiting.count = 0;
     };
-    for (place, polygon) in run.enumerate() {
+    for (place, polygon) in run.clone().enumerate() {
         let outline = polygons.outline(polygon);
         if !is_loop(outline) {
             continue;
@@ -67,12 +73,16 @@ pub(crate) fn convex_batch(
     }
     decide(&mut waiting, &mut turns);
     let live = light_batch.live;
-    turns.into_iter().map(move |turns| {
+    turns.into_iter().zip(run).map(move |(turns, polygon)| {
+        let [once, twice, thrice] = turns.positive.map(|lights| lights & live);
         if !turns.are_certain {
-            return Convex { facing: 0, undecided: live };
+            return Decided { facing: 0, twisted: 0, undecided: live };
+        }
+        if polygons.outline(polygon).len() == 4 {
+            return Decided { facing: thrice, twisted: twice & !thrice, undecided: 0 };
         }
         let facing = live & turns.are_all_positive;
-        Convex { facing, undecided: live & turns.is_any_positive & !turns.are_all_positive }
+        Decided { facing, twisted: 0, undecided: once & !facing }
     })
 }
 

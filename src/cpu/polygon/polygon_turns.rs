@@ -1,5 +1,6 @@
-//! Convex: the cheap way to the facing of most outlines.
+//! Polygon turns: the cheap way to what a light sees of most outlines.
 
+use super::seen::Seen;
 use super::turn::turn_as_given;
 
 /// The corners whose turns must be alike for a loop of `count` corners to be strictly convex. Four corners need four
@@ -10,8 +11,30 @@ pub(crate) fn convex_turns(count: usize) -> impl Iterator<Item = [usize; 3]> {
     corners.chain((3..count.max(4) - 1).flat_map(|corner| [[0, 1, corner], [0, corner - 1, corner]]))
 }
 
+/// How a light sees one loop of corners, if turns tell: it is strictly convex, or a quadrilateral of which no turn is 0.
+pub fn polygon_turns(corners: &[[f32; 3]], light: [f32; 4]) -> Option<Seen> {
+    if corners.len() < 3 {
+        return None;
+    }
+    let turn = |[i, j, k]: [usize; 3]| turn_as_given(corners[i], corners[j], corners[k], light);
+    if corners.len() == 4 {
+        let turns: Vec<i32> = convex_turns(4).map(turn).collect();
+        return match turns.iter().sum() {
+            _ if turns.contains(&0) => None,
+            2.. => Some(Seen::Facing),
+            ..=-2 => Some(Seen::Averted),
+            _ => Some(Seen::Twisted),
+        };
+    }
+    match convex(corners, light) {
+        ..0 => Some(Seen::Averted),
+        0 => None,
+        1.. => Some(Seen::Facing),
+    }
+}
+
 /// The facing of one loop of corners, if it is strictly convex as seen from a light: 1 or −1. Otherwise 0.
-pub fn convex(corners: &[[f32; 3]], light: [f32; 4]) -> i32 {
+pub(crate) fn convex(corners: &[[f32; 3]], light: [f32; 4]) -> i32 {
     if corners.len() < 3 {
         return 0;
     }

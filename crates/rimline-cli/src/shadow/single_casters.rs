@@ -1,4 +1,4 @@
-//! ZP+ as published in 2005, for comparison. It is for single casters, so each file is one.
+//! Each file as one caster. ZP+ as published in 2005 and polygons need this: scenes have neither.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use rimline::gpu::{
 };
 use rimline::reference::cpu;
 use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowStatistics};
-use rimline::{Light, ShadowCamera, wgpu};
+use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::counts;
 use super::extracted::Extracted;
@@ -17,7 +17,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 
-pub(crate) struct Published {
+pub(crate) struct SingleCasters {
     pipelines: Arc<ShadowPipelines>,
     max_lights: usize,
     casters: Vec<Caster>,
@@ -26,14 +26,20 @@ pub(crate) struct Published {
 /// A file.
 struct Caster {
     extracted: Extracted,
+    /// Of polygons: their triangles, which are drawn. A polygon may face a light that one of its triangles is averted from.
+    surface: Option<Extracted>,
     volumes: ShadowVolumes,
     /// What the last encode left to draw.
     frame: Option<ShadowFrame>,
 }
 
-impl Published {
+impl SingleCasters {
     pub(super) fn new(pipelines: &Arc<ShadowPipelines>, max_lights: usize) -> Self {
         Self { pipelines: Arc::clone(pipelines), max_lights, casters: Vec::new() }
+    }
+
+    pub(super) fn counting(&self) -> Counting {
+        self.pipelines.counting()
     }
 
     pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
@@ -42,10 +48,14 @@ impl Published {
                 continue;
             }
             let extracted = Extracted::new(gpu, body, self.max_lights)?;
+            let surface = match body.triangles()? {
+                Some(triangles) => Some(Extracted::of_mesh(gpu, &triangles, body, self.max_lights)?),
+                None => None,
+            };
             let options = ShadowOptions { bound_counts: true, ..ShadowOptions::default() };
             let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
                 .map_err(|error| GpuError::from(error).on(gpu))?;
-            let caster = Caster { extracted, volumes, frame: None };
+            let caster = Caster { extracted, surface, volumes, frame: None };
             match self.casters.get_mut(number) {
                 Some(old) => *old = caster,
                 None => self.casters.push(caster),
@@ -62,8 +72,11 @@ impl Published {
         lights: &[Light],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        for (Caster { extracted, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {
+        for (Caster { extracted, surface, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {
             let extraction = extracted.encode(encoder, body, lights, timer.as_deref_mut())?;
+            if let Some(surface) = surface {
+                surface.encode(encoder, body, lights, timer.as_deref_mut())?;
+            }
             *frame = Some(volumes.encode(encoder, extraction, camera, timer.as_deref_mut())?);
         }
         Ok(())
@@ -84,7 +97,8 @@ impl Published {
     pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
         let of_file = |(caster, body): (&Caster, &PosedModel<'_>)| {
             let faces = 0..body.faces.len() as u32;
-            let facing = caster.extracted.extractor.results().facing.to_vec();
+            let drawn = caster.surface.as_ref().unwrap_or(&caster.extracted);
+            let facing = drawn.extractor.results().facing.to_vec();
             FacingMasks { slots: faces.clone().collect(), runs: vec![FacingRun { faces, facing }] }
         };
         self.casters.iter().zip(bodies).map(of_file).collect()

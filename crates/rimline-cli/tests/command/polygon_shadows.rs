@@ -1,0 +1,115 @@
+//! Shadows of polygons: masks of the ground, against what `query` counts.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use rimline_measure::random::Random;
+
+use super::archive::{array, write_zip};
+use super::npz_polygons::words;
+use super::run::folder;
+use super::shadow::{Image, run};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("polygon_shadows::the_ground_is_dark_where_query_counts_polygons", ground),
+    ("polygon_shadows::what_polygons_do_not_have_is_refused", refused),
+];
+
+const SIZE: usize = 96;
+/// The eye looks straight down from a height of 2, on 4 by 4 units of the ground.
+const VIEW: &str = "--ground 0 --eye 0,2,0 --target 0,0,0 --fov 90 --size 96x96";
+const LIGHTS: &str = "--light dir:0.2,1,-0.1 --light point:1,9,-1";
+
+/// Polygons above the eye, most of them twisted as seen from above, and the triangles that they are drawn as.
+fn write(file: &Path, seed: u64, are_triangles: bool) -> Outcome {
+    let mut random = Random::new(seed);
+    let (mut text, mut vertex) = (String::new(), 1);
+    for _ in 0..5 {
+        let corners = 4 + random.below(4);
+        let mut face = "f".to_owned();
+        for _ in 0..corners {
+            let [x, z] = [random.between(-1.6, 1.6), random.between(-1.6, 1.6)];
+            let _ = writeln!(text, "v {x} {} {z}", random.between(3.0, 4.0));
+            let _ = write!(face, " {vertex}");
+            vertex += 1;
+        }
+        if are_triangles {
+            let first = vertex - corners;
+            for at in 1..corners - 1 {
+                let _ = writeln!(text, "f {first} {} {}", first + at, first + at + 1);
+            }
+        } else {
+            let _ = writeln!(text, "{face}");
+        }
+    }
+    std::fs::write(file, text).map_err(|error| error.to_string())
+}
+
+/// The middles of pixels on the ground. Below the eye the picture's right is +X, and its top is −Z.
+fn pixels() -> Vec<[f32; 3]> {
+    let at = |pixel: usize| 2.0 * ((pixel as f32 + 0.5) * 2.0 / SIZE as f32 - 1.0);
+    (0..SIZE * SIZE).map(|pixel| [at(pixel % SIZE), 0.0, at(pixel / SIZE)]).collect()
+}
+
+/// Whether the neighbours of a pixel have its depth for a light, too.
+fn is_even(depths: &[u32], pixel: usize, light: usize) -> bool {
+    let (x, y) = (pixel % SIZE, pixel / SIZE);
+    let around = |at: usize| at.saturating_sub(1)..=(at + 1).min(SIZE - 1);
+    around(y)
+        .flat_map(|y| around(x).map(move |x| y * SIZE + x))
+        .all(|other| depths[2 * other + light] == depths[2 * pixel + light])
+}
+
+/// Pixels that are wrong, of those that are on no edge.
+fn wrong(mask: &Image, depths: &[u32], light: usize) -> [usize; 2] {
+    let even: Vec<_> = (0..SIZE * SIZE).filter(|&pixel| is_even(depths, pixel, light)).collect();
+    let is_wrong = |&&pixel: &&usize| (mask.bytes[pixel] == 0) != (depths[2 * pixel + light] > 0);
+    [even.iter().filter(is_wrong).count(), even.len()]
+}
+
+fn ground() -> Outcome {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let data: Vec<u8> = pixels().iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    let points = write_zip(&[array("points", "<f4", "False", &format!("({}, 3)", SIZE * SIZE), &data)]);
+    std::fs::write(at("points.npz"), points).map_err(|error| error.to_string())?;
+    let depths = |model: &str| -> Result<Vec<u32>, String> {
+        let line = format!("query @{model}.obj {LIGHTS} --points @points.npz --out @depths.npz");
+        run(folder.path(), &line).expect(0, &[])?;
+        words(&std::fs::read(at("depths.npz")).map_err(|error| error.to_string())?, "depth")
+    };
+    let mut folds = 0;
+    for seed in 0..2 {
+        write(&at("polygons.obj"), seed, false)?;
+        write(&at("triangles.obj"), seed, true)?;
+        let (polygons, triangles) = (depths("polygons")?, depths("triangles")?);
+        for method in ["auto", "z-fail", "zp+"] {
+            let line = format!("shadow @polygons.obj {VIEW} {LIGHTS} --method {method} --mask @m");
+            run(folder.path(), &line).expect(0, &[])?;
+            for light in 0..2 {
+                let mask = Image::mask(&at(&format!("m.{light}.png")))?;
+                let [found, of] = wrong(&mask, &polygons, light);
+                ensure!(found == 0, "seed {seed}, {method}, light {light}: {found} of {of} pixels are wrong");
+                ensure!(of > SIZE * SIZE / 2, "{of} pixels are on no edge");
+                folds += wrong(&mask, &triangles, light)[0];
+            }
+        }
+    }
+    ensure!(folds > 1000, "triangles have the same shadows but for {folds} pixels");
+    Ok(())
+}
+
+fn refused() -> Outcome {
+    let folder = folder();
+    write(&folder.path().join("polygons.obj"), 0, false)?;
+    let line = format!("shadow @polygons.obj {VIEW} --hide-covered --mask @m");
+    run(folder.path(), &line).expect(2, &["--hide-covered", "polygons.obj"])?;
+    std::fs::write(
+        folder.path().join("up.wgsl"),
+        "fn displace(p: vec3<f32>, v: u32, t: f32) -> vec3<f32> { return p; }",
+    )
+    .map_err(|error| error.to_string())?;
+    let line = format!("shadow @polygons.obj {VIEW} --displace @up.wgsl --mask @m");
+    run(folder.path(), &line).expect(1, &["polygons.obj", "triangles"])
+}

@@ -1,0 +1,117 @@
+//! Shadow depths of polygons on the GPU: those of the twin, however the faces are cut into runs.
+
+use rimline::Light;
+use rimline::gpu::{MemoryError, PositionBuffer, ShadowQuery, ShadowQueryError, ShadowQueryOptions};
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{self, Threads};
+
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::{limited, text};
+use rimline_measure::polygons::{PolygonSet, random_polygon, random_set};
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same};
+
+use crate::depths::DepthCase;
+
+/// One polygon with many corners, whose triangles fill several groups, between others.
+fn large_set(random: &mut Random, corners: usize) -> PolygonSet {
+    let mut set = random_set(random, 12);
+    let ring = |random: &mut Random, height: f32| -> Vec<[f32; 3]> {
+        (0..corners)
+            .map(|at| {
+                let angle = at as f32 / corners as f32 * std::f32::consts::TAU;
+                let reach = random.between(1.0, 4.0);
+                [reach * angle.cos(), height + random.between(-0.2, 0.2), reach * angle.sin()]
+            })
+            .collect()
+    };
+    for height in [0.0, 2.0] {
+        let ring = ring(random, height);
+        set.push_points(&[ring]);
+        let (_, small) = random_polygon(random, 8);
+        for loops in small.polygons() {
+            let placed = |corners: &Vec<u32>| corners.iter().map(|&v| small.positions[v as usize]).collect();
+            set.push_points(&loops.iter().map(placed).collect::<Vec<_>>());
+        }
+    }
+    set
+}
+
+pub(crate) const TESTS: &[Test] = &[("depths_equal_their_twin", depths), ("depths_of_large_polygons", large)];
+
+fn found(gpu: &Gpu, case: &DepthCase, work_per_dispatch: u64) -> Result<Vec<i32>, String> {
+    let DepthCase { set, mesh, points, lights } = case;
+    let options = ShadowQueryOptions {
+        max_points: points.len() as u32,
+        max_lights: lights.len(),
+        work_per_dispatch,
+        ..ShadowQueryOptions::default()
+    };
+    let mut query = ShadowQuery::new(&gpu.pipelines, mesh, options).map_err(text)?;
+    let buffers = [gpu.storage(&set.positions), gpu.storage(points)];
+    let [positions, asked] = [0, 1].map(|at| PositionBuffer { buffer: &buffers[at], offset: 0, stride: 12 });
+    gpu.submit(|encoder| query.encode_at(encoder, positions, asked, points.len() as u32, lights, None).map_err(text))?;
+    gpu.read(query.depths(), points.len() * lights.len())
+}
+
+fn expected(case: &DepthCase) -> Result<Vec<i32>, String> {
+    cpu::shadow_depth(&case.set.positions, &case.mesh, &case.points, &case.lights, Threads::all()).map_err(text)
+}
+
+/// Quadrilaterals of whole numbers beside each other, with points below their corners and edges. Many are folded as seen from the
+/// light, so that some of their triangles are crossed within and others on an edge.
+fn folded(random: &mut Random) -> DepthCase {
+    let mut set = PolygonSet::default();
+    let mut points = Vec::new();
+    for tile in 0..40 {
+        let x = 16.0 * tile as f32;
+        let corners = (0..4).map(|_| [x + random.below(5) as f32, random.below(5) as f32, random.below(5) as f32]);
+        set.push_points(&[corners.collect()]);
+        points.extend((0..25).map(|at| [x + (at / 5) as f32, (at % 5) as f32, -3.0]));
+    }
+    let mesh = set.mesh(Weld::Position).expect("a mesh");
+    DepthCase { set, mesh, points, lights: vec![Light::directional([0.0, 0.0, 1.0])] }
+}
+
+fn depths() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let case = folded(&mut Random::new(231));
+    same("folded", &found(gpu, &case, 1 << 28)?, &expected(&case)?)?;
+    let first = 232_000;
+    println!("seeds from {first}");
+    let mut sum = 0;
+    for seed in first..first + if is_long() { 300 } else { 12 } {
+        let case = DepthCase::random(&mut Random::new(seed));
+        let (mut depths, right) = (found(gpu, &case, 1 << 28)?, expected(&case)?);
+        same(&format!("seed {seed}"), &depths, &right)?;
+        sum += right.iter().sum::<i32>();
+        let last = depths.len() - 1;
+        depths[last] += 1;
+        must_fail("one more", &same("one more", &depths, &right))?;
+    }
+    println!("{sum} polygons between");
+    if sum > 500 { Ok(()) } else { Err(format!("{sum} polygons between")) }
+}
+
+/// Polygons of more triangles than a group, over dispatches and bindings that end within them, and one that no binding holds.
+fn large() -> Result<(), String> {
+    let mut random = Random::new(233);
+    let set = large_set(&mut random, 1600);
+    let case = DepthCase::new(&mut random, set, 64, 4);
+    let right = expected(&case)?;
+    let gpu = &*Gpu::shared()?;
+    for work in [1 << 28, 1] {
+        same(&format!("{work} a dispatch"), &found(gpu, &case, work)?, &right)?;
+    }
+    // Bindings hold two and three groups of 1,024 faces: the second large polygon does not fit beside the first.
+    for binding in [32 << 10, 48 << 10] {
+        same(&format!("{binding} bytes"), &found(&limited(binding, 2 << 20, 64)?, &case, 1 << 28)?, &right)?;
+    }
+    let small = limited(16 << 10, 2 << 20, 64)?;
+    let options = ShadowQueryOptions { max_points: 64, ..ShadowQueryOptions::default() };
+    match ShadowQuery::new(&small.pipelines, &case.mesh, options) {
+        Err(ShadowQueryError::Memory(MemoryError::Binding { what: "the triangles of a polygon", .. })) => Ok(()),
+        other => Err(format!("{:?}", other.err())),
+    }
+}

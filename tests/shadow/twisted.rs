@@ -1,0 +1,188 @@
+//! Twisted polygons in motion, and many of them.
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use rimline::gpu::{Deformer, DeformerOptions, Extractor, ExtractorOptions, PositionBuffer, ShadowOptions};
+use rimline::mesh::Weld;
+use rimline::reference::cpu::{self, CastingBox, Threads};
+use rimline::{
+    Counting, DepthDirection, Geometry, GeometryOptions, Influences, Instance, InstancePose, Light, Mesh, Model, Pose,
+};
+use rimline_measure::device::Gpu;
+use rimline_measure::models::rows;
+use rimline_measure::on_gpu::{read, text};
+use rimline_measure::polygons::PolygonSet;
+use rimline_measure::random::Random;
+use rimline_measure::shapes::Shape;
+use rimline_measure::{must_fail, same};
+
+use crate::polygons::{Rig, Truth, compare, frame};
+use crate::render::Renderer;
+use crate::scene::{Body, Eye, Frame};
+use crate::trials::{Test, frames};
+
+pub(crate) const TESTS: &[Test] =
+    &[("skinned_quadrilaterals_that_twist", motion), ("a_thousand_that_are_twisted_overlap", thousand)];
+
+const RINGS: u32 = 7;
+const SIDES: u32 = 5;
+
+/// A bar along x of one joint a ring, and its quadrilaterals.
+fn bar() -> Result<(Model, PolygonSet), String> {
+    let mut set = PolygonSet::default();
+    for ring in 0..RINGS {
+        for side in 0..SIDES {
+            let (sin, cos) = (side as f32 / SIDES as f32 * std::f32::consts::TAU).sin_cos();
+            set.positions.push([2.0 * ring as f32 / (RINGS - 1) as f32 - 1.0, 0.5 * cos, 0.5 * sin]);
+        }
+    }
+    for ring in 0..RINGS - 1 {
+        let (here, there) = (ring * SIDES, (ring + 1) * SIDES);
+        for side in 0..SIDES {
+            let next = (side + 1) % SIDES;
+            set.push(&[vec![here + side, here + next, there + next, there + side]]);
+        }
+    }
+    set.push(&[(0..SIDES).rev().collect()]);
+    set.push(&[((RINGS - 1) * SIDES..RINGS * SIDES).collect()]);
+    let vertices = RINGS * SIDES;
+    let influences = Influences::new(
+        (0..=vertices).collect(),
+        (0..vertices).map(|vertex| vertex / SIDES).collect(),
+        vec![1.0; vertices as usize],
+    );
+    let options = GeometryOptions { influences: Some(influences.map_err(text)?), ..GeometryOptions::default() };
+    let mesh = set.mesh(Weld::Keep).map_err(text)?;
+    let geometry = Geometry::new(set.positions.clone(), mesh.faces().to_vec(), options).map_err(text)?;
+    Ok((Model::new(vec![geometry], vec![Instance::new(0, None)]).map_err(text)?, set))
+}
+
+/// The rings turn against each other, and the bar bends.
+fn pose(time: f32) -> Result<Pose, String> {
+    let palette = (0..RINGS).map(|ring| {
+        let along = ring as f32 / (RINGS - 1) as f32;
+        let turn =
+            Quat::from_rotation_x(9.0 * time.sin() * along) * Quat::from_rotation_z(0.7 * (3.0 * time + along).cos());
+        rows(Affine3A::from_translation(0.2 * Vec3::Y * (time + 4.0 * along).sin()) * Affine3A::from_quat(turn))
+    });
+    Ok(Pose::new(vec![InstancePose::new(palette.collect(), Vec::new()).map_err(text)?]))
+}
+
+/// Polygons at the positions that a deformer wrote: masks are those of its twin, and shadows those of the rays.
+fn motion() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (model, mut set) = bar()?;
+    let mesh = set.mesh(Weld::Keep).map_err(text)?;
+    let deformer = Deformer::new(&gpu.pipelines, &model, DeformerOptions::default()).map_err(text)?;
+    let mut extractor = Extractor::new(&gpu.pipelines, &mesh, ExtractorOptions::default()).map_err(text)?;
+    let (mut counts, mut failures) = (Vec::new(), Vec::new());
+    for number in 0..frames() {
+        let pose = pose(number as f32 * 0.37)?;
+        let mut random = Random::new(78_000 + number);
+        // The bar is about as large as what the frame is for.
+        let mut frame = frame(&mut random, set.clone(), &mesh);
+        let light = frame.lights[0];
+        gpu.submit(|encoder| {
+            deformer.encode(encoder, &pose, 0.0, None, None).map_err(text)?;
+            extractor.encode(encoder, deformer.positions(), &[light], None).map_err(text)
+        })?;
+        set.positions = gpu.read(deformer.positions().buffer, model.vertex_count())?;
+        let found = read(gpu, &extractor, &mesh, 1)?;
+        let polygons = mesh.polygons().ok_or("no polygons")?;
+        let (masks, _) = cpu::polygon_facing(&set.positions, polygons, &[light], Threads::ONE);
+        let of_triangles = polygons.triangle_polygons();
+        let expected: Vec<u32> = of_triangles.iter().map(|&polygon| masks[polygon as usize].twisted).collect();
+        same(&format!("frame {number}, twisted"), &found.twisted, &expected)?;
+        counts.push(masks.iter().filter(|masks| masks.twisted != 0).count());
+        frame.bodies[0].shape.positions.clone_from(&set.positions);
+        frame.bodies[0].polygons = Some(set.clone());
+        let rig = Rig::new(&frame, &mesh);
+        let truths = rig.truths();
+        let wrong = compare(gpu, &frame, &rig, &truths)?;
+        failures.extend(wrong.into_iter().map(|error| format!("frame {number}: {error}")));
+    }
+    println!("twisted polygons, frame after frame: {counts:?}");
+    let changes = counts.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    if failures.is_empty() && 2 * changes > counts.len() { Ok(()) } else { Err(failures.join("\n")) }
+}
+
+/// Bow ties above each other, which cast onto the room's floor.
+fn bow_ties(random: &mut Random, count: usize) -> PolygonSet {
+    let mut set = PolygonSet::default();
+    for number in 0..count {
+        let height = 0.9 * number as f32 / count as f32;
+        let near = |[x, z]: [f32; 2], random: &mut Random| {
+            let [dx, dy, dz] = [0.1, 0.02, 0.1].map(|most: f32| random.between(-most, most));
+            [x + dx, height + dy, z + dz]
+        };
+        let corners = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]].map(|corner| near(corner, random));
+        set.push_points(&[corners.to_vec()]);
+    }
+    set
+}
+
+/// Each counts once, modulo 256, and the bound tells that counts wrap.
+fn thousand() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let seed = 79_000;
+    println!("seed {seed}");
+    let set = bow_ties(&mut Random::new(seed), 1000);
+    let mesh = set.mesh(Weld::Keep).map_err(text)?;
+    let shape = Shape { positions: set.positions.clone(), faces: mesh.faces().to_vec() };
+    let eye = Eye {
+        place: DVec3::new(0.3, -0.8, 2.4),
+        forward: DVec3::new(-0.1, -1.2, -1.0),
+        near: 0.1,
+        is_relative: false,
+        depth: DepthDirection::Reversed,
+        far: None,
+        half_width: None,
+    };
+    for light in [Light::directional([0.05, 1.0, 0.02]), Light::point([0.2, 3.5, 0.3])] {
+        let caster = Body { polygons: Some(set.clone()), ..Body::caster(shape.clone()) };
+        let bodies = vec![caster, Body::room([0.0; 3], 4.0)];
+        let frame = Frame { bodies, eye, lights: vec![light], size: 64 };
+        let rig = Rig::new(&frame, &mesh);
+        let truths = rig.truths();
+        let most = truths.iter().map(|truth| if let Truth::Odd(count) = truth { *count } else { 0 }).max();
+        let most = most.ok_or("no truths")?;
+        let (row, pieces) = twin_row(gpu, &set, &mesh, light)?;
+        println!("{light:?}: up to {most} between, {pieces} pieces");
+        for counting in [Counting::Auto, Counting::ZFail] {
+            let mut renderer = Renderer::new(gpu);
+            renderer.options = ShadowOptions { bound_counts: true, ..renderer.options };
+            let counted = renderer.count(&frame, counting)?;
+            let wrong = rig.wrong(&truths, &counted.stencils[0], |count, value| count as u8 == value);
+            let statistics = counted.statistics[0];
+            if !wrong.is_empty() || statistics.lost_pieces > 0 || statistics.may_wrap != 1 || most < 900 {
+                return Err(format!("{counting:?}: {} wrong, {statistics:?}, {most} between", wrong.len()));
+            }
+            same("bound", &[statistics.count_bound], &[cpu::stencil_bound(&row)])?;
+            let without = [cpu::stencil_bound(&[&vec![0; 1025], &row[1025..]].concat())];
+            must_fail("a bound without pieces", &same("bound", &[statistics.count_bound], &without))?;
+            if statistics.count_bound < most {
+                return Err(format!("{most} between, and a bound of {}", statistics.count_bound));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The row of half planes as the twin has it, from the pieces that the GPU lists, and their number.
+fn twin_row(gpu: &Gpu, set: &PolygonSet, mesh: &Mesh, light: Light) -> Result<(Vec<u32>, usize), String> {
+    let mut extractor = Extractor::new(&gpu.pipelines, mesh, ExtractorOptions::default()).map_err(text)?;
+    let buffer = gpu.storage(&set.positions);
+    let positions = PositionBuffer { buffer: &buffer, offset: 0, stride: 12 };
+    gpu.submit(|encoder| extractor.encode(encoder, positions, &[light], None).map_err(text))?;
+    let words: Vec<u32> = gpu.read(&extractor.pieces()[0], usize::MAX)?;
+    let point = |at: &[u32]| [0, 1, 2].map(|axis| f32::from_bits(at[axis]));
+    let listed = words[32..].chunks(9).take(words[0] as usize);
+    let pieces: Vec<_> = listed.map(|at| [point(&at[..3]), point(&at[3..6])]).collect();
+    let corners = |pick: fn(f32, f32) -> f32| {
+        set.positions.iter().copied().reduce(|p, q| [0, 1, 2].map(|axis| pick(p[axis], q[axis]))).unwrap_or_default()
+    };
+    let own = CastingBox { low: corners(f32::min), high: corners(f32::max), faces: mesh.faces().len() as u32 };
+    let pencil = cpu::stencil_pencil(light.to_array(), &[own]);
+    let mut row = cpu::stencil_crossings(&pencil, [(own, Vec::new())]);
+    cpu::piece_crossings(&pencil, &own, &pieces, &mut row);
+    Ok((row, pieces.len()))
+}
