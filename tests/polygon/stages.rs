@@ -135,9 +135,11 @@ fn check_closed(pieces: &[Listed]) -> Result<(), String> {
 fn distance_from(outline: &Outline, piece: &Piece, end: usize, light: Light, point: [f32; 3]) -> f64 {
     let edge = |index: usize| outline.edges()[index].map(|p| p.map(f64::from));
     let p = point.map(f64::from);
-    let PieceEnd::Crossing { edge: other, .. } = piece.ends[end] else {
-        let corner = edge(piece.edge)[end];
-        return if corner == p { 0.0 } else { length(difference(p, corner)) };
+    let from = |corner| if corner == p { 0.0 } else { length(difference(p, corner)) };
+    let other = match piece.ends[end] {
+        PieceEnd::Corner => return from(edge(piece.edge)[end]),
+        PieceEnd::Touch(end) => return from(end.map(f64::from)),
+        PieceEnd::Crossing { edge, .. } => edge,
     };
     let [a, b] = edge(piece.edge.min(other));
     let [c, d] = edge(piece.edge.max(other));
@@ -219,7 +221,7 @@ fn has_near_cuts(pieces: &[Piece], outline: &Outline, light: Light) -> bool {
                 let [p, q] = [piece.edge, edge].map(|edge| plane_of(outline.edges()[edge], light));
                 length(cross(p, q)) < 1e-3
             }
-            PieceEnd::Corner => false,
+            PieceEnd::Corner | PieceEnd::Touch(_) => false,
         };
         let is_short = match piece.ends {
             [PieceEnd::Crossing { at: from, .. }, PieceEnd::Crossing { at: to, .. }] => to - from < 1e-4,

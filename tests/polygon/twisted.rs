@@ -1,5 +1,7 @@
 //! The pieces of twisted outlines: their winding numbers against the parity of the triangles between light and points.
 
+use std::collections::BTreeMap;
+
 use rimline::Light;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
@@ -55,15 +57,54 @@ impl Case {
         cut_edges(&self.outline, &triangles, self.light.to_array())
     }
 
-    /// The ends of a piece, in the direction in which it runs.
-    fn ends(&self, piece: &Piece) -> [Vector; 2] {
-        let [a, b] = self.outline.edges()[piece.edge].map(|p| p.map(f64::from));
-        let place = |end: PieceEnd, corner: Vector| match end {
-            PieceEnd::Corner => corner,
-            PieceEnd::Crossing { at, .. } => [0, 1, 2].map(|axis| a[axis] + at * (b[axis] - a[axis])),
+    /// How far along the earlier of two edges they cross. Pieces of both end there: both are seen there, but how far along each
+    /// rounding tells by itself, and anything does where they are seen in line.
+    fn crossing(&self, pieces: &[Piece], edges: [usize; 2]) -> Vector {
+        let [first, second] = [edges[0].min(edges[1]), edges[0].max(edges[1])];
+        let of_first = pieces.iter().filter(|piece| piece.edge == first).flat_map(|piece| piece.ends);
+        let found = of_first.into_iter().find_map(|end| match end {
+            PieceEnd::Crossing { edge, at } if edge == second => Some(at),
+            _ => None,
+        });
+        let [a, b] = self.outline.edges()[first].map(|p| p.map(f64::from));
+        let at = found.expect("both edges are cut");
+        [0, 1, 2].map(|axis| a[axis] + at * (b[axis] - a[axis]))
+    }
+
+    /// The ends of each piece, in the direction in which it runs.
+    fn ends(&self, pieces: &[Piece]) -> Vec<[Vector; 2]> {
+        let ends = |piece: &Piece| {
+            let corners = self.outline.edges()[piece.edge].map(|p| p.map(f64::from));
+            let place = |end: usize| match piece.ends[end] {
+                PieceEnd::Corner => corners[end],
+                PieceEnd::Touch(point) => point.map(f64::from),
+                PieceEnd::Crossing { edge, .. } => self.crossing(pieces, [piece.edge, edge]),
+            };
+            if piece.is_turned { [place(1), place(0)] } else { [place(0), place(1)] }
         };
-        let [from, to] = [place(piece.ends[0], a), place(piece.ends[1], b)];
-        if piece.is_turned { [to, from] } else { [from, to] }
+        pieces.iter().map(ends).collect()
+    }
+
+    /// As many pieces begin at each corner, and at each crossing of two edges, as end there.
+    fn check_closed(&self, pieces: &[Piece]) -> Outcome {
+        let mut balance = BTreeMap::<String, i32>::new();
+        for piece in pieces {
+            let edge = self.outline.edges()[piece.edge];
+            for end in 0..2 {
+                let place = match piece.ends[end] {
+                    PieceEnd::Corner => format!("{:?}", edge[end].map(|c| c + 0.0)),
+                    PieceEnd::Touch(point) => format!("{:?}", point.map(|c| c + 0.0)),
+                    PieceEnd::Crossing { edge, .. } => {
+                        format!("the crossing of {} and {}", piece.edge.min(edge), piece.edge.max(edge))
+                    }
+                };
+                *balance.entry(place).or_default() += if piece.is_turned == (end == 1) { 1 } else { -1 };
+            }
+        }
+        match balance.into_iter().find(|&(_, sum)| sum != 0) {
+            None => Ok(()),
+            Some((place, sum)) => Err(format!("{sum} pieces too many begin at {place}")),
+        }
     }
 
     /// Directions from a point light, or points of a plane across a light at infinity, one unit before it.
@@ -102,14 +143,14 @@ impl Case {
     }
 
     /// What the winding number of the pieces is at `p` less that at `q`. `None` where rounding may tell.
-    fn winding_from(&self, pieces: &[Piece], q: [f32; 3], p: [f32; 3]) -> Option<i32> {
+    fn winding_from(&self, pieces: &[[Vector; 2]], q: [f32; 3], p: [f32; 3]) -> Option<i32> {
         let [q, p] = [q, p].map(|point| unit(self.seen(point.map(f64::from))));
         if dot(p, q) < -0.9 || dot(p, q) > 0.999_999 {
             return None;
         }
         let mut sum = 0;
         for piece in pieces {
-            let [a, b] = self.ends(piece).map(|end| unit(self.seen(end)));
+            let [a, b] = piece.map(|end| unit(self.seen(end)));
             let [of_a, of_b] = [a, b].map(|end| dot(cross(q, p), end));
             let [of_q, of_p] = [q, p].map(|end| dot(cross(a, b), end));
             let is_near = |value: f64| value.abs() < 1e-6;
@@ -146,9 +187,10 @@ fn case(random: &mut Random, most: usize) -> Option<(&'static str, Case)> {
 /// Darkness is where an odd number of triangles lie between: the pieces' winding number is 1 there, and 0 elsewhere.
 fn check(case: &Case, pieces: &[Piece], points: &[[f32; 3]]) -> Result<usize, String> {
     let depths = shadow_oracle::shadow_depth(&case.set.positions, &case.faces, points, &[case.light]);
+    let ends = case.ends(pieces);
     let mut checked = 0;
     for (at, &point) in points.iter().enumerate().skip(1) {
-        let Some(found) = case.winding_from(pieces, points[at - 1], point) else { continue };
+        let Some(found) = case.winding_from(&ends, points[at - 1], point) else { continue };
         let expected = depths[at] % 2 - depths[at - 1] % 2;
         if found != expected {
             return Err(format!("{found} from {:?} to {point:?}, expected {expected}", points[at - 1]));
@@ -177,11 +219,16 @@ fn pieces_wind_once_around_what_is_dark() -> Outcome {
         let points: Vec<_> = (0..12).map(|_| case.beyond(&mut random)).collect();
         let mut pieces = case.pieces();
         let what = format!("seed {seed}, {name}, {:?}", case.light);
+        case.check_closed(&pieces).map_err(|error| format!("{what}: {error}"))?;
         checked += check(&case, &pieces, &points).map_err(|error| format!("{what}: {error}"))?;
         cut += usize::from(pieces.len() > case.edges.len());
         // Around the light there is no winding number, but a parity all the same.
         around += usize::from(points.iter().all(|&p| polygon_oracle::winding_at(&case.edges, case.light, p).is_none()));
-        for &point in &points {
+        // Edges that cancel may have corners of their own. Triangles with these may surround the light.
+        let places: Vec<_> = case.outline.edges().iter().flatten().collect();
+        let is_of_outline = |v: &u32| places.contains(&&case.set.positions[*v as usize]);
+        let is_within = case.faces.iter().flatten().all(is_of_outline);
+        for &point in points.iter().filter(|_| is_within) {
             let winding = polygon_oracle::winding_at(&case.edges, case.light, point);
             let depth = shadow_oracle::shadow_depth(&case.set.positions, &case.faces, &[point], &[case.light])[0];
             if winding.is_some_and(|winding| winding.rem_euclid(2) != depth % 2) {
@@ -192,11 +239,12 @@ fn pieces_wind_once_around_what_is_dark() -> Outcome {
             for piece in &mut pieces {
                 piece.is_turned = !piece.is_turned;
             }
+            let ends = case.ends(&pieces);
             let is_any = |points: &[[f32; 3]]| {
                 let depths = shadow_oracle::shadow_depth(&case.set.positions, &case.faces, points, &[case.light]);
                 (1..points.len()).any(|at| {
                     (depths[at] - depths[at - 1]) % 2 != 0
-                        && case.winding_from(&pieces, points[at - 1], points[at]).is_some()
+                        && case.winding_from(&ends, points[at - 1], points[at]).is_some()
                 })
             };
             if is_any(&points) {
@@ -250,7 +298,7 @@ fn a_bow_tie_has_two_lobes() {
         .iter()
         .filter_map(|piece| match piece.ends[1] {
             PieceEnd::Crossing { edge, at } => Some((piece.edge, edge, (at * 10.0).round())),
-            PieceEnd::Corner => None,
+            PieceEnd::Corner | PieceEnd::Touch(_) => None,
         })
         .collect();
     assert_eq!(crossings, [(0, 2, 5.0), (2, 0, 5.0)]);

@@ -179,6 +179,12 @@ fn take_cuts(outline: OutlineRange, work: Work, lane: u32) {
   touching_second[lane] = touches_second;
 }
 
+// Whether an edge that has an end on the work's edge, in space, has its second end there.
+fn is_second_end(work: Work, lane: u32, index: u32) -> bool {
+  let word = select(lane, index % OUTLINE_LANES, work.is_large);
+  return ((touching_second[word] >> select(index, index / OUTLINE_LANES, work.is_large)) & 1u) != 0u;
+}
+
 // The end of an edge that is on the work's edge, in space, and 1; or 0 if that is not how it cuts.
 fn touch_of(outline: OutlineRange, work: Work, lane: u32, index: u32) -> vec4<u32> {
   let word = select(lane, index % OUTLINE_LANES, work.is_large);
@@ -187,7 +193,7 @@ fn touch_of(outline: OutlineRange, work: Work, lane: u32, index: u32) -> vec4<u3
     return vec4<u32>(0u);
   }
   let f = edge_at(outline.first + index);
-  return vec4<u32>(select(f.a, f.b, (touching_second[word] & bit) != 0u), 1u);
+  return vec4<u32>(select(f.a, f.b, is_second_end(work, lane, index)), 1u);
 }
 
 // How far along the work's edge a point on it is.
@@ -210,9 +216,75 @@ fn common_side(signs: vec2<i32>) -> i32 {
   return select(select(signs.x, signs.y, signs.x == 0), 0, signs.x * signs.y < 0);
 }
 
+// The sign of the turns to points on the right of an edge, seen in the direction in which coordinates grow.
+fn right_of(e: Edge) -> i32 {
+  return select(1, -1, is_below(e.a, e.b));
+}
+
+// The side of an edge on which another, whose ends have these sides there, cuts the work's edge: one of its ends is on that. If it
+// is on both in space, it is on the right of both, and farther from the one that precedes.
+fn side_of_touch(sides: vec2<i32>, is_second: bool, other: Edge, is_nearest: bool) -> i32 {
+  let own = select(sides.x, sides.y, is_second);
+  return select(own, select(sides.x + sides.y, right_of(other), is_nearest), own == 0);
+}
+
+// Parts of an edge that are taken for one point of it.
+const ONE_POINT: f32 = 0x1p-18;
+
+// The edges of which the order of two cuts of the first is sought.
+struct Three {
+  edges: array<Edge, 3>,
+  // Their places in the outline.
+  indices: vec3<u32>,
+}
+
+// How far along one of three edges the two others cut it, in the order e, g, f without that one.
+fn places_on(three: Three, cut: u32, light: u32) -> vec2<f32> {
+  let first = select(0u, 1u, cut == 0u);
+  return vec2<f32>(
+    cut_at(three.edges[first], three.edges[cut], light),
+    cut_at(three.edges[select(2u, 1u, cut == 2u)], three.edges[cut], light),
+  );
+}
+
+// Whether all three cross each other in one point, as it seems.
+fn are_in_one_point(three: Three, light: u32) -> bool {
+  var is_one = false;
+  for (var cut = 0u; cut < 3u; cut++) {
+    let places = places_on(three, cut, light);
+    is_one = is_one || abs(places.x - places.y) <= ONE_POINT;
+  }
+  return is_one;
+}
+
+// Which of two of three edges comes before the other in the order of `precedes`.
+fn former(three: Three, one: u32, other: u32) -> u32 {
+  let is_before = precedes(
+    in_space(three.edges[one]),
+    three.indices[one],
+    in_space(three.edges[other]),
+    three.indices[other],
+  );
+  return select(other, one, is_before);
+}
+
+// Which of three edges comes before the others. Edges that are seen in line cross nobody knows where, so it is one of these, if there
+// are any: 0 and 1, 0 and 2, or 1 and 2.
+fn foremost(three: Three, in_line: vec3<bool>) -> u32 {
+  if (in_line.x) {
+    return former(three, 0u, 1u);
+  }
+  if (in_line.y) {
+    return former(three, 0u, 2u);
+  }
+  let of_others = former(three, 1u, 2u);
+  return select(former(three, 0u, of_others), of_others, in_line.z);
+}
+
 // Whether edge j cuts edge e before edge i does. Turns decide where the one cut is on one side of the other edge. Otherwise all
-// three may cross each other. How far along the earliest of the three the others cut it decides for all three, so that what
-// is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
+// three cross each other. If they seem to do so in one point, each is moved to its left a little, and the foremost one farther than
+// the others, out of their crossing. Else how far along the earliest of the three the others cut it decides for all three, so that
+// what is found for them fits together. NUMERICS.md, "Shadows of twisted polygons", "Order".
 fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_turns: bool) -> bool {
   let e = work.edge;
   let touch_j = touch_of(outline, work, lane, j);
@@ -226,84 +298,82 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
   }
   let f = edge_at(outline.first + i);
   let g = edge_at(outline.first + j);
-  let is_touch = touch_j.w + touch_i.w != 0u;
-  var earliest = select(work.index, min(work.index, min(i, j)), by_turns && !is_touch);
-  let k = edge_at(outline.first + earliest);
-  // The sides of the end of e at f and g; those of the ends of g at f, and of f at g; those of the end of k at both of the others.
-  var signs: array<i32, 8>;
-  for (var test = 0u; test < select(0u, select(8u, 5u, is_touch), by_turns); test++) {
+  // The sides of the end of e at f and g; those of the ends of g at f, and of f at g; those of the ends of g and f at e.
+  var signs: array<i32, 10>;
+  // Whether e and g, e and f, and g and f are seen in line.
+  var in_line = vec3<bool>(true);
+  var crosses = false;
+  for (var test = 0u; test < select(0u, 10u, by_turns); test++) {
+    if (test == 6u) {
+      let of_g = vec2<i32>(signs[2], signs[3]);
+      let of_f = vec2<i32>(signs[4], signs[5]);
+      if (all(of_g == vec2<i32>(0))) {
+        return precedes(in_space(g), j, in_space(f), i) == (signs[0] == right_of(f));
+      }
+      if (touch_j.w == 1u) {
+        let is_nearest = signs[1] == 0 || precedes(in_space(f), i, in_space(e), work.index);
+        return side_of_touch(of_g, is_second_end(work, lane, j), f, is_nearest) != signs[0];
+      }
+      if (touch_i.w == 1u) {
+        let is_nearest = signs[0] == 0 || precedes(in_space(g), j, in_space(e), work.index);
+        return side_of_touch(of_f, is_second_end(work, lane, i), g, is_nearest) == signs[1];
+      }
+      // The cut of g is on this side of f, or that of f on this side of g.
+      if (common_side(of_g) != 0) {
+        return common_side(of_g) != signs[0];
+      }
+      if (common_side(of_f) != 0) {
+        return common_side(of_f) == signs[1];
+      }
+      // Where they cross each other's opposite directions, nothing has to fit.
+      crosses = signs[2] == signs[5];
+      if (!crosses) {
+        break;
+      }
+    }
     var p = f;
     if (test == 1u || test == 4u || test == 5u) {
       p = g;
+    } else if (test >= 6u) {
+      p = e;
     }
     var r = e.b;
     switch (test) {
-      // The point of the one that touches, at the other.
-      case 2u: { r = select(g.a, touch_j.xyz, is_touch); }
-      case 3u: { r = g.b; }
-      case 4u: { r = select(f.a, touch_i.xyz, is_touch); }
-      case 5u: { r = f.b; }
-      case 6u, 7u: {
-        if (earliest == work.index) {
-          continue;
-        }
-        r = k.b;
-        p = e;
-        if (test == 7u) {
-          if (earliest == i) {
-            p = g;
-          } else {
-            p = f;
-          }
-        }
-      }
+      case 2u, 6u: { r = g.a; }
+      case 3u, 7u: { r = g.b; }
+      case 4u, 8u: { r = f.a; }
+      case 5u, 9u: { r = f.b; }
       default: {}
     }
-    signs[test] = turn(p.a, p.b, r, work.place).moved;
-  }
-  if (by_turns && is_touch) {
-    let side = select(signs[4], signs[2], touch_j.w == 1u);
-    if (side == 0) {
-      return j < i;
-    }
-    return select(side == signs[1], side != signs[0], touch_j.w == 1u);
-  }
-  if (by_turns) {
-    // The cut of g is on this side of f, or that of f on this side of g.
-    let of_g = common_side(vec2<i32>(signs[2], signs[3]));
-    if (of_g != 0) {
-      return of_g != signs[0];
-    }
-    let of_f = common_side(vec2<i32>(signs[4], signs[5]));
-    if (of_f != 0) {
-      return of_f == signs[1];
-    }
-    // Where they cross each other's opposite directions, nothing has to fit.
-    if (signs[2] != signs[5]) {
-      earliest = work.index;
+    let found = turn(p.a, p.b, r, work.place);
+    signs[test] = found.moved;
+    if (test >= 2u) {
+      let is_of = vec3<bool>(test == 6u || test == 7u, test >= 8u, test < 4u);
+      in_line &= !is_of | vec3<bool>(found.given == 0);
     }
   }
-  let along = edge_at(outline.first + earliest);
-  // How far along the earliest: f and g, or e and the other one.
-  var places = vec2<f32>(0.0);
-  for (var other = 0u; other < 2u; other++) {
-    var cutting = select(i, j, other == 1u);
-    if (earliest != work.index) {
-      cutting = select(work.index, select(i, j, earliest == i), other == 1u);
+  let three = Three(array<Edge, 3>(e, g, f), vec3<u32>(work.index, j, i));
+  if (crosses && are_in_one_point(three, work.place)) {
+    switch (foremost(three, in_line)) {
+      case 2u: { return right_of(f) != signs[0]; }
+      case 1u: { return right_of(g) == signs[1]; }
+      // It is cut where the others have left their crossing: by the end of g on its left.
+      default: { return select(signs[2], signs[3], signs[6] == right_of(e)) != signs[0]; }
     }
-    places[other] = cut_at(edge_at(outline.first + cutting), along, work.place);
   }
-  places.x = select(places.x, along_edge(e, touch_i.xyz), touch_i.w == 1u);
-  places.y = select(places.y, along_edge(e, touch_j.xyz), touch_j.w == 1u);
+  let earliest = select(work.index, min(work.index, min(i, j)), crosses);
   if (earliest == work.index) {
-    return places.y < places.x || (places.y == places.x && j < i);
+    var places = places_on(three, 0u, work.place);
+    places.x = select(places.x, along_edge(e, touch_j.xyz), touch_j.w == 1u);
+    places.y = select(places.y, along_edge(e, touch_i.xyz), touch_i.w == 1u);
+    return places.x < places.y || (places.x == places.y && j < i);
   }
-  // The sign of the product of what the earliest tells, and of the sides here.
-  var sense = signs[0] * signs[1] * signs[6] * signs[7] * select(-1, 1, places.x > places.y);
-  if (earliest == i) {
-    sense = -sense;
-  }
-  return sense > 0;
+  // The sign of the product of what the earliest tells of e and the other one, and of the sides of its end there and of the end
+  // of e here.
+  let is_of_f = earliest == i;
+  let places = places_on(three, select(1u, 2u, is_of_f), work.place);
+  let of_end = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_of_f);
+  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, places.x > places.y) > 0;
 }
 
 // The edge of a bit of a word of `cutting`.

@@ -3,7 +3,7 @@
 
 use super::edge_pair::Edge;
 use super::outline::Outline;
-use super::turn::turn;
+use super::turn::{turn, turn_as_given};
 use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_light};
 
 /// Where a piece begins or ends.
@@ -11,6 +11,8 @@ use crate::cpu::common::double_sign::{cross, difference, dot, sum_of_sizes, to_l
 pub enum PieceEnd {
     /// At the end of its edge.
     Corner,
+    /// At the end of another edge, which is on its own in space.
+    Touch([f32; 3]),
     /// Where its edge crosses another as seen from the light. The other has an end of a piece there, too.
     Crossing {
         /// The other edge, by its place in the outline.
@@ -41,7 +43,10 @@ pub fn cut_edges(outline: &Outline, triangles: &[[[f32; 3]; 3]], light: [f32; 4]
         let others = edges.iter().enumerate().filter(|&(other, _)| other != index);
         let cutting = others.clone().filter_map(|(other, _)| cut(edges, index, other, light));
         let crossings = in_order(edges, index, &cutting.collect::<Vec<_>>(), light);
-        let crossing = |cut: &Cut| PieceEnd::Crossing { edge: cut.edge, at: cut.along(edges, index, light) };
+        let crossing = |cut: &Cut| match cut.touch {
+            Some(end) => PieceEnd::Touch(end),
+            None => PieceEnd::Crossing { edge: cut.edge, at: cut.along(edges, index, light) },
+        };
         let ends: Vec<PieceEnd> = std::iter::once(PieceEnd::Corner)
             .chain(crossings.iter().map(crossing))
             .chain(std::iter::once(PieceEnd::Corner))
@@ -152,38 +157,102 @@ fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut>
 }
 
 /// Whether cut `j` of edge `e` comes before cut `i`. Turns decide where the one cut is on one side of the other edge.
-/// Otherwise all three edges may cross each other. How far along the earliest of the three the others cut it decides for all
-/// three.
+/// Otherwise all three edges cross each other. If they seem to do so in one point, [`is_before_in_one_point`] decides. Else how far
+/// along the earliest of the three the others cut it decides for all three.
 fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> bool {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let [start, end] = edges[e];
-    let (touches, [j, i]) = ([j.touch, i.touch], [j.edge, i.edge]);
-    // Where both are at one point in space, any order will do.
-    match touches {
-        [Some(p), Some(q)] if p == q => return j < i,
-        [Some(p), Some(q)] => return is_below(p, q) == is_below(start, end),
-        [Some(p), None] => return if side(i, p) == 0 { j < i } else { side(i, p) != side(i, end) },
-        [None, Some(q)] => return if side(j, q) == 0 { j < i } else { side(j, q) == side(j, end) },
-        [None, None] => {}
+    if let (Some(p), Some(q)) = (j.touch, i.touch) {
+        // Where both are at one point in space, any order will do.
+        return if p == q { j.edge < i.edge } else { is_below(p, q) == is_below(start, end) };
     }
+    let (touches, [j, i]) = ([j.touch, i.touch], [j.edge, i.edge]);
     let sides = |of: usize, edge: usize| edges[edge].map(|end| side(of, end));
-    let common = |[p, q]: [i32; 2]| if p * q < 0 { 0 } else { p + q };
     let (of_j, of_i) = (sides(i, j), sides(j, i));
+    if of_j == [0, 0] {
+        return precedes(edges, j, i) == (side(i, end) == right_of(edges[i]));
+    }
+    match touches {
+        [Some(p), _] => return side_of_touch(edges, e, j, p, i, light) != side(i, end),
+        [_, Some(p)] => return side_of_touch(edges, e, i, p, j, light) == side(j, end),
+        _ => {}
+    }
+    let common = |[p, q]: [i32; 2]| if p * q < 0 { 0 } else { p + q };
     match (common(of_j).signum(), common(of_i).signum()) {
         (0, 0) => {}
         (0, sign) => return sign == side(j, end),
         (sign, _) => return sign != side(i, end),
     }
+    let at = |cutting: usize, cut: usize| cut_at(edges[cutting], edges[cut], light);
+    let comes_after = |one: usize, other: usize, cut: usize| at(one, cut) > at(other, cut);
     let crosses = of_j[0] == of_i[1];
-    let first = if crosses { e.min(i).min(j) } else { e };
-    let at = |cutting: usize| cut_at(edges[cutting], edges[first], light);
+    if !crosses {
+        return comes_after(i, j, e) || at(i, e) == at(j, e) && j < i;
+    }
+    let is_one = |cut: usize, one: usize, other: usize| (at(one, cut) - at(other, cut)).abs() <= ONE_POINT;
+    if is_one(e, i, j) || is_one(i, e, j) || is_one(j, e, i) {
+        return is_before_in_one_point(edges, e, j, i, light);
+    }
+    let first = e.min(i).min(j);
     if first == e {
-        return at(j) < at(i) || at(j) == at(i) && j < i;
+        return comes_after(i, j, e);
     }
     let other = if first == i { j } else { i };
-    let sense = if at(e) > at(other) { 1 } else { -1 } * side(e, edges[first][1]) * side(other, edges[first][1]);
+    let sense =
+        if comes_after(e, other, first) { 1 } else { -1 } * side(e, edges[first][1]) * side(other, edges[first][1]);
     let turned = if first == i { -sense } else { sense };
     turned * side(i, end) * side(j, end) > 0
+}
+
+/// Parts of an edge that are taken for one point of it.
+const ONE_POINT: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Likewise, where all three edges cross each other in one point. Then each is moved to its left a little, and the foremost one
+/// farther than the others, out of their crossing. Edges that are seen in line cross nobody knows where, so the foremost is one of
+/// these. Where both are cut, they are beside each other then, and their own crossing is elsewhere.
+fn is_before_in_one_point(edges: &[Edge], e: usize, j: usize, i: usize, light: [f32; 4]) -> bool {
+    let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
+    let are_in_line = |one: usize, other: usize| {
+        edges[other].iter().all(|&end| turn_as_given(edges[one][0], edges[one][1], end, light) == 0)
+    };
+    let foremost = |one: usize, other: usize| if precedes(edges, one, other) { one } else { other };
+    let first = if are_in_line(e, j) {
+        foremost(e, j)
+    } else if are_in_line(e, i) {
+        foremost(e, i)
+    } else if are_in_line(i, j) {
+        foremost(i, j)
+    } else {
+        foremost(e, foremost(i, j))
+    };
+    let end = edges[e][1];
+    if first == i {
+        return right_of(edges[i]) != side(i, end);
+    }
+    if first == j {
+        return right_of(edges[j]) == side(j, end);
+    }
+    // It is cut where the others have left their crossing.
+    let is_right = side(e, edges[j][0]) == right_of(edges[e]);
+    side(i, edges[j][usize::from(is_right)]) != side(i, end)
+}
+
+/// The sign of the turns to points on the right of an edge, seen in the direction in which coordinates grow.
+fn right_of([a, b]: Edge) -> i32 {
+    if is_below(a, b) { -1 } else { 1 }
+}
+
+/// The side of edge `other` on which edge `touching` cuts edge `e`, on which its end `point` is. If that is on both in space, it is on the
+/// right of both, and farther from the one that [`precedes`]. So `touching` cuts the other first.
+fn side_of_touch(edges: &[Edge], e: usize, touching: usize, point: [f32; 3], other: usize, light: [f32; 4]) -> i32 {
+    let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
+    let is_in_line = side(touching, edges[e][1]) == 0;
+    let sides = edges[touching].map(|end| side(other, end));
+    match (side(other, point), is_in_line || precedes(edges, other, e)) {
+        (0, true) => right_of(edges[other]),
+        (0, false) => sides[0] + sides[1],
+        (sign, _) => sign,
+    }
 }
 
 /// How far along `(a, b)` the plane through the light and `(c, d)` is. If the light looks along `(c, d)`, it is where it sees `c`.

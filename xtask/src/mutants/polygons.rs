@@ -69,6 +69,62 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: STAGES,
     },
     Mutation {
+        name: "polygon touches: ends on an edge are on its right however that runs",
+        changes: &[
+            (
+                "wgsl/polygon/cut_edges.wgsl",
+                "vec2<bool>(signs[2] > 0, signs[3] > 0), is_up)",
+                "vec2<bool>(signs[2] > 0, signs[3] > 0), is_up || true)",
+            ),
+            (
+                "src/cpu/polygon/cut_edges.rs",
+                "if is_below(a, b) { side > 0 } else { side >= 0 };",
+                "if is_below(a, b) || true { side > 0 } else { side >= 0 };",
+            ),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon touches: edges in line do not cut each other where one ends",
+        changes: &[
+            ("wgsl/polygon/cut_edges.wgsl", "let cuts = is_before && ", "let cuts = is_before && index > 99999u && "),
+            ("src/cpu/polygon/cut_edges.rs", "(is_within && precedes(", "(e > 99999 && is_within && precedes("),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon touches: an edge beside the end of another does not count there",
+        changes: &[
+            (
+                "wgsl/polygon/cut_edges.wgsl",
+                "if (found.is_left_at_end) {",
+                "if (found.is_left_at_end && item > 99999u) {",
+            ),
+            ("src/cpu/polygon/cut_edges.rs", "(beyond + between) % 2 != 0", "(beyond + 2 * between) % 2 != 0"),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon touches: edges in line cut others in the contrary order",
+        changes: &[
+            ("wgsl/polygon/cut_edges.wgsl", "i) == (signs[0] == right_of(f));", "i) != (signs[0] == right_of(f));"),
+            ("src/cpu/polygon/cut_edges.rs", "precedes(edges, j, i) == (side", "precedes(edges, j, i) != (side"),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon touches: three edges never cross in one point",
+        changes: &[
+            (
+                "wgsl/polygon/cut_edges.wgsl",
+                "abs(places.x - places.y) <= ONE_POINT",
+                "abs(places.x - places.y) <= -ONE_POINT",
+            ),
+            ("src/cpu/polygon/cut_edges.rs", ".abs() <= ONE_POINT;", ".abs() <= -ONE_POINT;"),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
         name: "pieces: the eye does not see through the faces that they make",
         changes: &[(
             "wgsl/shadow/piece_arguments.wgsl",
