@@ -10,7 +10,7 @@ use rimline::{Light, Mesh, Predicate};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{Found, extract, text};
-use rimline_measure::polygons::{PolygonSet, random_set};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, random_set};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, same};
 
@@ -239,11 +239,16 @@ fn pieces() -> Result<(), String> {
     for seed in first..first + if is_long() { 400 } else { 24 } {
         let mut random = Random::new(seed);
         let most = [6, 8, 12, 24, 36][random.below(5)];
-        let set = random_set(&mut random, most);
+        let (mut set, mut lights) = (random_set(&mut random, most), Vec::new());
+        for _ in 0..random.below(9) {
+            let (points, light) = edge_on_polygon(&mut random);
+            set.push_points(&[points]);
+            lights.push(Light::point(light));
+        }
         let mesh = set.mesh(Weld::Position).map_err(text)?;
         let Some(polygons) = mesh.polygons() else { continue };
-        let light_count = [2, 17, 33][random.below(3)];
-        let lights = random_lights(&mut random, &set, light_count);
+        let light_count = [2, 17, 25][random.below(3)];
+        lights.extend(random_lights(&mut random, &set, light_count));
         let lists = listed(gpu, &set, &mesh, &lights)?;
         for (light, list) in lights.iter().zip(&lists) {
             let mut expected = 0;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rimline::Light;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
-use rimline_measure::polygons::{PolygonSet, random_polygon};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, shadow_oracle};
 
@@ -302,4 +302,32 @@ fn a_bow_tie_has_two_lobes() {
         })
         .collect();
     assert_eq!(crossings, [(0, 2, 5.0), (2, 0, 5.0)]);
+}
+
+/// Planar polygons that were turned, so that they are planar but for rounding, and lights in their planes but for rounding.
+#[test]
+fn outlines_seen_edge_on_but_for_rounding_close() -> Outcome {
+    let first = 207_000;
+    println!("seeds from {first}");
+    let (mut twisted, mut cut, mut open) = (0, 0, 0);
+    for seed in first..first + if is_long() { 30_000 } else { 1_000 } {
+        let mut random = Random::new(seed);
+        let (points, light) = edge_on_polygon(&mut random);
+        let mut set = PolygonSet::default();
+        set.push_points(&[points]);
+        let mesh = set.mesh(Weld::Position).expect("a mesh");
+        let outline = Outline::new(mesh.polygons().expect("polygons").outline(0), &set.positions).expect("finite");
+        let light = Light::point(light);
+        if outline.seen(light.to_array()).0 != Seen::Twisted {
+            continue;
+        }
+        twisted += 1;
+        let edges: Vec<_> = outline.edges().to_vec();
+        let case = Case { light, outline, edges, faces: mesh.faces().to_vec(), set };
+        let pieces = case.pieces();
+        cut += pieces.len() - case.edges.len();
+        open += usize::from(case.check_closed(&pieces).is_err());
+    }
+    println!("{twisted} twisted, {cut} cuts, {open} open");
+    if twisted > 100 && open == 0 { Ok(()) } else { Err(format!("{open} of {twisted} are open")) }
 }

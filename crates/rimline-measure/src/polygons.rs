@@ -249,6 +249,23 @@ pub fn quad_box(cuts: u32) -> PolygonSet {
     set
 }
 
+/// A polygon that is planar but for rounding, and a place for a light in its plane but for rounding.
+pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
+    let corners = 4 + random.below(29);
+    let [u, v] = [random.direction(), random.direction()];
+    let middle = [0, 1, 2].map(|_| random.between(-3.0, 3.0));
+    let place = |x: f32, y: f32| [0, 1, 2].map(|axis| middle[axis] + x * u[axis] + y * v[axis]);
+    let on_circle = |radius: f32, angle: f32| place(radius * angle.cos(), radius * angle.sin());
+    let is_regular = random.below(2) == 0;
+    let points = (0..corners)
+        .map(|corner| {
+            let radius = if is_regular { 1.0 } else { random.between(0.3, 1.0) };
+            on_circle(radius, std::f32::consts::TAU * corner as f32 / corners as f32)
+        })
+        .collect();
+    (points, on_circle(4.0, random.between(0.0, 6.0)))
+}
+
 /// Many random polygons together, and bodies of quadrilaterals.
 pub fn random_set(random: &mut Random, most: usize) -> PolygonSet {
     let mut set = match random.below(4) {
