@@ -548,6 +548,10 @@ shared_structs! {
         ratio: u32,
         /// Bits of the depth at infinity.
         at_infinity: u32,
+        /// 1: triangles at the ends of marked edges are drawn, too.
+        spread: u32,
+        /// 0.
+        unused: u32,
     }
 
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.

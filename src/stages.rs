@@ -129,6 +129,7 @@ pub const CUT_EDGES: Stage = Stage {
         "polygon/outlines",
         "polygon/places",
         "polygon/turn",
+        "polygon/turn_value",
         "polygon/work",
         "polygon/list_pieces",
         "polygon/cut_edges"

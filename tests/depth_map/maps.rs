@@ -31,6 +31,8 @@ impl Map {
             objects: 0,
             ratio: 0,
             at_infinity: 0,
+            spread: 0,
+            unused: 0,
         }
     }
 }

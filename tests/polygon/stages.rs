@@ -10,7 +10,7 @@ use rimline::{Light, Mesh, Predicate};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::on_gpu::{Found, extract, text};
-use rimline_measure::polygons::{PolygonSet, edge_on_polygon, random_set};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, random_set};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, same};
 
@@ -241,6 +241,7 @@ fn pieces() -> Result<(), String> {
         let most = [6, 8, 12, 24, 36][random.below(5)];
         let (mut set, mut lights) = (random_set(&mut random, most), Vec::new());
         for _ in 0..random.below(9) {
+            set.push_points(&[folded_polygon(&mut random)]);
             let (points, light) = edge_on_polygon(&mut random);
             set.push_points(&[points]);
             lights.push(Light::point(light));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rimline::Light;
 use rimline::mesh::Weld;
 use rimline::reference::cpu::{Outline, Piece, PieceEnd, Seen, cut_edges};
-use rimline_measure::polygons::{PolygonSet, edge_on_polygon, random_polygon};
+use rimline_measure::polygons::{PolygonSet, edge_on_polygon, folded_polygon, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, polygon_oracle, shadow_oracle};
 
@@ -171,7 +171,13 @@ impl Case {
 }
 
 fn case(random: &mut Random, most: usize) -> Option<(&'static str, Case)> {
-    let (name, set) = random_polygon(random, most);
+    let (name, set) = if random.below(6) == 0 {
+        let mut set = PolygonSet::default();
+        set.push_points(&[folded_polygon(random)]);
+        ("folded", set)
+    } else {
+        random_polygon(random, most)
+    };
     let mesh = set.mesh(Weld::Position).expect("a mesh");
     let edges = mesh.polygons()?.outline(0);
     let light = light_for(random, &set.positions).1;

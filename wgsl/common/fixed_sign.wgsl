@@ -123,6 +123,8 @@ fn normal_limbs(p: vec4<i32>, q: vec4<i32>, r: vec4<i32>, s: vec4<i32>) -> Colum
 // The values that all lights of a face share.
 struct FixedFace {
   fits: bool,
+  // The exponent of the unit of its vectors.
+  lowest: i32,
   a: Numbers,
   x: Columns,
   y: Columns,
@@ -146,6 +148,7 @@ fn fixed_face(a_bits: vec3<u32>, b_bits: vec3<u32>, c_bits: vec3<u32>) -> FixedF
   let v = side(a, c, span.x);
   return FixedFace(
     span.y - span.x <= FACE_BITS,
+    span.x,
     a,
     normal_limbs(u.y, v.z, u.z, v.y),
     normal_limbs(u.z, v.x, u.x, v.z),
@@ -162,8 +165,16 @@ fn sweep(columns: vec4<i32>, carry: i32) -> vec2<i32> {
   return vec2<i32>(w >> 12u, (x | y | z | w) & 0xfff);
 }
 
-// Returns 1, 0 or -1, or 2 if the numbers do not fit.
-fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
+// A determinant: twelve limbs of 12 bits that carry yet, the lowest first, in units of 2^(exponent - 447).
+struct FixedSum {
+  fits: bool,
+  first: vec4<i32>,
+  second: vec4<i32>,
+  third: vec4<i32>,
+  exponent: i32,
+}
+
+fn fixed_sum(face: FixedFace, light: vec4<u32>) -> FixedSum {
   let l = numbers(light.xyz);
   let w = numbers(light.www);
   // w a, as two parts of 24 bits.
@@ -176,9 +187,7 @@ fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
   high = vec3<u32>(x.y, y.y, z.y);
   let exponent = face.a.exponent + w.exponent - 149;
   let span = hull(window_of(l), window((low | high) == vec3<u32>(0u), exponent, face.a.length + w.length));
-  if (!face.fits || span.y - span.x > LIGHT_BITS) {
-    return 2;
-  }
+  let fits = face.fits && span.y - span.x <= LIGHT_BITS;
   let from_l = wide(l.mantissa, vec3<u32>(0u), l.exponent - span.x, l.sign);
   let t = difference(from_l, wide(low, high, exponent - span.x, face.a.sign ^ w.sign));
   let xs = multiply_limbs(face.x.low, t.x);
@@ -187,9 +196,24 @@ fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
   let xs_high = multiply_limbs(face.x.high, t.x);
   let ys_high = multiply_limbs(face.y.high, t.y);
   let zs_high = multiply_limbs(face.z.high, t.z);
-  let first = sweep(xs.low + ys.low + zs.low, 0);
-  let second = sweep(xs.high + ys.high + zs.high + xs_high.low + ys_high.low + zs_high.low, first.x);
-  let third = sweep(xs_high.high + ys_high.high + zs_high.high, second.x);
+  return FixedSum(
+    fits,
+    xs.low + ys.low + zs.low,
+    xs.high + ys.high + zs.high + xs_high.low + ys_high.low + zs_high.low,
+    xs_high.high + ys_high.high + zs_high.high,
+    2 * face.lowest + span.x,
+  );
+}
+
+// Returns 1, 0 or -1, or 2 if the numbers do not fit.
+fn fixed_sign(face: FixedFace, light: vec4<u32>) -> i32 {
+  let sum = fixed_sum(face, light);
+  if (!sum.fits) {
+    return 2;
+  }
+  let first = sweep(sum.first, 0);
+  let second = sweep(sum.second, first.x);
+  let third = sweep(sum.third, second.x);
   let carry = third.x;
   let any_bit = first.y | second.y | third.y;
   if (carry < 0) {

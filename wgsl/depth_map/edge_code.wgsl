@@ -69,26 +69,52 @@ fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
   return object_at(a) != object_at(b);
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+// The edges of the cell, and those from its samples to others: right, down, left, up in turn.
+const CELL_EDGES: u32 = 4u;
+const ALL_EDGES: u32 = 12u;
+
+// The samples (0, 0), (1, 0), (0, 1) and (1, 1) by their numbers.
+fn sample_of_cell(number: u32) -> vec2<u32> {
+  return vec2<u32>(number & 1u, number >> 1u);
+}
+
+// Bits 0 to 3: the edges of the cell at the top, right, bottom and left. Bits 4 to 11: those from each of its samples out of the cell,
+// across and down or up. `keys` are those of its samples.
 fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
-  // The ends of the edges. A loop that is not unrolled has one copy of what decides.
-  let first = vec4<u32>(keys.x, keys.y, keys.z, keys.x);
-  let second = vec4<u32>(keys.y, keys.w, keys.w, keys.z);
+  // A loop that is not unrolled has one copy of what decides.
+  let edges = select(CELL_EDGES, ALL_EDGES, depth_map.spread != 0u);
   var code = 0u;
-  for (var edge = 0u; edge < min(4u, 4u + depth_map.cells); edge++) {
-    code |= select(0u, 1u << edge, is_marked(first[edge], second[edge]));
+  for (var edge = 0u; edge < min(edges, 12u + depth_map.cells); edge++) {
+    // The ends of the edges of the cell, by two bits each.
+    var first = (0x24u >> (2u * edge)) & 3u;
+    let end = (0xbdu >> (2u * edge)) & 3u;
+    var there = at + sample_of_cell(end);
+    var key = keys[end];
+    if (edge >= CELL_EDGES) {
+      first = (edge - CELL_EDGES) / 2u;
+      let out = sample_of_cell(first) * 2u - 1u;
+      there = at + sample_of_cell(first) + select(vec2<u32>(0u, out.y), vec2<u32>(out.x, 0u), edge % 2u == 0u);
+      key = key_at(there);
+    }
+    var is_edge = is_marked(keys[first], key);
+    // An edge of a far sample is marked already, or lies between two.
+    if (depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
+      is_edge = is_edge || differs(at + sample_of_cell(first), there);
+    }
+    code |= select(0u, 1u << edge, is_edge);
   }
-  // An edge of a far sample is marked already, or lies between two.
-  if (depth_map.objects == 0u) {
-    return code;
+  return code;
+}
+
+// The samples of the cell, a bit for each, that are not far and at the end of a marked edge.
+fn ends_of_edges(code: u32, keys: vec4<u32>) -> u32 {
+  var ends = 0u;
+  for (var number = 0u; number < 4u; number++) {
+    // Two edges of the cell and two out of it.
+    let own = ((0x6c39u >> (4u * number)) & 15u) | (0x30u << (2u * number));
+    ends |= select(0u, 1u << number, (code & own) != 0u && keys[number] != FAR_KEY);
   }
-  let is_far = keys == vec4<u32>(FAR_KEY);
-  let b = at + vec2<u32>(1u, 0u);
-  let c = at + vec2<u32>(0u, 1u);
-  return code | select(0u, 1u, !(is_far.x || is_far.y) && differs(at, b))
-    | select(0u, 2u, !(is_far.y || is_far.w) && differs(b, at + 1u))
-    | select(0u, 4u, !(is_far.z || is_far.w) && differs(c, at + 1u))
-    | select(0u, 8u, !(is_far.x || is_far.z) && differs(at, c));
+  return ends;
 }
 
 // A triangle is drawn if one of its edges that lie on the border of the cell is marked.
@@ -97,8 +123,15 @@ fn templates(at: vec2<u32>) -> u32 {
   let code = edge_code(at, keys);
   let is_split = key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
   let first = select(3u, 9u, is_split);
-  return select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
+  var drawn = select(0u, FIRST_TRIANGLE, (code & first) != 0u)
     | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+  if (depth_map.spread != 0u) {
+    // By their three samples.
+    let ends = ends_of_edges(code, keys);
+    drawn |= select(0u, FIRST_TRIANGLE, (ends & select(11u, 7u, is_split)) != 0u)
+      | select(0u, SECOND_TRIANGLE, (ends & select(13u, 14u, is_split)) != 0u);
+  }
+  return select(0u, SPLIT, is_split) | drawn;
 }
 
 fn corner_of_cell(cell: u32) -> vec2<u32> {

@@ -23,6 +23,9 @@ struct DepthMapShape {
   ratio: u32,
   // Bits of the depth at infinity, which may be slightly out of range.
   at_infinity: u32,
+  // 1: triangles at the ends of marked edges are drawn, too.
+  spread: u32,
+  unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> depth_map: DepthMapShape;

@@ -238,23 +238,31 @@ struct Three {
   indices: vec3<u32>,
 }
 
-// How far along one of three edges the two others cut it, in the order e, g, f without that one.
-fn places_on(three: Three, cut: u32, light: u32) -> vec2<f32> {
-  let first = select(0u, 1u, cut == 0u);
-  return vec2<f32>(
-    cut_at(three.edges[first], three.edges[cut], light),
-    cut_at(three.edges[select(2u, 1u, cut == 2u)], three.edges[cut], light),
-  );
+// How far along each of three edges the two others cut it, in their order: along edge 0 by 1 and 2, along 1 by 0 and 2, along 2 by 0 and 1.
+fn places_of(three: Three, light: u32) -> array<vec2<f32>, 3> {
+  var places: array<vec2<f32>, 3>;
+  for (var cut = 0u; cut < 3u; cut++) {
+    for (var number = 0u; number < 2u; number++) {
+      let cutting = select(number, number + 1u, number >= cut);
+      let f = three.edges[cutting];
+      var ends: array<TurnValue, 2>;
+      for (var end = 0u; end < 2u; end++) {
+        let point = select(three.edges[cut].a, three.edges[cut].b, vec3<bool>(end == 1u));
+        ends[end] = turn_value(f.a, f.b, point, given_light(light));
+      }
+      places[cut][number] = share_of_turns(ends[0], ends[1]);
+      if (!ends[0].fits || !ends[1].fits) {
+        places[cut][number] = cut_at(f, three.edges[cut], light);
+      }
+    }
+  }
+  return places;
 }
 
 // Whether all three cross each other in one point, as it seems.
-fn are_in_one_point(three: Three, light: u32) -> bool {
-  var is_one = false;
-  for (var cut = 0u; cut < 3u; cut++) {
-    let places = places_on(three, cut, light);
-    is_one = is_one || abs(places.x - places.y) <= ONE_POINT;
-  }
-  return is_one;
+fn are_in_one_point(places: array<vec2<f32>, 3>) -> bool {
+  let apart = vec3<f32>(places[0].x - places[0].y, places[1].x - places[1].y, places[2].x - places[2].y);
+  return any(abs(apart) <= vec3<f32>(ONE_POINT));
 }
 
 // Which of two of three edges comes before the other in the order of `precedes`.
@@ -352,8 +360,15 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
       in_line &= !is_of | vec3<bool>(found.given == 0);
     }
   }
+  if (!crosses) {
+    var places = vec2<f32>(cut_at(g, e, work.place), cut_at(f, e, work.place));
+    places.x = select(places.x, along_edge(e, touch_j.xyz), touch_j.w == 1u);
+    places.y = select(places.y, along_edge(e, touch_i.xyz), touch_i.w == 1u);
+    return places.x < places.y || (places.x == places.y && j < i);
+  }
   let three = Three(array<Edge, 3>(e, g, f), vec3<u32>(work.index, j, i));
-  if (crosses && are_in_one_point(three, work.place)) {
+  let places = places_of(three, work.place);
+  if (are_in_one_point(places)) {
     switch (foremost(three, in_line)) {
       case 2u: { return right_of(f) != signs[0]; }
       case 1u: { return right_of(g) == signs[1]; }
@@ -361,19 +376,16 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
       default: { return select(signs[2], signs[3], signs[6] == right_of(e)) != signs[0]; }
     }
   }
-  let earliest = select(work.index, min(work.index, min(i, j)), crosses);
+  let earliest = min(work.index, min(i, j));
   if (earliest == work.index) {
-    var places = places_on(three, 0u, work.place);
-    places.x = select(places.x, along_edge(e, touch_j.xyz), touch_j.w == 1u);
-    places.y = select(places.y, along_edge(e, touch_i.xyz), touch_i.w == 1u);
-    return places.x < places.y || (places.x == places.y && j < i);
+    return places[0].x < places[0].y;
   }
   // The sign of the product of what the earliest tells of e and the other one, and of the sides of its end there and of the end
   // of e here.
   let is_of_f = earliest == i;
-  let places = places_on(three, select(1u, 2u, is_of_f), work.place);
+  let along = select(places[1], places[2], is_of_f);
   let of_end = select(vec2<i32>(signs[7], signs[3]), vec2<i32>(signs[9], -signs[5]), is_of_f);
-  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, places.x > places.y) > 0;
+  return signs[0] * signs[1] * of_end.x * of_end.y * select(-1, 1, along.x > along.y) > 0;
 }
 
 // The edge of a bit of a word of `cutting`.

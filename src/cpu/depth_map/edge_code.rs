@@ -20,6 +20,9 @@ pub struct Cell {
     pub at: [u32; 2],
     /// Its edges at the top, right, bottom and left are marked.
     pub marked: [bool; 4],
+    /// Its samples (0, 0), (1, 0), (0, 1) and (1, 1) have a depth and are at the end of a marked edge, within the cell or not. All are false
+    /// where only edges of the cell matter.
+    pub ends: [bool; 4],
     /// It is split from sample (1, 0) to (0, 1).
     pub is_split: bool,
 }
@@ -51,7 +54,12 @@ impl Cell {
         let [a, b, c, d] = corners.map(|at| samples.at(at));
         let marked = [(0, 1), (1, 3), (2, 3), (0, 2)].map(|(p, q)| is_marked(samples, [corners[p], corners[q]]));
         let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
-        Self { at, marked, is_split: distance(a, d) > distance(b, c) }
+        let is_end = |[x, y]: [u32; 2]| {
+            let beside = [[x + 1, y], [x, y + 1], [x.wrapping_sub(1), y], [x, y.wrapping_sub(1)]];
+            samples.at([x, y]) != Key::Far && beside.into_iter().any(|other| is_marked(samples, [[x, y], other]))
+        };
+        let ends = if samples.shape.spread == 1 { corners.map(is_end) } else { [false; 4] };
+        Self { at, marked, ends, is_split: distance(a, d) > distance(b, c) }
     }
 
     /// The corners of its two triangles, from its place. The diagonal is the last two corners of the first and the first and
@@ -64,10 +72,13 @@ impl Cell {
         }
     }
 
-    /// Which of the two triangles are drawn: those with a marked edge.
+    /// Which of the two triangles are drawn: those with a marked edge, or a sample at the end of one.
     pub fn is_drawn(&self) -> [bool; 2] {
         let [top, right, bottom, left] = self.marked;
-        if self.is_split { [top || left, right || bottom] } else { [top || right, bottom || left] }
+        let has_edge = if self.is_split { [top || left, right || bottom] } else { [top || right, bottom || left] };
+        let [a, b, c, d] = self.ends;
+        let has_end = if self.is_split { [a || b || c, b || c || d] } else { [a || b || d, a || c || d] };
+        [has_edge[0] || has_end[0], has_edge[1] || has_end[1]]
     }
 
     /// Its entry in a list.

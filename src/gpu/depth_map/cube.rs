@@ -78,6 +78,9 @@ impl DepthMapCube {
         if options.objects {
             return Err(DepthMapCubeError::Objects);
         }
+        if options.bits > 1 {
+            return Err(DepthMapCubeError::Bits(options.bits));
+        }
         check_meeting(cameras, side)?;
         let shared = pipelines.shared().clone();
         let device = shared.device();
@@ -130,7 +133,7 @@ impl DepthMapCube {
             }
         }
         // All maps move by the errors of the coarsest, because samples on their borders are shared.
-        let views = self.cameras.each_ref().map(|light| self.volumes.view(light, &formats, camera, 0.0));
+        let views = self.cameras.each_ref().map(|light| self.volumes.view(light, &formats, camera, 0.0, [0.0; 2]));
         let views = views.into_iter().collect::<Result<Vec<_>, _>>()?;
         check_alive(device)?;
         let depth = self.cameras[0].depth;
@@ -157,7 +160,7 @@ impl DepthMapCube {
             pass.set_bind_group(0, &group, &[0]);
             pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
         }
-        self.volumes.record(encoder, [Some(&self.view), None], &self.cameras[0], &views, timer)
+        self.volumes.record(encoder, [Some(&self.view), None], &self.cameras[0], &[views], timer)
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the map before.

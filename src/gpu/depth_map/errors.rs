@@ -16,6 +16,9 @@ pub enum DepthMapPipelinesError {
     /// There is no such bit in the stencil.
     #[error("the stencil has bits 0 to 7, and `bit` is {0}")]
     Bit(u32),
+    /// There are no such bits in the stencil.
+    #[error("the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them", .0.start, .0.end)]
+    Bits(std::ops::Range<u32>),
 }
 
 impl From<DeviceError> for DepthMapPipelinesError {
@@ -58,6 +61,9 @@ pub enum DepthMapVolumesError {
     /// The threshold is no distance.
     #[error("the threshold of `DepthEdges::WorldDifferences` is {0}; take a finite distance that is not negative")]
     WorldThreshold(f32),
+    /// The stencil has not as many bits.
+    #[error("`bits` is {0}; the stencil has 8, so take 1 to 8")]
+    Bits(u32),
     /// The bias would move the surface towards the light, or nowhere.
     #[error("`slope_bias` is {0}; take a finite number that is not negative")]
     Bias(f32),
@@ -115,6 +121,9 @@ pub enum DepthMapCubeError {
         /// Number of the map.
         face: usize,
     },
+    /// Each map would be moved along its own axes, and leave the others.
+    #[error("`bits` is {0}; a cube takes one")]
+    Bits(u32),
     /// Objects are of one map.
     #[error("a cube has no texture of objects; set `objects` to false")]
     Objects,
@@ -224,6 +233,14 @@ pub enum DepthMapDrawError {
         volumes: DepthDirection,
         /// Depth direction of the pipelines.
         pipelines: DepthDirection,
+    },
+    /// The numbers of bits differ.
+    #[error("the volumes were made with {volumes} bits, and the pipelines have {pipelines}; use the same `DepthMapOptions::bits`")]
+    Bits {
+        /// Bits of the volumes' options.
+        volumes: u32,
+        /// Bits of the pipelines.
+        pipelines: u32,
     },
     /// A later encode overwrites what is drawn.
     #[error(

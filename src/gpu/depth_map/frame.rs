@@ -12,7 +12,8 @@ use crate::shadow::DepthDirection;
 #[derive(Clone, Debug)]
 pub struct DepthMapFrame {
     pub(super) device: wgpu::Device,
-    pub(super) group: wgpu::BindGroup,
+    /// For each bit.
+    pub(super) groups: Vec<wgpu::BindGroup>,
     pub(super) draws: wgpu::Buffer,
     pub(super) depth: DepthDirection,
     pub(super) encodes: Arc<AtomicU64>,
@@ -21,7 +22,7 @@ pub struct DepthMapFrame {
 
 impl DepthMapFrame {
     /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
+    /// that is seen is in shadow, or each of their bits for the boundary moved by its part of a texel. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
     /// pipeline and bind group 0 of the pass.
     ///
     /// # Errors
@@ -36,14 +37,20 @@ impl DepthMapFrame {
         if volumes != other {
             return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
         }
+        let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
+        if volumes != other {
+            return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
+        }
         if self.encodes.load(Ordering::Relaxed) != self.encode {
             return Err(DepthMapDrawError::StaleFrame);
         }
-        pass.set_bind_group(0, &self.group, &[]);
-        pass.set_pipeline(&pipelines.surface);
-        pass.draw_indirect(&self.draws, 0);
-        pass.set_pipeline(&pipelines.near_cap);
-        pass.draw(0..3, 0..1);
+        for (group, own) in self.groups.iter().zip(&pipelines.draws) {
+            pass.set_bind_group(0, group, &[]);
+            pass.set_pipeline(&own.surface);
+            pass.draw_indirect(&self.draws, 0);
+            pass.set_pipeline(&own.near_cap);
+            pass.draw(0..3, 0..1);
+        }
         Ok(())
     }
 }

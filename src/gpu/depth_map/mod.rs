@@ -3,6 +3,7 @@
 mod cube;
 mod errors;
 mod frame;
+mod jitter;
 mod meeting;
 mod merge;
 mod mesh_depth;

@@ -69,12 +69,16 @@ pub struct DepthMapOptions {
     /// A format that depths were rounded to before they came into the map, if it is coarser than the map's. `None`: the map's own. The boundary moves by four
     /// of its steps. Without it, a map of `R32Float` that was copied or merged from `Depth16Unorm` has specks of shadow.
     pub rounded_to: Option<wgpu::TextureFormat>,
+    /// Bits of the stencil that take the boundary, from 1 to 8: the pipelines' ([`DepthMapPipelines::antialiased`](crate::gpu::DepthMapPipelines::antialiased)). With more than one,
+    /// each takes the boundary moved sideways by another part of a texel, so that borders of shadows have as many levels of grey, and one more. The surface moves away from the light
+    /// by up to as much again, and volumes are drawn as often. (McCool 2000, section 8.3.)
+    pub bits: u32,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, no objects, room for all, a slope bias of 1, no limit of memory.
+    /// Every cell, no objects, room for all, a slope bias of 1, one bit, no limit of memory.
     fn default() -> Self {
         Self {
             edges: DepthEdges::EveryCell,
@@ -82,6 +86,7 @@ impl Default for DepthMapOptions {
             capacity: None,
             slope_bias: 1.0,
             rounded_to: None,
+            bits: 1,
             memory_limit: None,
         }
     }

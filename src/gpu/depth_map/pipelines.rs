@@ -1,5 +1,7 @@
 //! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
 
+use std::ops::Range;
+
 use wgpu::{CompareFunction, StencilOperation};
 
 use super::errors::DepthMapPipelinesError;
@@ -12,11 +14,19 @@ use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_SURFACE;
 
-/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil.
+/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
     shared: Pipelines,
     format: ShadowFormat,
+    bits: Range<u32>,
+    /// For each bit.
+    pub(super) draws: Vec<BitPipelines>,
+}
+
+/// The pipelines of a bit.
+#[derive(Debug)]
+pub(super) struct BitPipelines {
     pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
@@ -38,31 +48,71 @@ impl DepthMapPipelines {
         format: &ShadowFormat,
         bit: u32,
     ) -> Result<Self, DepthMapPipelinesError> {
-        let pipelines = pipelines.into();
         if bit > 7 {
             return Err(DepthMapPipelinesError::Bit(bit));
         }
+        Self::of_bits(pipelines.into(), format, bit..bit + 1)
+    }
+
+    /// Makes pipelines that count by parity in each of `bits`, for volumes with as many [`DepthMapOptions::bits`](crate::gpu::DepthMapOptions::bits). Each bit takes the boundary moved
+    /// sideways by another part of a texel, so borders of shadows are grey: [`Self::lit_share`] resolves them.
+    ///
+    /// Where volumes of meshes count in the same stencil, give parity the highest bits, and let the counts stay below the lowest of them.
+    ///
+    /// # Errors
+    /// [`DepthMapPipelinesError`], as for [`Self::new`].
+    pub fn antialiased(
+        pipelines: impl Into<Pipelines>,
+        format: &ShadowFormat,
+        bits: Range<u32>,
+    ) -> Result<Self, DepthMapPipelinesError> {
+        if bits.is_empty() || bits.end > 8 {
+            return Err(DepthMapPipelinesError::Bits(bits));
+        }
+        Self::of_bits(pipelines.into(), format, bits)
+    }
+
+    fn of_bits(
+        pipelines: Pipelines,
+        format: &ShadowFormat,
+        bits: Range<u32>,
+    ) -> Result<Self, DepthMapPipelinesError> {
         pipelines.clone().construct(Subject::DepthMap, || {
             check(pipelines.device(), format, false)?;
             let device = pipelines.device().clone();
-            any_error(&device, || Self::with(pipelines, format, bit))
+            any_error(&device, || Self::with(pipelines, format, bits))
                 .map_err(|message| ShadowFormatError::Refused { message }.into())
         })
     }
 
-    fn with(shared: Pipelines, format: &ShadowFormat, bit: u32) -> Self {
+    fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
         let nearer = match format.depth {
             DepthDirection::Reversed => CompareFunction::Greater,
             DepthDirection::Standard => CompareFunction::Less,
         };
-        let surface = make(&shared, format, bit, ["depth_surface", "nothing"], nearer);
         let cap = ["depth_near_cap", "depth_near_cap_fragment"];
-        let near_cap = make(&shared, format, bit, cap, CompareFunction::Always);
-        Self { shared, format: format.clone(), surface, near_cap }
+        let of_bit = |bit| BitPipelines {
+            surface: make(&shared, format, bit, ["depth_surface", "nothing"], nearer),
+            near_cap: make(&shared, format, bit, cap, CompareFunction::Always),
+        };
+        let draws = bits.clone().map(of_bit).collect();
+        Self { shared, format: format.clone(), bits, draws }
     }
 
     pub(super) fn shared(&self) -> &Pipelines {
         &self.shared
+    }
+
+    /// The bits of the stencil that the pipelines draw into.
+    pub fn bits(&self) -> Range<u32> {
+        self.bits.clone()
+    }
+
+    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel. In WGSL, of a texture of the stencil aspect and with `mask` for the bits:
+    /// `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) / f32(countOneBits(mask))`.
+    pub fn lit_share(&self, stencil: u8) -> f32 {
+        let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
+        1.0 - dark as f32 / self.bits.len() as f32
     }
 
     /// The attachments that the pipelines draw into.

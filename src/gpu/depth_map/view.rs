@@ -95,18 +95,28 @@ pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3
     Ok([0, (ratio as f32).to_bits(), at_infinity.to_bits()])
 }
 
-/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format `format`. `border`: rows of
-/// the lattice before the first texel.
+/// Where the boundary of a map is drawn.
+pub(super) struct Placing {
+    /// Rows of the lattice before the first texel.
+    pub(super) border: f64,
+    /// Texels by which the boundary is moved across and down.
+    pub(super) jitter: [f64; 2],
+    /// How far it moves away from the light: multiples of the depth difference over a texel in each direction.
+    pub(super) slope_bias: f64,
+}
+
+/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format `format`.
 pub(super) fn depth_map_view(
     (light, size, formats): (&ShadowCamera, [u32; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
-    slope_bias: f32,
-    border: f64,
+    placing: &Placing,
 ) -> Result<DepthMapView, DepthMapEncodeError> {
     light.check().map_err(DepthMapEncodeError::Light)?;
     eye.check().map_err(DepthMapEncodeError::Camera)?;
     let [width, height] = size.map(f64::from);
-    let (to_light, to_eye) = (matrix(light), eye_matrix(eye, format));
+    let [across, down] = placing.jitter;
+    let jitter = DVec3::new(2.0 * across / width, -2.0 * down / height, 0.0);
+    let (to_light, to_eye) = (DMat4::from_translation(-jitter) * matrix(light), eye_matrix(eye, format));
     let inverse = to_light.inverse();
     let infinity = infinity(light, &inverse)?;
     let between = DMat4::from_translation(origin(light) - origin(eye));
@@ -124,7 +134,7 @@ pub(super) fn depth_map_view(
         DVec4::new(width / 2.0, 0.0, 0.0, 0.0),
         DVec4::new(0.0, -height / 2.0, 0.0, 0.0),
         DVec4::Z,
-        DVec4::new((width - 1.0) / 2.0 + border, (height - 1.0) / 2.0 + border, 0.0, 1.0),
+        DVec4::new((width - 1.0) / 2.0 + placing.border, (height - 1.0) / 2.0 + placing.border, 0.0, 1.0),
     );
     let near = lattice * to_light * DMat4::from_translation(origin(eye) - origin(light)) * to_eye.inverse();
     let near_z = if eye.depth == DepthDirection::Reversed { 1.0 } else { 0.0 };
@@ -151,6 +161,6 @@ pub(super) fn depth_map_view(
             depth.z,
             f64::from(u8::from(infinity.is_none())),
         )),
-        bias: [0.5 * slope_bias, share, constant, 0.0],
+        bias: [placing.slope_bias as f32, share, constant, 0.0],
     })
 }

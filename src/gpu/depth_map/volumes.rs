@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
+use super::jitter::{jitters, reach};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
-use super::view::{depth_map_view, world_step};
+use super::view::{Placing, depth_map_view, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -68,6 +69,7 @@ pub struct DepthMapVolumes {
     stages: [Pipeline; 3],
     shape: DepthMapShape,
     slope_bias: f32,
+    bits: u32,
     /// A threshold in world units.
     world: Option<f32>,
     rounded_to: Option<wgpu::TextureFormat>,
@@ -101,7 +103,7 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, memory_limit } = options;
+        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit } = options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -129,6 +131,9 @@ impl DepthMapVolumes {
         if !(slope_bias.is_finite() && slope_bias >= 0.0) {
             return Err(DepthMapVolumesError::Bias(slope_bias));
         }
+        if !(1..=8).contains(&bits) {
+            return Err(DepthMapVolumesError::Bits(bits));
+        }
         if let Some(format) = rounded_to
             && !MAP_FORMATS.contains(&format)
         {
@@ -151,6 +156,8 @@ impl DepthMapVolumes {
             objects: u32::from(objects),
             ratio: 0,
             at_infinity: 0,
+            spread: u32::from(bits > 1),
+            unused: 0,
         };
         let allocations = [
             Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) },
@@ -170,6 +177,7 @@ impl DepthMapVolumes {
             stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, constants)),
             shape,
             slope_bias,
+            bits,
             world,
             rounded_to,
             eye: (pipelines.format().depth_stencil, pipelines.format().depth),
@@ -231,32 +239,36 @@ impl DepthMapVolumes {
         let device = self.shared.device();
         check_timer(timer.as_deref(), device)?;
         let format = check_texture(map.texture.texture(), self.shape.size)?;
-        let view = self.view(&map.light, &[format], camera, 1.0)?;
-        self.record(encoder, [Some(map.texture), objects], &map.light, &[view], timer)
+        let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
+        let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
+        self.record(encoder, [Some(map.texture), objects], &map.light, &views, timer)
     }
 
-    /// The view of a map for a camera.
+    /// The view of a map for a camera, moved by parts of a texel.
     pub(super) fn view(
         &self,
         light: &ShadowCamera,
         formats: &[wgpu::TextureFormat],
         camera: &ShadowCamera,
         border: f64,
+        jitter: [f64; 2],
     ) -> Result<DepthMapView, DepthMapEncodeError> {
         if camera.depth != self.eye.1 {
             return Err(DepthMapEncodeError::Depth { camera: camera.depth, pipelines: self.eye.1 });
         }
         let formats = formats.iter().copied().chain(self.rounded_to);
-        depth_map_view((light, self.shape.size, &mut { formats }), (camera, self.eye.0), self.slope_bias, border)
+        let slope_bias = f64::from(self.slope_bias) * (0.5 + reach(self.bits));
+        let placing = Placing { border, jitter, slope_bias };
+        depth_map_view((light, self.shape.size, &mut { formats }), (camera, self.eye.0), &placing)
     }
 
-    /// Records the stages for a texture and the views of its maps.
+    /// Records the stages for a texture and, for each bit, the views of its maps.
     pub(super) fn record(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         [texture, objects]: [Option<&wgpu::TextureView>; 2],
         light: &ShadowCamera,
-        views: &[DepthMapView],
+        views: &[Vec<DepthMapView>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
         let device = self.shared.device();
@@ -278,7 +290,7 @@ impl DepthMapVolumes {
         }
         Ok(DepthMapFrame {
             device: device.clone(),
-            group: bound.draw,
+            groups: bound.draws,
             draws: self.draws.clone(),
             depth: self.eye.1,
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
@@ -294,10 +306,9 @@ impl DepthMapVolumes {
     }
 
     /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
-    fn bind(&self, textures: [Option<&wgpu::TextureView>; 2], shape: &DepthMapShape, views: &[DepthMapView]) -> Bound {
+    fn bind(&self, textures: [Option<&wgpu::TextureView>; 2], shape: &DepthMapShape, views: &[Vec<DepthMapView>]) -> Bound {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
-        let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
         let [texture, objects] =
             textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
         let most = device.limits().max_compute_workgroups_per_dimension;
@@ -318,14 +329,24 @@ impl DepthMapVolumes {
             );
             (group, counts.next().unwrap_or(every))
         });
-        let resources =
-            [uniform.as_entire_binding(), texture, self.cells.as_entire_binding(), view.as_entire_binding(), objects];
-        Bound { stages, draw: group(device, "depth surface", &layout(&self.shared), &resources) }
+        let draw = |views: &Vec<DepthMapView>| {
+            let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
+            let resources = [
+                uniform.as_entire_binding(),
+                texture.clone(),
+                self.cells.as_entire_binding(),
+                view.as_entire_binding(),
+                objects.clone(),
+            ];
+            group(device, "depth surface", &layout(&self.shared), &resources)
+        };
+        Bound { stages, draws: views.iter().map(draw).collect() }
     }
 }
 
 /// The bind groups of an encode, and the workgroups of each stage.
 struct Bound {
     stages: [(wgpu::BindGroup, [u32; 2]); 3],
-    draw: wgpu::BindGroup,
+    /// For each bit.
+    draws: Vec<wgpu::BindGroup>,
 }
