@@ -36,10 +36,11 @@ fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     (!is_far).then(|| depth.clamp(0.0, 1.0))
 }
 
-/// The triangles of cells, from their first corners.
+/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.
 fn triangles(
     is_reversed: bool,
     threshold: f64,
+    spreads: bool,
     places: impl Iterator<Item = [i64; 2]>,
     sample: &dyn Fn([i64; 2]) -> Option<f64>,
     vertex: &dyn Fn([i64; 2]) -> DVec4,
@@ -70,7 +71,14 @@ fn triangles(
             }
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-            triangles.push(Triangle { corners, plane, is_drawn: is_marked(between, p) || is_marked(between, q) });
+            let is_beside_edge = |at: &[i64; 2]| {
+                let [x, y] = *at;
+                sample(*at).is_some()
+                    && [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].iter().any(|&there| is_marked(*at, there))
+            };
+            let is_drawn =
+                is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge);
+            triangles.push(Triangle { corners, plane, is_drawn });
         }
     }
     triangles
@@ -79,11 +87,17 @@ fn triangles(
 impl Boundary {
     /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
     pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
+        Self::moved(map, camera, light, threshold, None)
+    }
+
+    /// The same, moved by parts of a texel.
+    pub(crate) fn moved(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
+        let [right, down] = by.unwrap_or([0.0; 2]);
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
         let origin = DVec3::from_array(camera.origin.map(f64::from));
         let [width, height] = map.size.map(f64::from);
         let place = |x: i64, y: i64, depth: f64| {
-            let [x, y] = [(x as f64 + 0.5) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / height * 2.0];
+            let [x, y] = [(x as f64 + 0.5 + right) / width * 2.0 - 1.0, 1.0 - (y as f64 + 0.5 + down) / height * 2.0];
             let point = matrix * DVec4::new(x, y, depth, 1.0);
             point.truncate() / point.w + origin
         };
@@ -96,7 +110,9 @@ impl Boundary {
         };
         let places = (-1..height as i64).flat_map(|y| (-1..width as i64).map(move |x| [x, y]));
         let triangles =
-            triangles(map.is_reversed, threshold, places, &|[x, y]| sample(map, x, y), &|[x, y]| vertex(x, y));
+            triangles(map.is_reversed, threshold, by.is_some(), places, &|[x, y]| sample(map, x, y), &|[x, y]| {
+                vertex(x, y)
+            });
         Self { triangles, light }
     }
 
@@ -143,7 +159,7 @@ impl Boundary {
         let of_face = |face: usize| {
             let places = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
             let ray = |at: [i64; 2]| rays[&name(face, at)];
-            triangles(is_reversed, threshold, places, &|at| ray(at).0, &|at| ray(at).1)
+            triangles(is_reversed, threshold, false, places, &|at| ray(at).0, &|at| ray(at).1)
         };
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }

@@ -31,8 +31,8 @@ fn rank(map: &Map, sample: Option<f32>) -> i64 {
     if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }
 }
 
-/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel.
-fn expected(map: &Map, objects: &[u32], threshold: f32, number: u32) -> u32 {
+/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges are drawn.
+fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
     // What is cast, and the object.
@@ -52,11 +52,24 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, number: u32) -> u32 {
     let diagonal = |a, b| (rank(map, depth(a)) - rank(map, depth(b))).abs();
     let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
     let is_split = diagonal(a, d) > diagonal(b, c);
+    // Whether a corner is a depth next to which, in the four directions, an edge is marked.
+    let touches = |dx: i64, dy: i64| {
+        let beside = [[-1, 0], [1, 0], [0, -1], [0, 1]];
+        let own = corner(dx, dy);
+        spreads && own.is_some() && beside.iter().any(|[x, y]| is_marked(own, corner(dx + x, dy + y)))
+    };
+    let diagonal_touches = if is_split { touches(1, 0) || touches(0, 1) } else { touches(0, 0) || touches(1, 1) };
     // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
     let (first, second) = if is_split {
-        (is_marked(a, b) || is_marked(a, c), is_marked(d, b) || is_marked(d, c))
+        (
+            is_marked(a, b) || is_marked(a, c) || touches(0, 0) || diagonal_touches,
+            is_marked(d, b) || is_marked(d, c) || touches(1, 1) || diagonal_touches,
+        )
     } else {
-        (is_marked(b, a) || is_marked(b, d), is_marked(c, a) || is_marked(c, d))
+        (
+            is_marked(b, a) || is_marked(b, d) || touches(1, 0) || diagonal_touches,
+            is_marked(c, a) || is_marked(c, d) || touches(0, 1) || diagonal_touches,
+        )
     };
     if !first && !second {
         return 0;
@@ -68,8 +81,10 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, number: u32) -> u32 {
 fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> Result<usize, String> {
     let found = depth_cells_of_objects(shape, &map.depths, objects);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
-    let all: Vec<_> =
-        (0..shape.cells).map(|number| expected(map, objects, threshold, number)).filter(|&entry| entry != 0).collect();
+    let all: Vec<_> = (0..shape.cells)
+        .map(|number| expected(map, objects, threshold, shape.spread == 1, number))
+        .filter(|&entry| entry != 0)
+        .collect();
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
         return Err(format!("{:?} with {threshold}: {} cells, {} expected", map.size, found.count, all.len()));
     }
@@ -96,6 +111,8 @@ fn listed_cells_are_those_of_exact_arithmetic() {
             for threshold in [met, random.between(0.0, 0.3), 0.125, 0.0, -1.0] {
                 let capacity = if round % 2 == 0 { u32::MAX } else { random.below(9) as u32 };
                 let mut shape = map.shape(threshold, capacity);
+                listed += check(&map, &[], threshold, &shape).expect("as expected");
+                shape.spread = random.below(2) as u32;
                 listed += check(&map, &[], threshold, &shape).expect("as expected");
                 shape.objects = 1;
                 let objects: Vec<_> = (0..depths.len()).map(|_| random.below(3) as u32 * 0x7fff_ffff).collect();
@@ -125,6 +142,10 @@ fn another_map_is_noticed() {
     assert_ne!(depth_cells(&shape, &map.depths), depth_cells(&shape, &moved.depths));
     assert!(check(&map, &[], 0.5, &shape).is_err());
     assert!(check(&Map { is_reversed: true, ..map.clone() }, &[], 0.125, &shape).is_err());
+    let lone = Map::new([7, 5], false, |texel| if texel == 17 { 0.25 } else { 0.5 });
+    let spread = DepthMapShape { spread: 1, ..shape };
+    assert!(check(&lone, &[], 0.125, &spread).is_ok());
+    assert_ne!(depth_cells(&shape, &lone.depths), depth_cells(&spread, &lone.depths));
     let objects: Vec<_> = (0..35).map(|texel| texel / 9).collect();
     let shape = map.shape(0.7, u32::MAX);
     assert!(check(&map, &objects, 0.7, &shape).is_err());

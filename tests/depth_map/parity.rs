@@ -5,6 +5,8 @@ use rimline::gpu::{DepthEdges, DepthMapOptions};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
+use rimline_measure::must_fail;
+use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
 use wgpu::TextureFormat;
 
@@ -19,6 +21,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("parity_of_marked_cells_is_that_of_rays", differences),
     ("parity_with_a_cut_near_rectangle_is_that_of_rays", cut),
     ("parity_of_lists_that_overflow_is_that_of_rays", overflow),
+    ("parity_of_each_bit_is_that_of_its_rays", of_bits),
 ];
 
 pub(crate) const SIDE: u32 = 48;
@@ -98,6 +101,7 @@ fn trial(
     near: f32,
     threshold: f32,
     capacity: Option<u32>,
+    moves: &[[f64; 2]],
 ) -> Result<(), String> {
     let (camera, light) = light(random);
     let map = map(random, &camera);
@@ -114,19 +118,34 @@ fn trial(
     let centres: Vec<_> = centres.collect();
     let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
     let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
-    let options = DepthMapOptions { edges, capacity, slope_bias: 0.0, ..Default::default() };
+    let options =
+        DepthMapOptions { edges, capacity, slope_bias: 0.0, bits: moves.len().max(1) as u32, ..Default::default() };
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
-    let bit = random.below(8) as u32;
+    let bit = random.below(9 - options.bits as usize) as u32;
+    let mask = u8::try_from(((1 << options.bits) - 1) << bit).map_err(text)?;
     let picture =
         Picture { map: &texture, objects: None, light: camera, eye, depths: &depths, side: SIDE, options, bit };
     let stencil = picture.stencil(gpu)?;
-    let boundary = Boundary::new(&map, &camera, light, f64::from(threshold));
-    for (&centre, value) in centres.iter().zip(stencil) {
-        if value & !(1 << bit) != 0 {
-            return Err(format!("{value:08b} where bit {bit} is drawn"));
-        }
-        let around =
-            [(0.0, 0.0, 1.003), (0.06, 0.05, 0.997), (-0.06, 0.05, 1.003), (0.05, -0.06, 1.003), (-0.05, -0.06, 0.997)];
+    if let Some(value) = stencil.iter().find(|&value| value & !mask != 0) {
+        return Err(format!("{value:08b} where {mask:08b} are drawn"));
+    }
+    let threshold = f64::from(threshold);
+    let boundaries = match moves {
+        [] => vec![Boundary::new(&map, &camera, light, threshold)],
+        moves => moves.iter().map(|&by| Boundary::moved(&map, &camera, light, threshold, Some(by))).collect(),
+    };
+    let of_bits = (bit..).zip(&boundaries).flat_map(|(bit, boundary)| {
+        centres.iter().zip(&stencil).map(move |(&centre, value)| (boundary, centre, value >> bit & 1 == 1))
+    });
+    for (boundary, centre, is_set) in of_bits {
+        let around = [
+            (0.0, 0.0, 1.0),
+            (0.0, 0.0, 1.003),
+            (0.06, 0.05, 0.997),
+            (-0.06, 0.05, 1.003),
+            (0.05, -0.06, 1.003),
+            (-0.05, -0.06, 0.997),
+        ];
         let truths = around.map(|(x, y, share)| {
             let (near, place) = seen(centre + DVec2::new(x, y));
             let place = near + share * (place - near);
@@ -137,19 +156,30 @@ fn trial(
             tally.near_borders += 1;
             continue;
         }
-        if truths != [truths[0]; 5] {
+        if truths != [truths[0]; 6] {
             tally.near_borders += 1;
             continue;
         }
         let (truth, is_cut, _) = truths[0];
         *(if truth { &mut tally.dark } else { &mut tally.lit }) += 1;
         tally.cut += usize::from(is_cut);
-        tally.wrong += usize::from((value != 0) != truth);
+        tally.wrong += usize::from(is_set != truth);
     }
     Ok(())
 }
 
 fn trials(seed: u64, count: u32, near: [f32; 2], threshold: f32, overflows: bool) -> Result<Tally, String> {
+    trials_of_bits(seed, count, near, threshold, overflows, &[])
+}
+
+fn trials_of_bits(
+    seed: u64,
+    count: u32,
+    near: [f32; 2],
+    threshold: f32,
+    overflows: bool,
+    moves: &[[f64; 2]],
+) -> Result<Tally, String> {
     println!("seed {seed}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
@@ -158,7 +188,7 @@ fn trials(seed: u64, count: u32, near: [f32; 2], threshold: f32, overflows: bool
         let near = random.between(near[0], near[1]);
         let capacity = overflows.then(|| random.below(3) as u32);
         let before = tally.wrong;
-        trial(&gpu, &mut random, &mut tally, near, threshold, capacity)?;
+        trial(&gpu, &mut random, &mut tally, near, threshold, capacity, moves)?;
         if tally.wrong > before {
             println!("trial {number}: {} wrong", tally.wrong - before);
         }
@@ -186,6 +216,18 @@ fn cut() -> Result<(), String> {
         return Err(format!("the near rectangle is cut too rarely: {tally:?}"));
     }
     Ok(())
+}
+
+/// Boundaries that are moved by parts of a texel, each into a bit of its own.
+fn of_bits() -> Result<(), String> {
+    let of_two = [[-0.25, 0.25], [0.25, -0.25]];
+    let of_four = [[-0.375, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, 0.125]];
+    for (seed, threshold, overflows) in [(1625, -1.0, false), (1626, 0.01, false), (1627, 0.01, true)] {
+        trials_of_bits(seed, 12, [0.05, 0.5], threshold, overflows, &of_two)?;
+        trials_of_bits(seed, 12, [0.05, 0.5], threshold, overflows, &of_four)?;
+    }
+    let exchanged = [of_two[1], of_two[0]];
+    must_fail("bits that are exchanged", &trials_of_bits(1625, 12, [0.05, 0.5], -1.0, false, &exchanged))
 }
 
 fn overflow() -> Result<(), String> {

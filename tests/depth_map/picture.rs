@@ -18,6 +18,7 @@ pub(crate) struct Picture<'a> {
     pub(crate) depths: &'a [f32],
     pub(crate) side: u32,
     pub(crate) options: DepthMapOptions,
+    /// The first bit of the stencil that is drawn into.
     pub(crate) bit: u32,
 }
 
@@ -25,7 +26,8 @@ impl Picture<'_> {
     /// The stencil of each pixel, from 0 on.
     pub(crate) fn stencil(&self, gpu: &Gpu) -> Result<Vec<u8>, String> {
         let format = ShadowFormat { depth: self.eye.depth, ..Default::default() };
-        let pipelines = DepthMapPipelines::new(&gpu.pipelines, &format, self.bit).map_err(text)?;
+        let pipelines = DepthMapPipelines::antialiased(&gpu.pipelines, &format, self.bit..self.bit + self.options.bits)
+            .map_err(text)?;
         let size = [self.map.width(), self.map.height()];
         let mut volumes = DepthMapVolumes::new(&pipelines, size, self.options).map_err(text)?;
         stencil_of(gpu, &pipelines, (self.side, self.depths), |encoder| {

@@ -54,6 +54,7 @@ fn check(
     format: TextureFormat,
     threshold: f32,
     capacity: Option<u32>,
+    bits: u32,
 ) -> Result<u32, String> {
     // A depth attachment takes finite depths from 0 to 1 alone.
     let clamped: Vec<_> =
@@ -61,15 +62,17 @@ fn check(
     let depths = if format == TextureFormat::R32Float { &map.depths } else { &clamped };
     let texture = texture(gpu, map.size, format, depths)?;
     let depths = read(gpu, &texture)?;
-    let mut volumes = DepthMapVolumes::new(pipelines, map.size, options(threshold, capacity)).map_err(text)?;
+    let options = DepthMapOptions { bits, ..options(threshold, capacity) };
+    let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
     let (view, light) = (depth_view(&texture), camera(direction(map)));
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &view, light };
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let expected = depth_cells(&map.shape(threshold, capacity.unwrap_or(u32::MAX)), &depths);
+    let shape = DepthMapShape { spread: u32::from(bits > 1), ..map.shape(threshold, capacity.unwrap_or(u32::MAX)) };
+    let expected = depth_cells(&shape, &depths);
     let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-    let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}", map.size, map.is_reversed);
+    let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}, {bits} bits", map.size, map.is_reversed);
     same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
     Ok(expected.count)
 }
@@ -85,7 +88,7 @@ fn lists() -> Result<(), String> {
         for map in maps(&mut random) {
             for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3)] {
                 let capacity = (random.below(3) == 0).then(|| random.below(300) as u32);
-                listed += check((&gpu, &pipelines), &map, format, threshold, capacity)?;
+                listed += check((&gpu, &pipelines), &map, format, threshold, capacity, 1 + random.below(2) as u32)?;
             }
         }
     }
@@ -112,7 +115,7 @@ fn large() -> Result<(), String> {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
     });
     for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None)?;
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None, 1)?;
         if listed < 100_000 {
             return Err(format!("only {listed} cells"));
         }
@@ -130,7 +133,7 @@ fn largest() -> Result<(), String> {
         if random.below(99) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % side) as f32 / 8192.0 }
     });
     for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None)?;
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None, 3)?;
         println!("{listed} cells of {side}² texels, threshold {threshold}");
     }
     Ok(())

@@ -268,16 +268,18 @@ pub fn edge_on_polygon(random: &mut Random) -> (Vec<[f32; 3]>, [f32; 3]) {
 
 /// A polygon with whole coordinates whose edges run back and forth on few lines, so that they overlap in part.
 pub fn folded_polygon(random: &mut Random) -> Vec<[f32; 3]> {
-    let mut points = vec![lattice(random, 3), lattice(random, 3)];
-    let count = 5 + random.below(8);
+    let mut points = vec![lattice(random, 3)];
+    let count = 6 + random.below(8);
+    let mut along = lattice(random, 1);
     while points.len() < count {
-        let [a, b] = [points[points.len() - 2], points[points.len() - 1]];
-        let steps = random.between(-3.0, 3.0).round();
-        let along = [0, 1, 2].map(|axis| b[axis] - a[axis]);
-        let is_short = along.iter().all(|length| length.abs() < 4.0);
-        let in_line = [0, 1, 2].map(|axis| b[axis] + steps * along[axis]);
-        let is_near = in_line.iter().all(|place| place.abs() < 7.0);
-        points.push(if is_short && is_near && random.below(3) > 0 { in_line } else { lattice(random, 3) });
+        if random.below(4) == 0 {
+            points.push(lattice(random, 3));
+            along = lattice(random, 1);
+            continue;
+        }
+        let last = points[points.len() - 1];
+        let steps = random.below(7) as f32 - 3.0;
+        points.push([0, 1, 2].map(|axis| last[axis] + steps * along[axis]));
     }
     points
 }

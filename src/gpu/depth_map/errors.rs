@@ -235,7 +235,9 @@ pub enum DepthMapDrawError {
         pipelines: DepthDirection,
     },
     /// The numbers of bits differ.
-    #[error("the volumes were made with {volumes} bits, and the pipelines have {pipelines}; use the same `DepthMapOptions::bits`")]
+    #[error(
+        "the volumes were made with {volumes} bits, and the pipelines have {pipelines}; use the same `DepthMapOptions::bits`"
+    )]
     Bits {
         /// Bits of the volumes' options.
         volumes: u32,

@@ -72,11 +72,7 @@ impl DepthMapPipelines {
         Self::of_bits(pipelines.into(), format, bits)
     }
 
-    fn of_bits(
-        pipelines: Pipelines,
-        format: &ShadowFormat,
-        bits: Range<u32>,
-    ) -> Result<Self, DepthMapPipelinesError> {
+    fn of_bits(pipelines: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Result<Self, DepthMapPipelinesError> {
         pipelines.clone().construct(Subject::DepthMap, || {
             check(pipelines.device(), format, false)?;
             let device = pipelines.device().clone();

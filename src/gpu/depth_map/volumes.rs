@@ -306,7 +306,12 @@ impl DepthMapVolumes {
     }
 
     /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
-    fn bind(&self, textures: [Option<&wgpu::TextureView>; 2], shape: &DepthMapShape, views: &[Vec<DepthMapView>]) -> Bound {
+    fn bind(
+        &self,
+        textures: [Option<&wgpu::TextureView>; 2],
+        shape: &DepthMapShape,
+        views: &[Vec<DepthMapView>],
+    ) -> Bound {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
         let [texture, objects] =
