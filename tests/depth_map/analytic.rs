@@ -22,6 +22,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadows_of_marked_cells_are_right_but_for_a_texel", marked),
     ("shadows_of_edges_of_objects_are_right_but_for_a_texel", of_objects),
     ("a_map_that_is_off_by_three_texels_is_noticed", off),
+    ("borders_of_more_bits_are_nearer_to_the_truth", of_bits),
 ];
 
 const SIDE: u32 = 96;
@@ -82,7 +83,7 @@ fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
     seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, place))).collect()
 }
 
-/// What is within a texel of a place, as the light sees it.
+/// What is near to a place, as the light sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Near {
     Nothing,
@@ -92,14 +93,21 @@ enum Near {
     Border,
 }
 
-fn what_is_near(world: &World, sun: &Sun, rays: &Rays, side: u32, (point, normal): (DVec3, DVec3)) -> Near {
+/// What is within some texels of a place.
+fn what_is_near(
+    world: &World,
+    sun: &Sun,
+    rays: &Rays,
+    (side, within): (u32, f64),
+    (point, normal): (DVec3, DVec3),
+) -> Near {
     let origin = DVec3::from_array(sun.camera.origin.map(f64::from));
     let matrix = glam::Mat4::from_cols_array_2d(&sun.camera.view_projection).as_dmat4();
     let clip = matrix * (point - origin).extend(1.0);
     let texels = DVec2::new(clip.x / clip.w + 1.0, 1.0 - clip.y / clip.w) * f64::from(side) / 2.0;
     let is_lit = sun.is_lit(world, point, normal);
     let near = (0..121).map(|number| {
-        let offset = DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0;
+        let offset = (DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0) * within;
         let (from, direction) = rays.at(texels + offset);
         let t = (point - from).dot(normal) / direction.dot(normal);
         let moved = from + t * direction;
@@ -125,6 +133,8 @@ struct Tally {
     at_borders: usize,
     at_folds: usize,
     wrong: usize,
+    /// The sum of the squares of what the shares of dark bits are off by.
+    squares: f64,
 }
 
 fn trial(
@@ -179,9 +189,11 @@ fn trial(
         depths: &eye_depths,
         side: side_of_picture,
         options,
-        bit: 7,
+        bit: 8 - options.bits,
     };
     let stencil = picture.stencil(gpu)?;
+    // A texel, and as much as bits move the boundary.
+    let within = 1.5 - 0.5 / f64::from(options.bits);
     for (pixel, (seen, value)) in eye_seen.iter().zip(stencil).enumerate() {
         let Some((point, normal)) = *seen else { continue };
         if sun.is_averted(point, normal) {
@@ -189,10 +201,12 @@ fn trial(
         }
         let is_lit = sun.is_lit(world, point, normal);
         *(if is_lit { &mut tally.lit } else { &mut tally.dark }) += 1;
-        if (value == 0) == is_lit {
+        let off = f64::from(value.count_ones()) / f64::from(options.bits) - if is_lit { 0.0 } else { 1.0 };
+        tally.squares += off * off;
+        if off == 0.0 {
             continue;
         }
-        let near = what_is_near(world, &sun, &light_rays, side, (point, normal));
+        let near = what_is_near(world, &sun, &light_rays, (side, within), (point, normal));
         tally.at_borders += usize::from(near == Near::Border);
         tally.at_folds += usize::from(near == Near::Fold);
         if near == Near::Nothing {
@@ -261,6 +275,31 @@ fn of_objects() -> Result<(), String> {
         4,
         DepthMapOptions { edges: DepthEdges::Outlines, objects: true, slope_bias: 0.0, ..Default::default() },
     )
+}
+
+/// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that are dark and the truth.
+fn of_bits() -> Result<(), String> {
+    let mut errors = Vec::new();
+    let marked = DepthEdges::Differences { threshold: 0.0005 };
+    let every = DepthEdges::EveryCell;
+    for (bits, edges) in [(1, every), (4, every), (8, every), (4, marked)] {
+        println!("seed 1635, {bits} bits, {edges:?}");
+        let gpu = Gpu::shared()?;
+        let mut random = Random::new(1635);
+        let mut tally = Tally::default();
+        for world in worlds(&mut random).into_iter().chain(worlds(&mut random)) {
+            let options = DepthMapOptions { bits, edges, ..Default::default() };
+            trial(&gpu, &mut random, &world, TextureFormat::Depth32Float, (options, 0), &mut tally)?;
+        }
+        println!("{tally:?}");
+        if tally.wrong > 0 {
+            return Err(format!("{bits} bits, {edges:?}: {tally:?}"));
+        }
+        errors.push(tally.squares);
+    }
+    println!("mean squares are {:.2} and {:.2} of those of one bit", errors[1] / errors[0], errors[2] / errors[0]);
+    // Bits that are all alike would have the error of one.
+    if errors[1] < 0.8 * errors[0] && errors[2] < errors[1] { Ok(()) } else { Err(format!("{errors:?}")) }
 }
 
 /// Negative control: the map's columns are moved.

@@ -38,6 +38,25 @@ fn slope(key: u32, before: u32, after: u32) -> f32 {
   return select(0.0, min(abs(a), abs(b)), (a > 0.0) == (b > 0.0));
 }
 
+// The depth difference to one side, from one sample to the next and on to the second: the smaller, so that a step is no slope.
+fn slope_to(key: u32, first: u32, second: u32) -> f32 {
+  if (max(key, max(first, second)) == FAR_KEY) {
+    return 0.0;
+  }
+  return min(abs(depth_of(first) - depth_of(key)), abs(depth_of(second) - depth_of(first)));
+}
+
+// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the larger counts.
+fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
+  let key = key_at(at);
+  let before = key_at(at - step);
+  let after = key_at(at + step);
+  if (depth_map.spread != 0u) {
+    return max(slope_to(key, before, key_at(at - 2u * step)), slope_to(key, after, key_at(at + 2u * step)));
+  }
+  return slope(key, before, after);
+}
+
 // The slopes at a sample across and down. At the border of a map of a cube, those of the samples next to it.
 fn slopes_in_map(at: vec2<u32>) -> f32 {
   var here = vec4<u32>(at, at);
@@ -47,10 +66,7 @@ fn slopes_in_map(at: vec2<u32>) -> f32 {
     let corner = at - local;
     here = vec4<u32>(corner + vec2<u32>(inner.x, local.y), corner + vec2<u32>(local.x, inner.y));
   }
-  let right = vec2<u32>(1u, 0u);
-  let down = vec2<u32>(0u, 1u);
-  return slope(key_at(here.xy), key_at(here.xy - right), key_at(here.xy + right))
-    + slope(key_at(here.zw), key_at(here.zw - down), key_at(here.zw + down));
+  return slope_along(here.xy, vec2<u32>(1u, 0u)) + slope_along(here.zw, vec2<u32>(0u, 1u));
 }
 
 // A map of a cube, and a sample of it.

@@ -20,9 +20,28 @@ fn slopes_in_map(samples: &Samples<'_>, at: [u32; 2]) -> f32 {
     let side = samples.shape.size[0];
     let inner = |at: u32| if samples.shape.faces > 1 { at - at % side + (at % side).clamp(1, side - 2) } else { at };
     let ([x, y], [inner_x, inner_y]) = (at, at.map(inner));
-    let key = |x, y| samples.at([x, y]);
-    slope(samples, key(inner_x, y), key(inner_x - 1, y), key(inner_x + 1, y))
-        + slope(samples, key(x, inner_y), key(x, inner_y - 1), key(x, inner_y + 1))
+    slope_along(samples, [inner_x, y], [1, 0]) + slope_along(samples, [x, inner_y], [0, 1])
+}
+
+/// The depth difference to one side, to the next sample or from that to the second: the smaller, 0 where one of the three is far.
+fn slope_to(samples: &Samples<'_>, keys: [Key; 3]) -> f32 {
+    let [Key::Steps(own), Key::Steps(first), Key::Steps(second)] = keys else { return 0.0 };
+    let [own, first, second] = [own, first, second].map(|steps| samples.depth(steps));
+    (first - own).abs().min((second - first).abs())
+}
+
+/// The slope along one axis. Where the boundary is moved sideways, the larger of those to both sides counts.
+fn slope_along(samples: &Samples<'_>, at: [u32; 2], step: [u32; 2]) -> f32 {
+    let key = |steps: u32| {
+        let place = [0, 1].map(|axis| at[axis].wrapping_add(step[axis].wrapping_mul(steps)));
+        samples.at(place)
+    };
+    let [before, after] = [u32::MAX, 1];
+    if samples.shape.spread == 1 {
+        let side = |step: u32| slope_to(samples, [key(0), key(step), key(step.wrapping_mul(2))]);
+        return side(before).max(side(after));
+    }
+    slope(samples, key(0), key(before), key(after))
 }
 
 /// The slopes at a sample: in a cube, the largest of all maps that have it.

@@ -71,7 +71,7 @@ pub struct DepthMapOptions {
     pub rounded_to: Option<wgpu::TextureFormat>,
     /// Bits of the stencil that take the boundary, from 1 to 8: the pipelines' ([`DepthMapPipelines::antialiased`](crate::gpu::DepthMapPipelines::antialiased)). With more than one,
     /// each takes the boundary moved sideways by another part of a texel, so that borders of shadows have as many levels of grey, and one more. The surface moves away from the light
-    /// by up to as much again, and volumes are drawn as often. (McCool 2000, section 8.3.)
+    /// by up to as much again, and volumes are drawn as often. After section 8.3 of the paper.
     pub bits: u32,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,

@@ -160,13 +160,47 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: the boundary is not moved with its slope",
-        changes: &[("src/gpu/depth_map/view.rs", "bias: [0.5 * slope_bias,", "bias: [0.0 * slope_bias,")],
+        changes: &[(
+            "src/gpu/depth_map/view.rs",
+            "bias: [placing.slope_bias as f32,",
+            "bias: [0.0 * placing.slope_bias as f32,",
+        )],
         tests: PICTURES,
     },
     Mutation {
         name: "depth maps: the boundary is not moved for the map's precision",
         changes: &[("src/gpu/depth_map/view.rs", "share, constant, 0.0],", "0.0 * share, 0.0 * constant, 0.0],")],
         tests: PICTURES,
+    },
+    Mutation {
+        name: "depth maps of bits: the boundary moves the other way",
+        changes: &[(
+            "src/gpu/depth_map/view.rs",
+            "DMat4::from_translation(-jitter) * matrix(light)",
+            "DMat4::from_translation(jitter) * matrix(light)",
+        )],
+        tests: &["--test depth_map_gpu parity_of_each_bit"],
+    },
+    Mutation {
+        name: "depth maps of bits: edges beyond the cell do not matter",
+        changes: &[
+            ("wgsl/depth_map/edge_code.wgsl", "(0x30u << (2u * number))", "(0x0u << (2u * number))"),
+            (
+                "src/cpu/depth_map/edge_code.rs",
+                "let beside = [[x + 1, y], [x, y + 1], [x.wrapping_sub(1), y], [x, y.wrapping_sub(1)]];",
+                "let beside = [[x + 1, y], [x, y + 1]];",
+            ),
+        ],
+        tests: &["--test depth_map_cpu cells", "--test depth_map_gpu lists_of_cells"],
+    },
+    Mutation {
+        name: "depth maps of bits: the slope is that of one bit",
+        changes: &[(
+            "wgsl/depth_map/depth_surface.wgsl",
+            "  if (depth_map.spread != 0u) {\n    return max(",
+            "  if (depth_map.spread > 1u) {\n    return max(",
+        )],
+        tests: &["--test depth_map_gpu borders_of_more"],
     },
     Mutation {
         name: "mesh depth: positions are not relative to the light's origin",
