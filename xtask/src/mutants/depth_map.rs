@@ -113,7 +113,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: edges of objects are not marked at the left of a cell",
-        changes: &[("wgsl/depth_map/edge_code.wgsl", "!(is_far.x || is_far.z) && differs(at, c)", "false")],
+        changes: &[(
+            "wgsl/depth_map/edge_code.wgsl",
+            "if (depth_map.objects != 0u && ",
+            "if (depth_map.objects != 0u && edge != 3u && ",
+        )],
         tests: OBJECTS,
     },
     Mutation {
