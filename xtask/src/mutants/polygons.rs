@@ -117,8 +117,8 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         changes: &[
             (
                 "wgsl/polygon/cut_edges.wgsl",
-                "abs(places.x - places.y) <= ONE_POINT",
-                "abs(places.x - places.y) <= -ONE_POINT",
+                "any(abs(apart) <= vec3<f32>(ONE_POINT))",
+                "any(abs(apart) <= vec3<f32>(-ONE_POINT))",
             ),
             ("src/cpu/polygon/cut_edges.rs", ".abs() <= ONE_POINT;", ".abs() <= -ONE_POINT;"),
         ],
