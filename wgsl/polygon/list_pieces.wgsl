@@ -15,10 +15,6 @@ const PIECE_WORDS: u32 = 9u;
 // The sine of an angle at which rounding tells more of a plane than the light and the edge in it do.
 const END_ON: f32 = 0x1p-17;
 
-fn largest_of(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
 // A vector whose largest component is 1, so that products neither vanish nor overflow.
 fn to_unit(v: vec3<f32>) -> vec3<f32> {
   return v / max(largest_of(v), 0x1p-126);

@@ -4,10 +4,6 @@ fn vertex_of(edge: u32) -> vec3<u32> {
   return position_bits(outlines[edge].x, position_offset(), position_stride());
 }
 
-fn sum_of_sizes(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
-
 // What the turns at the corners of a quadrilateral follow from: the normals of three corners each, and a bound on all errors.
 struct Quad {
   a: vec3<f32>,

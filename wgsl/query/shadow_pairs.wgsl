@@ -10,14 +10,6 @@ fn certain_sign(d: f32, uv: f32, t: f32, underflow: f32) -> i32 {
   return select(0, 1, d > bound) - select(0, 1, d < -bound);
 }
 
-fn sum_of_sizes(v: vec3<f32>) -> f32 {
-  return abs(v.x) + abs(v.y) + abs(v.z);
-}
-
-fn largest_of(v: vec3<f32>) -> f32 {
-  return max(max(abs(v.x), abs(v.y)), abs(v.z));
-}
-
 struct Face {
   corners: vec3<u32>,
   a: vec3<u32>,
