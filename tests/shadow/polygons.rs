@@ -7,7 +7,7 @@ use rimline::gpu::ShadowOptions;
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh};
 use rimline_measure::device::Gpu;
-use rimline_measure::polygons::{PolygonSet, quad_torus, random_polygon};
+use rimline_measure::polygons::{PolygonSet, folded_polygon, quad_torus, random_polygon};
 use rimline_measure::random::Random;
 use rimline_measure::rays::Tracer;
 use rimline_measure::shapes::Shape;
@@ -157,7 +157,7 @@ pub(crate) fn frame(random: &mut Random, set: PolygonSet, mesh: &Mesh) -> Frame 
 /// Polygons around the origin, up to 1.6 away.
 fn polygons(random: &mut Random) -> (&'static str, PolygonSet) {
     let mut set = PolygonSet::default();
-    let name = match random.below(4) {
+    let name = match random.below(5) {
         0 => {
             let bump = [0.05, 0.2, 0.4][random.below(3)];
             set = quad_torus(random, 10, 7, bump);
@@ -180,6 +180,16 @@ fn polygons(random: &mut Random) -> (&'static str, PolygonSet) {
             set = one;
             set.positions.iter_mut().for_each(|p| *p = p.map(|c| c / most));
             "one"
+        }
+        3 => {
+            // A power of two keeps what is in line there.
+            for _ in 0..3 {
+                let points = folded_polygon(random);
+                let most = points.iter().flatten().fold(1.0_f32, |most, c| most.max(c.abs()));
+                let scale = most.log2().ceil().exp2().recip();
+                set.push_points(&[points.into_iter().map(|p| p.map(|c| c * scale)).collect()]);
+            }
+            "three folded ones"
         }
         _ => {
             for _ in 0..6 {
