@@ -297,12 +297,9 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
   let e = work.edge;
   let touch_j = touch_of(outline, work, lane, j);
   let touch_i = touch_of(outline, work, lane, i);
-  // Where both are at one point in space, any order will do.
-  if (by_turns && touch_j.w + touch_i.w == 2u) {
-    if (all(touch_j == touch_i)) {
-      return j < i;
-    }
-    return is_below(touch_j.xyz, touch_i.xyz) == is_below(e.a, e.b);
+  let is_up = is_below(e.a, e.b);
+  if (by_turns && touch_j.w + touch_i.w == 2u && any(touch_j != touch_i)) {
+    return is_below(touch_j.xyz, touch_i.xyz) == is_up;
   }
   let f = edge_at(outline.first + i);
   let g = edge_at(outline.first + j);
@@ -316,7 +313,13 @@ fn is_before(outline: OutlineRange, work: Work, lane: u32, j: u32, i: u32, by_tu
       let of_g = vec2<i32>(signs[2], signs[3]);
       let of_f = vec2<i32>(signs[4], signs[5]);
       if (all(of_g == vec2<i32>(0))) {
-        return precedes(in_space(g), j, in_space(f), i) == (signs[0] == right_of(f));
+        // All in one line: what is nearer cuts first upwards.
+        let is_first = precedes(in_space(g), j, in_space(f), i);
+        return select(is_first == (signs[0] == right_of(f)), is_first != is_up, signs[0] == 0);
+      }
+      if (touch_j.w + touch_i.w == 2u) {
+        // Both from one point on e. One that is in line with e says nothing of the other.
+        return select(of_g.x + of_g.y != signs[0], of_f.x + of_f.y == signs[1], signs[0] == 0);
       }
       if (touch_j.w == 1u) {
         let is_nearest = signs[1] == 0 || precedes(in_space(f), i, in_space(e), work.index);

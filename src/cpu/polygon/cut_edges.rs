@@ -162,15 +162,19 @@ fn in_order(edges: &[Edge], e: usize, cuts: &[Cut], light: [f32; 4]) -> Vec<Cut>
 fn is_before(edges: &[Edge], e: usize, j: &Cut, i: &Cut, light: [f32; 4]) -> bool {
     let side = |of: usize, point: [f32; 3]| turn(edges[of][0], edges[of][1], point, light);
     let [start, end] = edges[e];
-    if let (Some(p), Some(q)) = (j.touch, i.touch) {
-        // Where both are at one point in space, any order will do.
-        return if p == q { j.edge < i.edge } else { is_below(p, q) == is_below(start, end) };
-    }
     let (touches, [j, i]) = ([j.touch, i.touch], [j.edge, i.edge]);
+    let is_up = is_below(start, end);
     let sides = |of: usize, edge: usize| edges[edge].map(|end| side(of, end));
     let (of_j, of_i) = (sides(i, j), sides(j, i));
-    if of_j == [0, 0] {
-        return precedes(edges, j, i) == (side(i, end) == right_of(edges[i]));
+    match (touches, of_j == [0, 0], side(i, end)) {
+        ([Some(p), Some(q)], ..) if p != q => return is_below(p, q) == is_up,
+        // All in one line: what is nearer cuts first upwards.
+        (_, true, 0) => return precedes(edges, i, j) == is_up,
+        (_, true, of_end) => return precedes(edges, j, i) == (of_end == right_of(edges[i])),
+        // Both from one point on e. One that is in line with e says nothing of the other.
+        ([Some(_), Some(_)], _, 0) => return of_i[0] + of_i[1] == side(j, end),
+        ([Some(_), Some(_)], _, of_end) => return of_j[0] + of_j[1] != of_end,
+        _ => {}
     }
     match touches {
         [Some(p), _] => return side_of_touch(edges, e, j, p, i, light) != side(i, end),
