@@ -8,6 +8,9 @@ const SPLIT: u32 = 0x20000000u;
 const FIRST_TRIANGLE: u32 = 0x40000000u;
 const SECOND_TRIANGLE: u32 = 0x80000000u;
 
+// Whether edges of objects may count. A pipeline without them is smaller.
+override OBJECTS: bool = true;
+
 // For each texel the object that is seen there. One texel, if edges of objects do not count.
 @group(0) @binding(4) var object_texture: texture_2d<u32>;
 
@@ -15,44 +18,45 @@ fn mantissa(bits: u32) -> u32 {
   return select((bits & 0x7fffffu) | 0x800000u, 0u, bits == 0u);
 }
 
-// A mantissa with 32 further bits, moved down by `places`: high and low word.
+// A mantissa with 32 further bits, moved down by `places`: high and low word. Without branches, which some devices take all.
 fn moved_down(word: u32, places: u32) -> vec2<u32> {
-  if (places == 0u) {
-    return vec2<u32>(word, 0u);
-  }
-  if (places < 32u) {
-    return vec2<u32>(word >> places, word << (32u - places));
-  }
-  return vec2<u32>(0u, select(word >> (places & 31u), 0u, places >= 64u));
+  let low = select(word << ((32u - places) & 31u), word >> min(places - 32u, 31u), places >= 32u);
+  return vec2<u32>(word >> min(places, 31u), select(low, 0u, places == 0u));
 }
 
 // Whether `large` is more than `small` + `threshold`, exactly: bits of numbers from 0 to 1, none subnormal, small <= large.
 // What the sum loses by the move cannot change the result (NUMERICS.md).
 fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
-  if (threshold >= large) {
-    return false;
-  }
   let exponent = large >> 23u;
   let a = moved_down(mantissa(small), exponent - (small >> 23u));
   let b = moved_down(mantissa(threshold), exponent - (threshold >> 23u));
   let low = a.y + b.y;
   let high = a.x + b.x + select(0u, 1u, low < a.y);
-  let own = mantissa(large);
-  return own > high;
+  return (threshold < large) & (mantissa(large) > high);
 }
 
-fn is_marked(a: u32, b: u32) -> bool {
-  if (a == FAR_KEY || b == FAR_KEY) {
-    return a != b;
-  }
-  if (depth_map.every_cell != 0u) {
-    return true;
-  }
+// Whether the edge between two samples is marked: 0 or 1; or 2, where a step in world units is left to `exact_world_step`.
+fn is_marked(a: u32, b: u32) -> u32 {
+  // What this says about a far sample does not matter.
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
+  let is_step = exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
+  var told = select(0u, 1u, is_step | (depth_map.every_cell != 0u));
   if (depth_map.ratio != 0u) {
-    return world_step(depths.x, depths.y);
+    told = 1u;
+    if (DECIDES) {
+      told = world_step_by_floats(depths.x, depths.y);
+    }
   }
-  return exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
+  return select(told, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
+}
+
+// The edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from the top. x: the bits of those
+// that are marked, y: of those that are left open.
+fn edges_on_the_right(before: vec2<u32>, keys: vec2<u32>) -> vec2<u32> {
+  let states = vec3<u32>(is_marked(before.x, keys.x), is_marked(keys.x, keys.y), is_marked(before.y, keys.y));
+  let marked = states & vec3<u32>(1u);
+  let open = states >> vec3<u32>(1u);
+  return vec2<u32>(marked.x | (marked.y << 1u) | (marked.z << 2u), open.x | (open.y << 1u) | (open.z << 2u));
 }
 
 fn key_distance(a: u32, b: u32) -> u32 {
@@ -69,36 +73,45 @@ fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
   return object_at(a) != object_at(b);
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
-fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
-  // The ends of the edges. A loop that is not unrolled has one copy of what decides.
-  let first = vec4<u32>(keys.x, keys.y, keys.z, keys.x);
-  let second = vec4<u32>(keys.y, keys.w, keys.w, keys.z);
-  var code = 0u;
-  for (var edge = 0u; edge < min(4u, 4u + depth_map.cells); edge++) {
-    code |= select(0u, 1u << edge, is_marked(first[edge], second[edge]));
-  }
-  // An edge of a far sample is marked already, or lies between two.
+// Edges of objects at the top, right and bottom of a cell whose samples on the right are `at` and the one below. `before` and `keys` are those of its
+// samples on the left and on the right, from the top. An edge of a far sample is marked already, or lies between two.
+fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
   if (depth_map.objects == 0u) {
-    return code;
+    return 0u;
   }
-  let is_far = keys == vec4<u32>(FAR_KEY);
-  let b = at + vec2<u32>(1u, 0u);
-  let c = at + vec2<u32>(0u, 1u);
-  return code | select(0u, 1u, !(is_far.x || is_far.y) && differs(at, b))
-    | select(0u, 2u, !(is_far.y || is_far.w) && differs(b, at + 1u))
-    | select(0u, 4u, !(is_far.z || is_far.w) && differs(c, at + 1u))
-    | select(0u, 8u, !(is_far.x || is_far.z) && differs(at, c));
+  let left = at - vec2<u32>(1u, 0u);
+  let down = vec2<u32>(0u, 1u);
+  let was_far = before == vec2<u32>(FAR_KEY);
+  let is_far = keys == vec2<u32>(FAR_KEY);
+  return select(0u, 1u, !(was_far.x || is_far.x) && differs(left, at))
+    | select(0u, 2u, !(is_far.x || is_far.y) && differs(at, at + down))
+    | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
 }
 
-// A triangle is drawn if one of its edges that lie on the border of the cell is marked.
+// Bits: the edges of the cell at the top, right, bottom and left, in a pipeline that leaves none open. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
+  let code = edges_on_the_right(keys.xz, keys.yw).x | (is_marked(keys.x, keys.z) << 3u);
+  if (!OBJECTS) {
+    return code;
+  }
+  let of_objects = object_edges(at, vec2<u32>(FAR_KEY), keys.xz) & 2u;
+  return code | object_edges(at + vec2<u32>(1u, 0u), keys.xz, keys.yw) | (of_objects << 2u);
+}
+
+fn is_split(keys: vec4<u32>) -> bool {
+  return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
+}
+
+// A triangle is drawn if one of its edges that lie on the border of the cell is marked. The bits of an entry.
+fn template_bits(code: u32, split: bool) -> u32 {
+  let first = select(3u, 9u, split);
+  return select(0u, SPLIT, split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
+    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+}
+
 fn templates(at: vec2<u32>) -> u32 {
   let keys = keys_of_cell(at);
-  let code = edge_code(at, keys);
-  let is_split = key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
-  let first = select(3u, 9u, is_split);
-  return select(0u, SPLIT, is_split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
-    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+  return template_bits(edge_code(at, keys), is_split(keys));
 }
 
 fn corner_of_cell(cell: u32) -> vec2<u32> {
