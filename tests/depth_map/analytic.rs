@@ -1,20 +1,17 @@
 //! Shadows of distance fields and meshes against rays to the light: a wrong pixel is at most a texel of the map away from
 //! the border of a shadow.
 
-use glam::{DVec2, DVec3};
+use rimline::DepthDirection;
 use rimline::gpu::{DepthEdges, DepthMapOptions};
-use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
-use rimline_measure::shapes;
 use wgpu::TextureFormat;
 
 use crate::maps::Map;
-use crate::parity::device_depth;
 use crate::picture::Picture;
-use crate::scene::{Eye, Rays};
 use crate::textures::{objects, texture};
+use crate::views::{Near, SIDE, Seen, View, worlds};
 use crate::worlds::World;
 
 pub(crate) const TESTS: &[Test] = &[
@@ -24,107 +21,6 @@ pub(crate) const TESTS: &[Test] = &[
     ("a_map_that_is_off_by_three_texels_is_noticed", off),
     ("borders_of_more_bits_are_nearer_to_the_truth", of_bits),
 ];
-
-const SIDE: u32 = 96;
-/// The distance between what casts and what is next to it as the light sees it, to tell a border from a fold.
-const APART: f64 = 0.15;
-/// The distance that shadow rays begin over a surface.
-const OVER: f64 = 1e-6;
-
-struct Sun {
-    /// A place, or a direction.
-    at: DVec3,
-    is_parallel: bool,
-    camera: ShadowCamera,
-}
-
-impl Sun {
-    fn is_lit(&self, world: &World, point: DVec3, normal: DVec3) -> bool {
-        let from = point + OVER * normal;
-        let way = if self.is_parallel { self.at } else { self.at - from };
-        let length = if self.is_parallel { f64::INFINITY } else { way.length() };
-        world.first(from, way.normalize()).is_none_or(|(t, _)| t >= length)
-    }
-
-    fn is_averted(&self, point: DVec3, normal: DVec3) -> bool {
-        let way = if self.is_parallel { self.at } else { self.at - point };
-        way.dot(normal) <= 0.0
-    }
-}
-
-fn worlds(random: &mut Random) -> Vec<World> {
-    let mut centre =
-        |height: f64| DVec3::new(f64::from(random.between(-1.0, 1.0)), height, f64::from(random.between(-1.0, 1.0)));
-    vec![
-        World::Sphere { centre: centre(1.5), radius: 1.0 },
-        World::Sphere { centre: centre(0.8), radius: 1.0 },
-        World::Torus { centre: centre(1.0), major: 1.5, minor: 0.4 },
-        World::Cuboid { centre: centre(1.0), half: DVec3::new(0.7, 1.0, 1.2) },
-        World::Cuboid { centre: centre(2.0), half: DVec3::new(1.5, 0.02, 1.5) },
-        World::mesh(&shapes::torus(24, 16, 1.5, 0.5), 1.0, centre(1.6)),
-        World::mesh(&shapes::blob(3, 0.3, 5), 1.4, centre(1.9)),
-    ]
-}
-
-/// What is seen through a pixel: the place and its normal.
-type Seen = Option<(DVec3, DVec3)>;
-
-fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
-    let place = |texel: u32| DVec2::new(f64::from(texel % size[0]) + 0.5, f64::from(texel / size[0]) + 0.5);
-    let hit = |texel| {
-        let (from, direction) = rays.at(place(texel));
-        world.first(from, direction).map(|(t, normal)| (from + t * direction, normal))
-    };
-    (0..size[0] * size[1]).map(hit).collect()
-}
-
-fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
-    let far = if camera.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
-    seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, place))).collect()
-}
-
-/// What is near to a place, as the light sees it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Near {
-    Nothing,
-    /// The surface bends towards the light, so the boundary is before it.
-    Fold,
-    /// A border of a shadow, on the plane of the surface or where the surface ends.
-    Border,
-}
-
-/// What is within some texels of a place.
-fn what_is_near(
-    world: &World,
-    sun: &Sun,
-    rays: &Rays,
-    (side, within): (u32, f64),
-    (point, normal): (DVec3, DVec3),
-) -> Near {
-    let origin = DVec3::from_array(sun.camera.origin.map(f64::from));
-    let matrix = glam::Mat4::from_cols_array_2d(&sun.camera.view_projection).as_dmat4();
-    let clip = matrix * (point - origin).extend(1.0);
-    let texels = DVec2::new(clip.x / clip.w + 1.0, 1.0 - clip.y / clip.w) * f64::from(side) / 2.0;
-    let is_lit = sun.is_lit(world, point, normal);
-    let near = (0..121).map(|number| {
-        let offset = (DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0) * within;
-        let (from, direction) = rays.at(texels + offset);
-        let t = (point - from).dot(normal) / direction.dot(normal);
-        let moved = from + t * direction;
-        if t.is_nan() || t <= 0.0 || sun.is_averted(moved, normal) {
-            return Near::Border;
-        }
-        let first = world.first(from, direction).map_or(f64::INFINITY, |(t, _)| t);
-        match (is_lit, sun.is_lit(world, moved, normal)) {
-            (false, true) => Near::Border,
-            (true, _) if (first - t).abs() > APART => Near::Border,
-            (true, false) => Near::Fold,
-            (true, true) if first > t + APART / 3.0 => Near::Fold,
-            _ => Near::Nothing,
-        }
-    });
-    near.max().unwrap_or(Near::Nothing)
-}
 
 #[derive(Debug, Default)]
 struct Tally {
@@ -145,74 +41,46 @@ fn trial(
     (options, off): (DepthMapOptions, usize),
     tally: &mut Tally,
 ) -> Result<(), String> {
-    let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
-    let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
-    let is_parallel = between(0.0, 1.0) < 0.4;
-    let depth = if between(0.0, 1.0) < 0.5 { DepthDirection::Reversed } else { DepthDirection::Standard };
-    let place = towards * 9.0;
-    let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
-    let sun = Eye { place, forward: -towards, near: 1.0, is_relative: true, depth, far, half_width };
-    let sun = Sun { at: if is_parallel { towards } else { place }, is_parallel, camera: sun.camera() };
-    let place = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
-    let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - place;
-    let near = if between(0.0, 1.0) < 0.3 { 1.0 } else { 0.1 };
-    let depth = DepthDirection::Reversed;
-    let eye = Eye { place, forward, near, is_relative: false, depth, far: None, half_width: None }.camera();
-    let eye_rays = Rays::new(&eye, SIDE);
-    let corners = (0..81).map(|at| DVec2::new(f64::from(at % 9), f64::from(at / 9)) * f64::from(SIDE) / 8.0);
-    if corners.into_iter().any(|corner| world.is_inside(eye_rays.at(corner).0)) {
-        // What is seen inside a body is no surface.
-        return Ok(());
-    }
-
-    let side = 96;
-    let light_rays = Rays::new(&sun.camera, side);
-    let light_seen = seen(world, &light_rays, [side; 2]);
-    let depths_of_light = depths(&sun.camera, &light_seen);
-    let is_reversed = sun.camera.depth == DepthDirection::Reversed;
-    let mut map = Map { size: [side; 2], is_reversed, depths: depths_of_light };
+    let Some(view) = View::random(random, world) else { return Ok(()) };
+    let [light_depths, eye_depths] = view.depths();
+    let is_reversed = view.sun.camera.depth == DepthDirection::Reversed;
+    let mut map = Map { size: [SIDE; 2], is_reversed, depths: light_depths };
     map.depths.rotate_right(off);
-    let eye_seen = seen(world, &eye_rays, [SIDE; 2]);
-    let eye_depths = depths(&eye, &eye_seen);
     let texture = texture(gpu, map.size, format, &map.depths)?;
     // The ground is one object, and what stands on it is another.
     let on_ground = |seen: &Seen| u32::from(seen.is_some_and(|(place, _)| place.y < 1e-7));
-    let mut numbers: Vec<_> = light_seen.iter().map(on_ground).collect();
+    let mut numbers: Vec<_> = view.light_seen.iter().map(on_ground).collect();
     numbers.rotate_right(off);
     let objects = options.objects.then(|| objects(gpu, map.size, &numbers));
-    let (light, side_of_picture) = (sun.camera, SIDE);
     let picture = Picture {
         map: &texture,
         objects: objects.as_ref(),
-        light,
-        eye,
+        light: view.sun.camera,
+        eye: view.eye,
         depths: &eye_depths,
-        side: side_of_picture,
+        side: SIDE,
         options,
         bit: 8 - options.bits,
     };
     let stencil = picture.stencil(gpu)?;
     // A texel, and as much as bits move the boundary.
     let within = 1.5 - 0.5 / f64::from(options.bits);
-    for (pixel, (seen, value)) in eye_seen.iter().zip(stencil).enumerate() {
-        let Some((point, normal)) = *seen else { continue };
-        if sun.is_averted(point, normal) {
-            continue;
-        }
-        let is_lit = sun.is_lit(world, point, normal);
+    for (pixel, seen) in view.receivers() {
+        let is_lit = view.is_lit(seen);
         *(if is_lit { &mut tally.lit } else { &mut tally.dark }) += 1;
-        let off = f64::from(value.count_ones()) / f64::from(options.bits) - if is_lit { 0.0 } else { 1.0 };
+        let off = f64::from(stencil[pixel].count_ones()) / f64::from(options.bits) - if is_lit { 0.0 } else { 1.0 };
         tally.squares += off * off;
         if off == 0.0 {
             continue;
         }
-        let near = what_is_near(world, &sun, &light_rays, (side, within), (point, normal));
+        let near = view.near(seen, within);
         tally.at_borders += usize::from(near == Near::Border);
         tally.at_folds += usize::from(near == Near::Fold);
         if near == Near::Nothing {
             tally.wrong += 1;
             if tally.wrong < 10 {
-                println!("pixel {pixel}: {point} {normal}, lit {is_lit}, {format:?} {is_parallel}");
+                let (point, normal) = seen;
+                println!("pixel {pixel}: {point} {normal}, lit {is_lit}, {format:?} {}", view.sun.is_parallel);
             }
         }
     }

@@ -5,6 +5,7 @@ mod analytic;
 mod boundary;
 mod cube;
 mod extremes;
+mod lookup;
 mod maps;
 mod merge;
 mod mesh_depth;
@@ -16,6 +17,7 @@ mod refusals;
 mod scene;
 mod stages;
 mod textures;
+mod views;
 mod worlds;
 
 use rimline_measure::harness;
@@ -27,6 +29,7 @@ fn main() {
         cube::TESTS,
         parity::TESTS,
         analytic::TESTS,
+        lookup::TESTS,
         extremes::TESTS,
         refusals::TESTS,
         mesh_depth::TESTS,

@@ -111,7 +111,7 @@ fn large() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(1612);
-    let map = Map::new([700, 401], true, |texel| {
+    let map = Map::new([1100, 601], true, |texel| {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
     });
     for threshold in [-1.0, 0.01] {

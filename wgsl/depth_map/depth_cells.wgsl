@@ -1,7 +1,8 @@
-// Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: count those
-// of each block, turn the counts into places, list them.
+// Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: decide about the cells and
+// count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are one word. A
+// row's last word may have fewer. A block has 256 words.
 
-// For each block its listed cells, then those of all blocks before it.
+// For each block its listed cells, then those of all blocks before it. After them the words: for each cell three bits of its entry.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
@@ -9,28 +10,102 @@
 @group(0) @binding(5) var<storage, read_write> draws: array<u32>;
 
 const BLOCK: u32 = 256u;
-const BLOCK_WORDS: u32 = 8u;
-// The listed cells of the block, as a bit set.
-var<workgroup> members: array<atomic<u32>, BLOCK_WORDS>;
+const WORD_CELLS: u32 = 8u;
+// A bit of each cell of a word.
+const EACH: u32 = 0x11111111u;
+// An entry has the three bits of a cell here.
+const ENTRY_BITS: u32 = 29u;
 
-// The entry of the invocation's cell, 0 if it is not listed. Before it, all invocations have read what they want of the
-// block before.
-fn gathered(cell: u32, local: u32) -> u32 {
-  if (local < BLOCK_WORDS) {
-    atomicStore(&members[local], 0u);
-  }
-  workgroupBarrier();
-  var entry = 0u;
-  if (cell < depth_map.cells) {
-    entry = entry_of_cell(cell);
-  }
-  let is_listed = (entry & (FIRST_TRIANGLE | SECOND_TRIANGLE)) != 0u;
-  if (is_listed) {
-    atomicOr(&members[local / 32u], 1u << (local % 32u));
-  }
-  workgroupBarrier();
-  return select(0u, entry, is_listed);
+// The first cell of a word, and how many cells it has.
+fn cells_of_word(word: u32) -> vec2<u32> {
+  let across = select(depth_map.size.x + 1u, depth_map.size.x - 1u, depth_map.faces > 1u);
+  let words = (across + WORD_CELLS - 1u) / WORD_CELLS;
+  let column = word % words * WORD_CELLS;
+  let first = word / words * across + column;
+  return vec2<u32>(first, select(0u, min(WORD_CELLS, across - column), first < depth_map.cells));
 }
+
+// The edges of `open` that are marked, of those that floats leave open: four bits for each cell of a word, of its top, right and bottom, and of the left
+// side of the first. `corner` is the first cell.
+fn exactly_marked(corner: vec2<u32>, open: u32) -> u32 {
+  var marked = 0u;
+  for (var left = open; left != 0u; left &= left - 1u) {
+    let bit = firstTrailingBit(left);
+    let edge = bit % 4u;
+    // Top: from (0, 0) to (1, 0). Right: from (1, 0) to (1, 1). Bottom: from (0, 1) to (1, 1). Left: from (0, 0) to (0, 1).
+    let a = vec2<u32>(select(0u, 1u, edge == 1u), select(0u, 1u, edge == 2u));
+    let b = vec2<u32>(select(1u, 0u, edge == 3u), select(1u, 0u, edge == 0u));
+    let at = corner + vec2<u32>(bit / 4u, 0u);
+    let is_step = exact_world_step(depth_bits(key_at(at + a)), depth_bits(key_at(at + b)));
+    marked |= select(0u, 1u << bit, is_step);
+  }
+  return marked;
+}
+
+// As `decided`, for each cell by itself.
+fn decided_by_cells(own: vec2<u32>) -> u32 {
+  var bits = 0u;
+  for (var cell = 0u; cell < own.y; cell++) {
+    bits |= (templates(corner_of_cell(own.x + cell)) >> ENTRY_BITS) << (4u * cell);
+  }
+  return bits;
+}
+
+// Decides about the cells of a word. It walks along the samples above and below them.
+fn decided(word: u32) -> u32 {
+  let own = cells_of_word(word);
+  if (SPREADS && depth_map.spread != 0u) {
+    return decided_by_cells(own);
+  }
+  let corner = corner_of_cell(own.x);
+  let down = vec2<u32>(0u, 1u);
+  var before = vec2<u32>(key_at(corner), key_at(corner + down));
+  let first = is_marked(before.x, before.y);
+  // Four bits a cell: its edges at the top, right and bottom, and of the first cell that at the left.
+  var marked = (first & 1u) << 3u;
+  var open = (first >> 1u) << 3u;
+  var splits = 0u;
+  if (OBJECTS) {
+    marked |= (object_edges(corner, vec2<u32>(FAR_KEY), before) & 2u) << 2u;
+  }
+  for (var cell = 0u; cell < WORD_CELLS; cell++) {
+    let at = corner + vec2<u32>(cell + 1u, 0u);
+    let keys = vec2<u32>(key_at(at), key_at(at + down));
+    let edges = edges_on_the_right(before, keys);
+    marked |= edges.x << (4u * cell);
+    open |= edges.y << (4u * cell);
+    if (OBJECTS) {
+      marked |= object_edges(at, before, keys) << (4u * cell);
+    }
+    splits |= select(0u, 1u, is_split(vec4<u32>(before.x, keys.x, before.y, keys.y))) << (4u * cell);
+    before = keys;
+  }
+  // The cells that are there.
+  let taken = select(0u, 0xffffffffu >> ((32u - 4u * own.y) & 31u), own.y > 0u);
+  if (DECIDES) {
+    marked |= exactly_marked(corner, open & taken);
+  }
+  return triangles_of_word(marked, splits) & taken;
+}
+
+// As `template_bits`, for all cells of a word.
+fn triangles_of_word(marked: u32, splits: u32) -> u32 {
+  let top = marked & EACH;
+  let right = (marked >> 1u) & EACH;
+  let bottom = (marked >> 2u) & EACH;
+  let left = (right << 4u) | ((marked >> 3u) & 1u);
+  let first = top | (splits & left) | (~splits & right);
+  let second = bottom | (splits & right) | (~splits & left);
+  return splits | (first << 1u) | (second << 2u);
+}
+
+// The lowest bit of each cell of a word that is listed.
+fn listed_cells(word: u32) -> u32 {
+  return ((word >> 1u) | (word >> 2u)) & EACH;
+}
+
+// It begins with 0.
+var<workgroup> total: atomic<u32>;
 
 // Workgroups take blocks in turn, where a dispatch may not have as many.
 @compute @workgroup_size(BLOCK)
@@ -40,13 +115,12 @@ fn depth_cells_count(
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    gathered(block * BLOCK + local, local);
+    let word = decided(block * BLOCK + local);
+    places[depth_map.blocks + block * BLOCK + local] = word;
+    atomicAdd(&total, countOneBits(listed_cells(word)));
+    workgroupBarrier();
     if (local == 0u) {
-      var total = 0u;
-      for (var at = 0u; at < BLOCK_WORDS; at++) {
-        total += countOneBits(atomicLoad(&members[at]));
-      }
-      places[block] = total;
+      places[block] = atomicExchange(&total, 0u);
     }
     workgroupBarrier();
   }
@@ -90,25 +164,43 @@ fn depth_cells_places(@builtin(local_invocation_index) local: u32) {
   }
 }
 
-fn place_in_block(local: u32) -> u32 {
-  var place = 0u;
-  for (var at = 0u; at < local / 32u; at++) {
-    place += countOneBits(atomicLoad(&members[at]));
-  }
-  return place + countOneBits(atomicLoad(&members[local / 32u]) & ((1u << (local % 32u)) - 1u));
-}
+// Invocations that list a block. Each takes a run of words.
+const LISTERS: u32 = 32u;
+const RUN: u32 = BLOCK / LISTERS;
+var<workgroup> before: array<u32, LISTERS>;
 
-@compute @workgroup_size(BLOCK)
+@compute @workgroup_size(LISTERS)
 fn depth_cells_list(
   @builtin(workgroup_id) group: vec3<u32>,
   @builtin(num_workgroups) groups: vec3<u32>,
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    let entry = gathered(block * BLOCK + local, local);
-    let place = places[block] + place_in_block(local);
-    if (entry != 0u && place < depth_map.capacity) {
-      cells[1u + place] = entry;
+    let begin = block * BLOCK + local * RUN;
+    var own = 0u;
+    for (var word = begin; word < begin + RUN; word++) {
+      own += countOneBits(listed_cells(places[depth_map.blocks + word]));
+    }
+    before[local] = own;
+    workgroupBarrier();
+    if (local == 0u) {
+      var sum = places[block];
+      for (var lister = 0u; lister < LISTERS; lister++) {
+        let count = before[lister];
+        before[lister] = sum;
+        sum += count;
+      }
+    }
+    workgroupBarrier();
+    var place = before[local];
+    for (var word = begin; word < begin + RUN; word++) {
+      let bits = places[depth_map.blocks + word];
+      let first = cells_of_word(word).x;
+      for (var left = listed_cells(bits); left != 0u && place < depth_map.capacity; left &= left - 1u) {
+        let shift = firstTrailingBit(left);
+        cells[1u + place] = ((bits >> shift) << ENTRY_BITS) | (first + shift / 4u);
+        place++;
+      }
     }
     workgroupBarrier();
   }

@@ -8,6 +8,12 @@ const SPLIT: u32 = 0x20000000u;
 const FIRST_TRIANGLE: u32 = 0x40000000u;
 const SECOND_TRIANGLE: u32 = 0x80000000u;
 
+// Whether edges of objects may count. A pipeline without them is smaller.
+override OBJECTS: bool = true;
+
+// Whether triangles at the ends of marked edges may be drawn, too.
+override SPREADS: bool = true;
+
 // For each texel the object that is seen there. One texel, if edges of objects do not count.
 @group(0) @binding(4) var object_texture: texture_2d<u32>;
 
@@ -15,44 +21,45 @@ fn mantissa(bits: u32) -> u32 {
   return select((bits & 0x7fffffu) | 0x800000u, 0u, bits == 0u);
 }
 
-// A mantissa with 32 further bits, moved down by `places`: high and low word.
+// A mantissa with 32 further bits, moved down by `places`: high and low word. Without branches, which some devices take all.
 fn moved_down(word: u32, places: u32) -> vec2<u32> {
-  if (places == 0u) {
-    return vec2<u32>(word, 0u);
-  }
-  if (places < 32u) {
-    return vec2<u32>(word >> places, word << (32u - places));
-  }
-  return vec2<u32>(0u, select(word >> (places & 31u), 0u, places >= 64u));
+  let low = select(word << ((32u - places) & 31u), word >> min(places - 32u, 31u), places >= 32u);
+  return vec2<u32>(word >> min(places, 31u), select(low, 0u, places == 0u));
 }
 
 // Whether `large` is more than `small` + `threshold`, exactly: bits of numbers from 0 to 1, none subnormal, small <= large.
 // What the sum loses by the move cannot change the result (NUMERICS.md).
 fn exceeds(large: u32, small: u32, threshold: u32) -> bool {
-  if (threshold >= large) {
-    return false;
-  }
   let exponent = large >> 23u;
   let a = moved_down(mantissa(small), exponent - (small >> 23u));
   let b = moved_down(mantissa(threshold), exponent - (threshold >> 23u));
   let low = a.y + b.y;
   let high = a.x + b.x + select(0u, 1u, low < a.y);
-  let own = mantissa(large);
-  return own > high;
+  return (threshold < large) & (mantissa(large) > high);
 }
 
-fn is_marked(a: u32, b: u32) -> bool {
-  if (a == FAR_KEY || b == FAR_KEY) {
-    return a != b;
-  }
-  if (depth_map.every_cell != 0u) {
-    return true;
-  }
+// Whether the edge between two samples is marked: 0 or 1; or 2, where a step in world units is left to `exact_world_step`.
+fn is_marked(a: u32, b: u32) -> u32 {
+  // What this says about a far sample does not matter.
   let depths = vec2<u32>(depth_bits(a), depth_bits(b));
+  let is_step = exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
+  var told = select(0u, 1u, is_step | (depth_map.every_cell != 0u));
   if (depth_map.ratio != 0u) {
-    return world_step(depths.x, depths.y);
+    told = 1u;
+    if (DECIDES) {
+      told = world_step_by_floats(depths.x, depths.y);
+    }
   }
-  return exceeds(max(depths.x, depths.y), min(depths.x, depths.y), depth_map.threshold);
+  return select(told, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
+}
+
+// The edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from the top. x: the bits of those
+// that are marked, y: of those that are left open.
+fn edges_on_the_right(before: vec2<u32>, keys: vec2<u32>) -> vec2<u32> {
+  let states = vec3<u32>(is_marked(before.x, keys.x), is_marked(keys.x, keys.y), is_marked(before.y, keys.y));
+  let marked = states & vec3<u32>(1u);
+  let open = states >> vec3<u32>(1u);
+  return vec2<u32>(marked.x | (marked.y << 1u) | (marked.z << 2u), open.x | (open.y << 1u) | (open.z << 2u));
 }
 
 fn key_distance(a: u32, b: u32) -> u32 {
@@ -69,36 +76,70 @@ fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
   return object_at(a) != object_at(b);
 }
 
-// The edges of the cell, and those from its samples to others: right, down, left, up in turn.
-const CELL_EDGES: u32 = 4u;
-const ALL_EDGES: u32 = 12u;
+// Edges of objects at the top, right and bottom of a cell whose samples on the right are `at` and the one below. `before` and `keys` are those of its
+// samples on the left and on the right, from the top. An edge of a far sample is marked already, or lies between two.
+fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
+  if (depth_map.objects == 0u) {
+    return 0u;
+  }
+  let left = at - vec2<u32>(1u, 0u);
+  let down = vec2<u32>(0u, 1u);
+  let was_far = before == vec2<u32>(FAR_KEY);
+  let is_far = keys == vec2<u32>(FAR_KEY);
+  return select(0u, 1u, !(was_far.x || is_far.x) && differs(left, at))
+    | select(0u, 2u, !(is_far.x || is_far.y) && differs(at, at + down))
+    | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
+}
 
-// The samples (0, 0), (1, 0), (0, 1) and (1, 1) by their numbers.
+// Bits: the edges of the cell at the top, right, bottom and left, in a pipeline that leaves none open. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
+  let code = edges_on_the_right(keys.xz, keys.yw).x | (is_marked(keys.x, keys.z) << 3u);
+  if (!OBJECTS) {
+    return code;
+  }
+  let of_objects = object_edges(at, vec2<u32>(FAR_KEY), keys.xz) & 2u;
+  return code | object_edges(at + vec2<u32>(1u, 0u), keys.xz, keys.yw) | (of_objects << 2u);
+}
+
+fn is_split(keys: vec4<u32>) -> bool {
+  return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
+}
+
+// A triangle is drawn if one of its edges that lie on the border of the cell is marked. The bits of an entry.
+fn template_bits(code: u32, split: bool) -> u32 {
+  let first = select(3u, 9u, split);
+  return select(0u, SPLIT, split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
+    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+}
+
+// The samples (0, 0), (1, 0), (0, 1) and (1, 1) of a cell by their numbers.
 fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3: the edges of the cell at the top, right, bottom and left. Bits 4 to 11: those from each of its samples out of the cell,
-// across and down or up. `keys` are those of its samples.
-fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
-  // A loop that is not unrolled has one copy of what decides.
-  let edges = select(CELL_EDGES, ALL_EDGES, depth_map.spread != 0u);
+// Bits 0 to 3: as `edge_code`, with no edge left open. Bits 4 to 11: the edges from each of its samples out of the cell, to the left or right,
+// and up or down.
+fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
-  for (var edge = 0u; edge < min(edges, 12u + depth_map.cells); edge++) {
+  // A loop that is not unrolled has one copy of what decides.
+  for (var edge = 0u; edge < min(12u, 12u + depth_map.cells); edge++) {
     // The ends of the edges of the cell, by two bits each.
     var first = (0x24u >> (2u * edge)) & 3u;
     let end = (0xbdu >> (2u * edge)) & 3u;
     var there = at + sample_of_cell(end);
     var key = keys[end];
-    if (edge >= CELL_EDGES) {
-      first = (edge - CELL_EDGES) / 2u;
+    if (edge >= 4u) {
+      first = (edge - 4u) / 2u;
       let out = sample_of_cell(first) * 2u - 1u;
       there = at + sample_of_cell(first) + select(vec2<u32>(0u, out.y), vec2<u32>(out.x, 0u), edge % 2u == 0u);
       key = key_at(there);
     }
-    var is_edge = is_marked(keys[first], key);
-    // An edge of a far sample is marked already, or lies between two.
-    if (depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
+    let told = is_marked(keys[first], key);
+    var is_edge = told == 1u;
+    if (DECIDES && told == 2u) {
+      is_edge = exact_world_step(depth_bits(keys[first]), depth_bits(key));
+    }
+    if (OBJECTS && depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
       is_edge = is_edge || differs(at + sample_of_cell(first), there);
     }
     code |= select(0u, 1u << edge, is_edge);
@@ -106,32 +147,28 @@ fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   return code;
 }
 
-// The samples of the cell, a bit for each, that are not far and at the end of a marked edge.
-fn ends_of_edges(code: u32, keys: vec4<u32>) -> u32 {
+// As `templates`. A triangle is drawn, too, if one of its samples is not far and at the end of a marked edge.
+fn spread_templates(at: vec2<u32>) -> u32 {
+  let keys = keys_of_cell(at);
+  let code = edges_around(at, keys);
   var ends = 0u;
   for (var number = 0u; number < 4u; number++) {
     // Two edges of the cell and two out of it.
     let own = ((0x6c39u >> (4u * number)) & 15u) | (0x30u << (2u * number));
     ends |= select(0u, 1u << number, (code & own) != 0u && keys[number] != FAR_KEY);
   }
-  return ends;
+  // By the three samples of each.
+  let split = is_split(keys);
+  return template_bits(code, split) | select(0u, FIRST_TRIANGLE, (ends & select(11u, 7u, split)) != 0u)
+    | select(0u, SECOND_TRIANGLE, (ends & select(13u, 14u, split)) != 0u);
 }
 
-// A triangle is drawn if one of its edges that lie on the border of the cell is marked.
 fn templates(at: vec2<u32>) -> u32 {
-  let keys = keys_of_cell(at);
-  let code = edge_code(at, keys);
-  let is_split = key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
-  let first = select(3u, 9u, is_split);
-  var drawn = select(0u, FIRST_TRIANGLE, (code & first) != 0u)
-    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
-  if (depth_map.spread != 0u) {
-    // By their three samples.
-    let ends = ends_of_edges(code, keys);
-    drawn |= select(0u, FIRST_TRIANGLE, (ends & select(11u, 7u, is_split)) != 0u)
-      | select(0u, SECOND_TRIANGLE, (ends & select(13u, 14u, is_split)) != 0u);
+  if (SPREADS && depth_map.spread != 0u) {
+    return spread_templates(at);
   }
-  return select(0u, SPLIT, is_split) | drawn;
+  let keys = keys_of_cell(at);
+  return template_bits(edge_code(at, keys), is_split(keys));
 }
 
 fn corner_of_cell(cell: u32) -> vec2<u32> {

@@ -38,15 +38,11 @@ const ONE: u32 = 0x3f800000u;
 // Works on bits, because a device may flush a subnormal and may assume that there is no NaN.
 fn sample_key(bits: u32) -> u32 {
   let size = bits & 0x7fffffffu;
-  if (size > 0x7f800000u) {
-    return FAR_KEY;
-  }
-  let is_zero = (bits >> 31u) == 1u || size < 0x00800000u;
+  let is_zero = ((bits >> 31u) == 1u) | (size < 0x00800000u);
   let unit = select(min(size, ONE), 0u, is_zero);
-  if (depth_map.is_reversed != 0u) {
-    return select(ONE - unit, FAR_KEY, unit == 0u);
-  }
-  return select(unit, FAR_KEY, unit == ONE);
+  let is_reversed = depth_map.is_reversed != 0u;
+  let is_far = unit == select(ONE, 0u, is_reversed);
+  return select(select(unit, ONE - unit, is_reversed), FAR_KEY, is_far | (size > 0x7f800000u));
 }
 
 // The bits of the depth of a key that is not far.
@@ -59,13 +55,12 @@ fn bits_of_key(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is.
+// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is. A sample on the border of the lattice reads a texel beside it, and
+// drops it: one place loads for all.
 fn key_at(at: vec2<u32>) -> u32 {
-  if (depth_map.faces > 1u) {
-    return sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(at), 0).x));
-  }
-  if (any(at == vec2<u32>(0u)) || any(at > depth_map.size)) {
-    return FAR_KEY;
-  }
-  return sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(at) - 1, 0).x));
+  let is_cube = depth_map.faces > 1u;
+  let inside = clamp(at, vec2<u32>(1u), depth_map.size);
+  let texel = select(inside - 1u, at, is_cube);
+  let key = sample_key(bitcast<u32>(textureLoad(depth_texture, vec2<i32>(texel), 0).x));
+  return select(key, FAR_KEY, !is_cube && any(inside != at));
 }

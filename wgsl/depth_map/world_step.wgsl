@@ -1,7 +1,7 @@
 // Whether two depths of a perspective map are farther from each other than a distance in world units, exactly: the sign of
 // ratio · |a − b| − |a − i| · |b − i|, with the depth i at infinity. NUMERICS.md, "Volumes from depth maps".
 
-// Whether the pipeline decides. If not, every step counts: draws of a list that overflowed have every cell.
+// Whether the pipeline decides about such steps. If not, each of them counts: draws of a list that overflowed have every cell.
 override DECIDES: bool = false;
 
 const WIDE: u32 = 16u;
@@ -120,20 +120,13 @@ fn exact_world_step(a: u32, b: u32) -> bool {
   return is_larger(wide_product(ratio, wide_distance(wide_of(a), wide_of(b))), wide_product(from_infinity(a), from_infinity(b)));
 }
 
-// Floats tell, but for those that are nearly equal, very large or very small.
-fn world_step(a: u32, b: u32) -> bool {
-  if (!DECIDES) {
-    return true;
-  }
+// Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
+fn world_step_by_floats(a: u32, b: u32) -> u32 {
   let infinity = bitcast<f32>(depth_map.at_infinity);
   let step = bitcast<f32>(depth_map.ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));
   let most = abs(bitcast<f32>(a) - infinity) * abs(bitcast<f32>(b) - infinity);
-  let is_plain = min(step, most) > 1e-30 && max(step, most) < 1e30;
-  if (is_plain && step > 1.0001 * most) {
-    return true;
-  }
-  if (is_plain && most > 1.0001 * step) {
-    return false;
-  }
-  return exact_world_step(a, b);
+  let is_plain = (min(step, most) > 1e-30) & (max(step, most) < 1e30);
+  let is_told = is_plain & ((step > 1.0001 * most) | (most > 1.0001 * step));
+  // Equal depths are no step, whatever the ratio is.
+  return select(select(2u, select(0u, 1u, step > most), is_told), 0u, a == b);
 }

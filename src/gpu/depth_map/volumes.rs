@@ -24,6 +24,9 @@ use crate::stages::DEPTH_CELLS;
 /// The largest number of cells: entries have as many bits for it.
 const MOST_CELLS: u64 = 1 << 29;
 
+/// Cells of a row that one word tells about.
+const WORD_CELLS: u64 = 8;
+
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
 ///
@@ -142,7 +145,10 @@ impl DepthMapVolumes {
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
-        let blocks = cells.div_ceil(WORKGROUP);
+        // The words of cells that follow each other in a row.
+        let [across, down] = size.map(cells_of);
+        let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
+        let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape {
             size,
             cells,
@@ -160,10 +166,11 @@ impl DepthMapVolumes {
             unused: 0,
         };
         let allocations = [
-            Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) },
+            Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) * u64::from(1 + WORKGROUP) },
             Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(shape.capacity) },
             Allocation { label: "draws of depth cells", bytes: 16 },
         ];
+        check(&allocations[..1], limits.binding, None)?;
         let bytes = check(&allocations, limits.buffer, memory_limit)?;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
@@ -171,10 +178,11 @@ impl DepthMapVolumes {
             [0, 1, 2].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
         })?;
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
-        let constants: &[_] = if world.is_some() { &[("DECIDES", 1.0)] } else { &[] };
+        let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
+            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
         Ok(Self {
-            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, constants)),
+            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)),
             shape,
             slope_bias,
             bits,

@@ -1,0 +1,92 @@
+//! Table 1 of McCool (2000): the phases of a frame, each submitted by itself, in turn.
+
+use glam::DVec3;
+use rimline::ShadowCamera;
+use rimline::gpu::{DepthEdges, DepthMapVolumes};
+use rimline_measure::on_gpu::text;
+
+use crate::scenes::{PAPER, RADIUS, scene};
+use crate::shade::Shade;
+use crate::stage::{Bench, Drawn, EYE, MAP, Target, axes, camera, map_of, medians, pass};
+
+const PHASES: [&str; 6] =
+    ["light view", "detection and compaction", "eye view", "volume and cap", "cap (with outlines)", "shade"];
+const DETECTORS: [(&str, DepthEdges); 2] =
+    [("every cell", DepthEdges::EveryCell), ("differences 0.02", DepthEdges::Differences { threshold: 0.02 })];
+
+/// What a frame is drawn with.
+struct Frame<'a> {
+    bench: &'a Bench,
+    drawn: &'a Drawn,
+    map: Target,
+    target: Target,
+    shade: Shade,
+    light: ShadowCamera,
+    eye: ShadowCamera,
+}
+
+impl Frame<'_> {
+    /// Milliseconds of each phase. `outlines` finds next to nothing but borders, so its draw is little more than the cap.
+    fn times(&self, volumes: &mut DepthMapVolumes, outlines: &mut DepthMapVolumes) -> Result<[f64; 6], String> {
+        let Self { bench, drawn, map, target, shade, light, eye } = self;
+        let light_view = bench.clock(|encoder| Bench::draw_map(encoder, drawn, map, light))?;
+        let (mut frame, mut other) = (None, None);
+        bench.clock(|encoder| {
+            other = Some(outlines.encode(encoder, &map_of(map, *light), eye, None).map_err(text)?);
+            Ok(())
+        })?;
+        let detection = bench.clock(|encoder| {
+            frame = Some(volumes.encode(encoder, &map_of(map, *light), eye, None).map_err(text)?);
+            Ok(())
+        })?;
+        let eye_view = bench.clock(|encoder| Bench::draw_eye(encoder, &[drawn], target, eye))?;
+        let draw = |frame: Option<rimline::gpu::DepthMapFrame>| {
+            bench.clock(|encoder| {
+                let mut pass = pass(encoder, &target.all, None, true);
+                frame.map_or(Ok(()), |frame| frame.draw(&mut pass, &bench.pipelines).map_err(text))
+            })
+        };
+        let cap = draw(other)?;
+        let volume = draw(frame)?;
+        let shade = bench.clock(|encoder| {
+            shade.stencil(encoder, target);
+            Ok(())
+        })?;
+        Ok([light_view, detection, eye_view, volume, cap, shade])
+    }
+}
+
+pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), String> {
+    println!(
+        "\nPhases of a frame, milliseconds, and times the light view; medians of {rounds} rounds in turn; seed {seed}"
+    );
+    println!("| picture and map | scene | detector | {} |", PHASES.join(" | "));
+    println!("|---|---|---|{}", "---:|".repeat(PHASES.len()));
+    let down = DVec3::new(0.4, -1.0, 0.3).normalize();
+    let light = camera(axes(down, DVec3::Z), 8.0, f64::from(RADIUS), true);
+    let ahead = DVec3::new(-0.3, -0.5, -1.0).normalize();
+    let eye = camera(axes(ahead, DVec3::Y), 6.0, f64::from(RADIUS), false);
+    for side in [256, 512] {
+        for (number, (name, ..)) in PAPER.into_iter().enumerate() {
+            let drawn = &bench.drawn(&scene(number, seed))?;
+            let (map, target) = (bench.target(side, MAP), bench.target(side, EYE));
+            let frame = Frame { bench, drawn, map, target, shade: Shade::new(bench, side), light, eye };
+            let mut outlines = bench.volumes(side, DepthEdges::Outlines)?;
+            let mut volumes = DETECTORS.map(|(_, edges)| (bench.volumes(side, edges), Vec::new()));
+            // One more, in which shaders are compiled.
+            for round in 0..=rounds {
+                for (volumes, times) in &mut volumes {
+                    let volumes = volumes.as_mut().map_err(|error| error.clone())?;
+                    let own = frame.times(volumes, &mut outlines)?;
+                    times.extend((round > 0).then_some(own));
+                }
+            }
+            for ((detector, _), (_, times)) in DETECTORS.iter().zip(&volumes) {
+                let medians = medians(times);
+                let cells = medians.map(|time| format!("{time:.2} ({:.2})", time / medians[0]));
+                println!("| {side}² | {name} | {detector} | {} |", cells.join(" | "));
+            }
+        }
+    }
+    Ok(())
+}

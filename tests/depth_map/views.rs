@@ -1,0 +1,170 @@
+//! Views of scenes that are known exactly: what casts, a light with its map, an eye, and what both see along `f64` rays.
+
+use glam::{DVec2, DVec3};
+use rimline::{DepthDirection, ShadowCamera};
+use rimline_measure::random::Random;
+use rimline_measure::shapes;
+
+use crate::parity::device_depth;
+use crate::scene::{Eye, Rays};
+use crate::worlds::World;
+
+pub(crate) const SIDE: u32 = 96;
+/// The distance between what casts and what is next to it as the light sees it, to tell a border from a fold.
+const APART: f64 = 0.15;
+/// The distance that shadow rays begin over a surface.
+const OVER: f64 = 1e-6;
+
+pub(crate) struct Sun {
+    /// A place, or a direction.
+    at: DVec3,
+    pub(crate) is_parallel: bool,
+    pub(crate) camera: ShadowCamera,
+}
+
+impl Sun {
+    pub(crate) fn is_lit(&self, world: &World, point: DVec3, normal: DVec3) -> bool {
+        let from = point + OVER * normal;
+        let way = if self.is_parallel { self.at } else { self.at - from };
+        let length = if self.is_parallel { f64::INFINITY } else { way.length() };
+        world.first(from, way.normalize()).is_none_or(|(t, _)| t >= length)
+    }
+
+    pub(crate) fn is_averted(&self, point: DVec3, normal: DVec3) -> bool {
+        let way = if self.is_parallel { self.at } else { self.at - point };
+        way.dot(normal) <= 0.0
+    }
+
+    /// Where a point is in the map: from 0 to 1 to the right and down, and its device depth.
+    pub(crate) fn in_map(&self, point: DVec3) -> DVec3 {
+        let origin = DVec3::from_array(self.camera.origin.map(f64::from));
+        let matrix = glam::Mat4::from_cols_array_2d(&self.camera.view_projection).as_dmat4();
+        let clip = matrix * (point - origin).extend(1.0);
+        let [x, y, z] = [clip.x, clip.y, clip.z].map(|c| c / clip.w);
+        DVec3::new((x + 1.0) / 2.0, (1.0 - y) / 2.0, z)
+    }
+}
+
+pub(crate) fn worlds(random: &mut Random) -> Vec<World> {
+    let mut centre =
+        |height: f64| DVec3::new(f64::from(random.between(-1.0, 1.0)), height, f64::from(random.between(-1.0, 1.0)));
+    vec![
+        World::Sphere { centre: centre(1.5), radius: 1.0 },
+        World::Sphere { centre: centre(0.8), radius: 1.0 },
+        World::Torus { centre: centre(1.0), major: 1.5, minor: 0.4 },
+        World::Cuboid { centre: centre(1.0), half: DVec3::new(0.7, 1.0, 1.2) },
+        World::Cuboid { centre: centre(2.0), half: DVec3::new(1.5, 0.02, 1.5) },
+        World::mesh(&shapes::torus(24, 16, 1.5, 0.5), 1.0, centre(1.6)),
+        World::mesh(&shapes::blob(3, 0.3, 5), 1.4, centre(1.9)),
+    ]
+}
+
+/// What is seen through a pixel: the place and its normal.
+pub(crate) type Seen = Option<(DVec3, DVec3)>;
+
+fn seen(world: &World, rays: &Rays, size: [u32; 2]) -> Vec<Seen> {
+    let place = |texel: u32| DVec2::new(f64::from(texel % size[0]) + 0.5, f64::from(texel / size[0]) + 0.5);
+    let hit = |texel| {
+        let (from, direction) = rays.at(place(texel));
+        world.first(from, direction).map(|(t, normal)| (from + t * direction, normal))
+    };
+    (0..size[0] * size[1]).map(hit).collect()
+}
+
+fn depths(camera: &ShadowCamera, seen: &[Seen]) -> Vec<f32> {
+    let far = if camera.depth == DepthDirection::Reversed { 0.0 } else { 1.0 };
+    seen.iter().map(|seen| seen.map_or(far, |(place, _)| device_depth(camera, place))).collect()
+}
+
+/// What is within some texels of a place, as the light sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Near {
+    Nothing,
+    /// The surface bends towards the light, so the boundary is before it.
+    Fold,
+    /// A border of a shadow, on the plane of the surface or where the surface ends.
+    Border,
+}
+
+/// What is there around what a pixel sees.
+fn what_is_near(world: &World, sun: &Sun, rays: &Rays, within: f64, (point, normal): (DVec3, DVec3)) -> Near {
+    let texels = sun.in_map(point).truncate() * f64::from(SIDE);
+    let is_lit = sun.is_lit(world, point, normal);
+    let near = (0..121).map(|number| {
+        let offset = (DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0) * within;
+        let (from, direction) = rays.at(texels + offset);
+        let t = (point - from).dot(normal) / direction.dot(normal);
+        let moved = from + t * direction;
+        if t.is_nan() || t <= 0.0 || sun.is_averted(moved, normal) {
+            return Near::Border;
+        }
+        let first = world.first(from, direction).map_or(f64::INFINITY, |(t, _)| t);
+        match (is_lit, sun.is_lit(world, moved, normal)) {
+            (false, true) => Near::Border,
+            (true, _) if (first - t).abs() > APART => Near::Border,
+            (true, false) => Near::Fold,
+            (true, true) if first > t + APART / 3.0 => Near::Fold,
+            _ => Near::Nothing,
+        }
+    });
+    near.max().unwrap_or(Near::Nothing)
+}
+
+/// A world, a light and an eye, and what both see of it, pixel by pixel.
+pub(crate) struct View<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) sun: Sun,
+    pub(crate) light_rays: Rays,
+    pub(crate) light_seen: Vec<Seen>,
+    pub(crate) eye: ShadowCamera,
+    pub(crate) eye_seen: Vec<Seen>,
+}
+
+impl<'a> View<'a> {
+    /// `None` if the near rectangle is in a body: what is seen there is no surface.
+    pub(crate) fn random(random: &mut Random, world: &'a World) -> Option<Self> {
+        let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
+        let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
+        let is_parallel = between(0.0, 1.0) < 0.4;
+        let depth = if between(0.0, 1.0) < 0.5 { DepthDirection::Reversed } else { DepthDirection::Standard };
+        let place = towards * 9.0;
+        let (far, half_width) = if is_parallel { (Some(20.0), Some(5.0)) } else { (Some(30.0), None) };
+        let sun = Eye { place, forward: -towards, near: 1.0, is_relative: true, depth, far, half_width };
+        let sun = Sun { at: if is_parallel { towards } else { place }, is_parallel, camera: sun.camera() };
+        let place = DVec3::new(between(-5.0, 5.0), between(0.6, 5.0), between(-5.0, 5.0));
+        let forward = DVec3::new(between(-1.0, 1.0), between(0.0, 1.5), between(-1.0, 1.0)) - place;
+        let near = if between(0.0, 1.0) < 0.3 { 1.0 } else { 0.1 };
+        let depth = DepthDirection::Reversed;
+        let eye = Eye { place, forward, near, is_relative: false, depth, far: None, half_width: None }.camera();
+        let eye_rays = Rays::new(&eye, SIDE);
+        let mut corners = (0..81).map(|at| DVec2::new(f64::from(at % 9), f64::from(at / 9)) * f64::from(SIDE) / 8.0);
+        if corners.any(|corner| world.is_inside(eye_rays.at(corner).0)) {
+            return None;
+        }
+        let light_rays = Rays::new(&sun.camera, SIDE);
+        let light_seen = seen(world, &light_rays, [SIDE; 2]);
+        let eye_seen = seen(world, &eye_rays, [SIDE; 2]);
+        Some(Self { world, sun, light_rays, light_seen, eye, eye_seen })
+    }
+
+    /// What the map and the eye's depth buffer hold.
+    pub(crate) fn depths(&self) -> [Vec<f32>; 2] {
+        [depths(&self.sun.camera, &self.light_seen), depths(&self.eye, &self.eye_seen)]
+    }
+
+    /// What the eye sees of surfaces that are turned to the light: number of the pixel, place and normal.
+    pub(crate) fn receivers(&self) -> impl Iterator<Item = (usize, (DVec3, DVec3))> {
+        let seen = self.eye_seen.iter().enumerate().filter_map(|(pixel, seen)| Some((pixel, (*seen)?)));
+        seen.filter(|&(_, (point, normal))| !self.sun.is_averted(point, normal))
+    }
+
+    /// Whether light reaches a place.
+    pub(crate) fn is_lit(&self, (point, normal): (DVec3, DVec3)) -> bool {
+        self.sun.is_lit(self.world, point, normal)
+    }
+
+    /// What is within some texels of a place, as the light sees it.
+    pub(crate) fn near(&self, seen: (DVec3, DVec3), within: f64) -> Near {
+        what_is_near(self.world, &self.sun, &self.light_rays, within, seen)
+    }
+}
