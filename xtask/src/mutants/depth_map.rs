@@ -13,7 +13,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: a difference as large as the threshold is marked",
         changes: &[
-            ("wgsl/depth_map/edge_code.wgsl", "return own > high;", "return own > high || (own == high && low == 0u);"),
+            (
+                "wgsl/depth_map/edge_code.wgsl",
+                "(mantissa(large) > high)",
+                "((mantissa(large) > high) | ((mantissa(large) == high) & (low == 0u)))",
+            ),
             ("src/cpu/depth_map/edge_code.rs", "units(large) > units(small)", "units(large) >= units(small)"),
         ],
         tests: LISTS,
@@ -21,7 +25,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: NaN casts",
         changes: &[
-            ("wgsl/depth_map/samples.wgsl", "if (size > 0x7f800000u) {", "if (size > 0xff800000u) {"),
+            ("wgsl/depth_map/samples.wgsl", "is_far | (size > 0x7f800000u)", "is_far | (size > 0xff800000u)"),
             (
                 "src/cpu/depth_map/samples.rs",
                 "depth if depth.is_nan() => return Key::Far,",
@@ -34,9 +38,14 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         name: "depth maps: a triangle at one marked edge is left out",
         changes: &[
             (
-                "wgsl/depth_map/edge_code.wgsl",
-                "let first = select(3u, 9u, is_split);",
-                "let first = select(2u, 9u, is_split);",
+                "wgsl/depth_map/depth_cells.wgsl",
+                "let first = top | (splits & left)",
+                "let first = (splits & top) | (splits & left)",
+            ),
+            (
+                "wgsl/depth_map/depth_cells.wgsl",
+                "(splits & right) | (~splits & left);",
+                "(splits & right) | (~splits & (left | top));",
             ),
             ("src/cpu/depth_map/edge_code.rs", "[top || right, bottom || left]", "[right, bottom || left || top]"),
         ],
@@ -57,7 +66,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: an edge of nothing is compared like others",
         changes: &[
-            ("wgsl/depth_map/edge_code.wgsl", "    return a != b;", "    return false;"),
+            ("wgsl/depth_map/edge_code.wgsl", "select(0u, 1u, a != b)", "select(0u, 0u, a != b)"),
             ("src/cpu/depth_map/edge_code.rs", "        _ => true,\n", "        _ => false,\n"),
         ],
         tests: LISTS,
@@ -114,15 +123,15 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: edges of objects are not marked at the left of a cell",
         changes: &[(
-            "wgsl/depth_map/edge_code.wgsl",
-            "if (depth_map.objects != 0u && ",
-            "if (depth_map.objects != 0u && edge != 3u && ",
+            "wgsl/depth_map/depth_cells.wgsl",
+            "vec2<u32>(FAR_KEY), before) & 2u)",
+            "vec2<u32>(FAR_KEY), before) & 0u)",
         )],
         tests: OBJECTS,
     },
     Mutation {
         name: "depth maps: floats decide about steps in world units that are nearly met",
-        changes: &[("wgsl/depth_map/world_step.wgsl", "if (is_plain && most > 1.0001 * step) {", "if (is_plain) {")],
+        changes: &[("wgsl/depth_map/world_step.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
         tests: WORLD,
     },
     Mutation {

@@ -107,8 +107,24 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "polygon touches: edges in line cut others in the contrary order",
         changes: &[
-            ("wgsl/polygon/cut_edges.wgsl", "i) == (signs[0] == right_of(f));", "i) != (signs[0] == right_of(f));"),
-            ("src/cpu/polygon/cut_edges.rs", "precedes(edges, j, i) == (side", "precedes(edges, j, i) != (side"),
+            (
+                "wgsl/polygon/cut_edges.wgsl",
+                "select(is_first == (signs[0] == right_of(f)),",
+                "select(is_first != (signs[0] == right_of(f)),",
+            ),
+            (
+                "src/cpu/polygon/cut_edges.rs",
+                "precedes(edges, j, i) == (of_end ==",
+                "precedes(edges, j, i) != (of_end ==",
+            ),
+        ],
+        tests: STAGES,
+    },
+    Mutation {
+        name: "polygon touches: ends at one point are in any order",
+        changes: &[
+            ("wgsl/polygon/cut_edges.wgsl", "return select(of_g.x + of_g.y != signs[0],", "return select(j < i,"),
+            ("src/cpu/polygon/cut_edges.rs", "return of_j[0] + of_j[1] != of_end,", "return j < i && of_end != 7,"),
         ],
         tests: STAGES,
     },
