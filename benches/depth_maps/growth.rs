@@ -1,4 +1,4 @@
-//! Table 2 of McCool (2000): how many triangles volumes have, and how many times more where the map's side is doubled.
+//! Table 2 of the paper: how many triangles volumes have, and how many times more where the map's side is doubled.
 
 use glam::{DQuat, DVec3};
 use rimline_measure::random::Random;

@@ -1,4 +1,4 @@
-//! Table 1 of McCool (2000): the phases of a frame, each submitted by itself, in turn.
+//! Table 1 of the paper: the phases of a frame, each submitted by itself, in turn.
 
 use glam::DVec3;
 use rimline::ShadowCamera;

@@ -1,4 +1,4 @@
-//! Scenes with as many triangles as A to D of McCool (2000), section 9: objects above a ground plane, and the same below it. The
+//! Scenes with as many triangles as A to D of the paper, section 9: objects above a ground plane, and the same below it. The
 //! paper has pictures of them, so these are ours: a smooth body, many bars, a tangle of fine rings, a larger smooth body.
 
 use glam::{Mat3, Quat, Vec3};

@@ -41,7 +41,7 @@ impl Sun {
         let matrix = glam::Mat4::from_cols_array_2d(&self.camera.view_projection).as_dmat4();
         let clip = matrix * (point - origin).extend(1.0);
         let [x, y, z] = [clip.x, clip.y, clip.z].map(|c| c / clip.w);
-        DVec3::new((x + 1.0) / 2.0, (1.0 - y) / 2.0, z)
+        DVec3::new(f64::midpoint(x, 1.0), (1.0 - y) / 2.0, z)
     }
 }
 
