@@ -183,6 +183,11 @@ pub(crate) enum UsageError {
     CoveredMethod(String),
     #[error("--hide-covered takes triangles, and {} has polygons; cut its faces into triangles, or leave out --hide-covered", .file.display())]
     CoveredPolygons { file: PathBuf },
+    #[error(
+        "light {light} is among the models or close to them, so it has six depth maps, whose device depths are nearly all alike; take \
+         --detector every or world=T"
+    )]
+    DetectorInCube { light: usize },
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

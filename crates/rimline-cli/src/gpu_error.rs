@@ -2,9 +2,10 @@
 
 use rimline::LightError;
 use rimline::gpu::{
-    DeformError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, MemoryError,
-    PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError, ShadowFormatError,
-    ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
+    DeformError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
+    DepthMapVolumesError, ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError,
+    MemoryError, MeshDepthError, PositionError, ReadError, SceneError, ShadowDrawError, ShadowEncodeError,
+    ShadowFormatError, ShadowQueryEncodeError, ShadowQueryError, ShadowVolumesError, StaleExtraction, TimerError,
 };
 
 use crate::device::{Gpu, describe};
@@ -45,6 +46,18 @@ pub(crate) enum GpuError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Stale(#[from] StaleExtraction),
+    #[error(transparent)]
+    DepthMap(#[from] DepthMapVolumesError),
+    #[error(transparent)]
+    DepthMapCube(#[from] DepthMapCubeError),
+    #[error(transparent)]
+    DepthMapPipelines(#[from] DepthMapPipelinesError),
+    #[error(transparent)]
+    DepthMapEncode(#[from] DepthMapEncodeError),
+    #[error(transparent)]
+    DepthMapDraw(#[from] DepthMapDrawError),
+    #[error(transparent)]
+    MeshDepth(#[from] MeshDepthError),
 }
 
 impl GpuError {
@@ -59,7 +72,9 @@ impl GpuError {
             Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             // The CPU would do.
-            Self::Deform(DeformError::TooManyTerms { .. }) | Self::Extractor(ExtractorError::Polygons) => {
+            Self::Deform(DeformError::TooManyTerms { .. })
+            | Self::Extractor(ExtractorError::Polygons)
+            | Self::DepthMapCube(DepthMapCubeError::Volumes(DepthMapVolumesError::Texture { .. })) => {
                 return self.too_small(gpu);
             }
             _ => {}
@@ -93,6 +108,9 @@ impl GpuError {
                 | ExtractionIncludeError::Positions(PositionError::Memory(memory)),
             )
             | Self::ShadowVolumes(ShadowVolumesError::Memory(memory))
+            | Self::DepthMap(DepthMapVolumesError::Memory(memory))
+            | Self::DepthMapCube(DepthMapCubeError::Volumes(DepthMapVolumesError::Memory(memory)))
+            | Self::MeshDepth(MeshDepthError::Positions(PositionError::Memory(memory)))
             | Self::Scene(SceneError::Memory(memory) | SceneError::Positions(PositionError::Memory(memory)))
             | Self::Shadow(
                 ShadowEncodeError::Positions(PositionError::Memory(memory))

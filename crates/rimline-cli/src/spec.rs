@@ -1,5 +1,6 @@
 //! The small languages of the command line: lights, points and picture sizes.
 
+use rimline::gpu::DepthEdges;
 use rimline::{AreaShape, Light};
 
 /// Which light `--light` asks for.
@@ -75,6 +76,12 @@ pub(crate) enum SpecError {
     RangeAtInfinity,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
+    #[error("there is no detector `{0}`; write every, differences=T or world=T")]
+    Detector(String),
+    #[error("device depths differ by 0 to 1, not {0}")]
+    DepthThreshold(f32),
+    #[error("a distance must not be negative")]
+    WorldThreshold,
     #[error("a light's size must be more than 0")]
     AreaSize,
     #[error("the near plane must lie at a distance of more than 0")]
@@ -236,6 +243,23 @@ pub(crate) fn any_number(text: &str) -> Result<f32, SpecError> {
 pub(crate) fn positive(text: &str) -> Result<f32, SpecError> {
     let value = number(text)?;
     if value > 0.0 { Ok(value) } else { Err(SpecError::NotPositive) }
+}
+
+/// Edges of depth maps.
+pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
+    let unknown = || SpecError::Detector(text.to_owned());
+    match text.split_once('=') {
+        None if text == "every" => Ok(DepthEdges::EveryCell),
+        Some(("differences", threshold)) => match number(threshold)? {
+            threshold if (0.0..=1.0).contains(&threshold) => Ok(DepthEdges::Differences { threshold }),
+            threshold => Err(SpecError::DepthThreshold(threshold)),
+        },
+        Some(("world", threshold)) => match number(threshold)? {
+            threshold if threshold >= 0.0 => Ok(DepthEdges::WorldDifferences { threshold }),
+            _ => Err(SpecError::WorldThreshold),
+        },
+        _ => Err(unknown()),
+    }
 }
 
 /// A point, `x,y,z`.

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use rimline::Counting;
+use rimline::gpu::DepthEdges;
 
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
+use crate::shadow::depth_shadows::FromDepth;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -167,9 +169,38 @@ pub(crate) struct ShadowArgs {
     #[arg(long, conflicts_with = "area")]
     pub(crate) hide_covered: bool,
 
+    /// Let each light see the models in a depth map of SIDE × SIDE texels, 3 to 4096, and rebuild the shadows from it, without silhouettes.
+    /// A light among the models has six maps. Borders of shadows are off by up to a texel. For comparison, and to try out depth maps
+    #[arg(
+        long,
+        value_name = "SIDE",
+        num_args = 0..=1,
+        default_missing_value = "1024",
+        value_parser = clap::value_parser!(u32).range(3..=4096),
+        conflicts_with_all = ["method", "volumes", "hide_covered"],
+    )]
+    pub(crate) from_depth: Option<u32>,
+
+    /// With --from-depth: which edges of a map bound shadows. `every` one; those where device depths differ by more than T, 0 to 1; or those where
+    /// distances along the map's view differ by more than T. A T that is too large turns shadows round in streaks
+    #[arg(
+        long,
+        value_name = "every|differences=T|world=T",
+        requires = "from_depth",
+        default_value = "every",
+        value_parser = spec::detector,
+    )]
+    pub(crate) detector: DepthEdges,
+
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl ShadowArgs {
+    pub(crate) fn from_depth(&self) -> Option<FromDepth> {
+        self.from_depth.map(|side| FromDepth { side, edges: self.detector })
+    }
 }
 
 const SHADOW_EXAMPLES: &str = concat!(
@@ -182,6 +213,7 @@ Examples:
   rimline shadow fox.glb box.glb --area disc --out soft.png
   rimline shadow fox.glb --light point:50,150,100 --mask fox --json
   rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
+  rimline shadow fox.glb --from-depth 2048 --mask fox
 "
 );
 
@@ -193,7 +225,9 @@ counts of all files together), may_wrap (the number of lights or samples whose c
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
-count faces of all files, sides and sides_left are the sides of shadow volumes before and after), statistics (a list, one for each file, of file, skipped, every_face, \
+count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth also \
+depth_map: side, maps and cells, those that the boundary of the shadow has triangles in; casting is then depth map and \
+counting parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::casters::Casters;
 use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
+use super::depth_shadows::{DepthFound, FromDepth};
 use super::found::Found;
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
@@ -40,6 +41,8 @@ pub(super) struct Report {
     covered: Option<Vec<HiddenStatistics>>,
     /// Covered faces that were left out.
     left_out: usize,
+    /// If maps of the lights cast: what was found in those of each.
+    depth: Option<(FromDepth, Vec<DepthFound>)>,
 }
 
 fn casting(light: &ShadowLight) -> &'static str {
@@ -96,6 +99,7 @@ impl Report {
             samples: samples / set.shaded_lights.len().max(1),
             covered: covered.map(|covered| covered.found.iter().map(HiddenFaces::statistics).collect()),
             left_out: casters.shadows.left_out(),
+            depth: casters.shadows.depth_found(gpu)?,
         })
     }
 
@@ -112,8 +116,8 @@ impl Report {
                 let chosen = &found.lights[of.clone()];
                 json!({
                     "file": name,
-                    "casting": per_sample(chosen.iter().map(|light| casting(light).into()).collect()),
-                    "counting": per_sample(chosen.iter().map(|light| counting(light).into()).collect()),
+                    "casting": per_sample(chosen.iter().map(|light| self.casting(light).into()).collect()),
+                    "counting": per_sample(chosen.iter().map(|light| self.counting(light).into()).collect()),
                     "silhouette_edges": per_sample(found.silhouettes[of.clone()].iter().map(|&n| n.into()).collect()),
                 })
             };
@@ -125,6 +129,13 @@ impl Report {
             });
             if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
                 of_light["covered"] = covered_json(covered);
+            }
+            if let Some((FromDepth { side, .. }, found)) = &self.depth {
+                let of_sample = |at: usize| found.get(at).copied();
+                let each =
+                    |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
+                let (maps, cells) = (each(|found| found.maps.into()), each(|found| found.cells.into()));
+                of_light["depth_map"] = json!({ "side": side, "maps": maps, "cells": cells });
             }
             of_light
         };
@@ -176,6 +187,14 @@ impl Report {
         format!("{report:#}\n")
     }
 
+    fn casting(&self, light: &ShadowLight) -> &'static str {
+        if self.depth.is_some() { "depth map" } else { casting(light) }
+    }
+
+    fn counting(&self, light: &ShadowLight) -> &'static str {
+        if self.depth.is_some() { "parity" } else { counting(light) }
+    }
+
     /// A bound on all counts.
     pub(super) fn bound(&self) -> CountBound {
         self.all.into()
@@ -198,6 +217,10 @@ impl Report {
             if *skipped > 0 {
                 line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
+        }
+        for (light, DepthFound { maps, cells }) in self.depth.iter().flat_map(|(_, found)| found).enumerate() {
+            let maps = if *maps == 1 { "one map".to_owned() } else { format!("{maps} maps") };
+            line("depth map", &format!("light {light}: {maps}, {cells} cells with a border of the shadow"));
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;

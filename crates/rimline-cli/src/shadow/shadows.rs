@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::{ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer};
+use rimline::gpu::{
+    DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer,
+};
 use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::covered::CoveredFaces;
+use super::depth_shadows::{DepthFound, DepthShadows, FromDepth};
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
 use super::scene_shadows::SceneShadows;
@@ -15,19 +18,29 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 
+/// The bit of the stencil that maps turn round. Each light has a stencil of its own.
+const PARITY_BIT: u32 = 0;
+
 /// How shadows are counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ShadowMethod {
     pub(crate) counting: Counting,
     /// Each file is a caster by itself.
     is_single: bool,
+    /// Maps of the lights cast instead of meshes.
+    from_depth: Option<FromDepth>,
 }
 
 impl ShadowMethod {
     /// Scenes have neither ZP+ as published nor polygons.
     pub(crate) fn new(counting: Counting, bodies: &[PosedModel<'_>]) -> Self {
         let is_single = counting == Counting::ZpPlus2005 || bodies.iter().any(PosedModel::has_polygons);
-        Self { counting, is_single }
+        Self { counting, is_single, from_depth: None }
+    }
+
+    /// The same, with maps of the lights that cast instead of meshes.
+    pub(crate) fn from_depth(self, from_depth: Option<FromDepth>) -> Self {
+        Self { from_depth, ..self }
     }
 }
 
@@ -36,17 +49,25 @@ impl ShadowMethod {
 pub(crate) enum VolumePipelines {
     Scene(Arc<ScenePipelines>),
     Single(Arc<ShadowPipelines>),
+    /// Maps of the lights cast. Which faces are turned to a light is found as without them.
+    Depth(Box<VolumePipelines>, Arc<DepthMapPipelines>, FromDepth),
 }
 
 /// The casters of all files.
 pub(crate) enum Shadows {
     Scene(Box<SceneShadows>),
     Single(SingleCasters),
+    Depth(Box<Shadows>, Box<DepthShadows>),
 }
 
 impl VolumePipelines {
     pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: ShadowMethod) -> Result<Self, GpuError> {
         let (shared, counting) = (&gpu.pipelines, method.counting);
+        if let Some(from) = method.from_depth {
+            let maps = DepthMapPipelines::new(shared, format, PARITY_BIT)?;
+            let meshes = Self::new(gpu, format, method.from_depth(None))?;
+            return Ok(Self::Depth(Box::new(meshes), Arc::new(maps), from));
+        }
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
         } else {
@@ -58,6 +79,7 @@ impl VolumePipelines {
         match self {
             Self::Scene(pipelines) => pipelines.counting(),
             Self::Single(pipelines) => pipelines.counting(),
+            Self::Depth(meshes, ..) => meshes.counting(),
         }
     }
 }
@@ -69,6 +91,10 @@ impl Shadows {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
             VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
+            VolumePipelines::Depth(meshes, maps, from) => {
+                let meshes = Self::new(gpu, meshes, max_lights)?;
+                Self::Depth(Box::new(meshes), Box::new(DepthShadows::new(gpu, maps, *from)))
+            }
         })
     }
 
@@ -77,6 +103,10 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.place(gpu, bodies),
             Self::Single(single) => single.place(gpu, bodies),
+            Self::Depth(meshes, maps) => {
+                meshes.place(gpu, bodies)?;
+                maps.place(gpu, bodies)
+            }
         }
     }
 
@@ -84,7 +114,7 @@ impl Shadows {
     pub(super) fn leave_out(&mut self, covered: &CoveredFaces) -> Result<(), GpuError> {
         match self {
             Self::Scene(scene) => scene.leave_out(covered),
-            Self::Single(_) => Ok(()),
+            Self::Single(_) | Self::Depth(..) => Ok(()),
         }
     }
 
@@ -92,7 +122,7 @@ impl Shadows {
     pub(super) fn left_out(&self) -> usize {
         match self {
             Self::Scene(scene) => scene.frame().map_or(0, |frame| frame.hidden().faces),
-            Self::Single(_) => 0,
+            Self::Single(_) | Self::Depth(..) => 0,
         }
     }
 
@@ -103,11 +133,15 @@ impl Shadows {
         bodies: &[PosedModel<'_>],
         camera: &ShadowCamera,
         lights: &[Light],
-        timer: Option<&mut StageTimer>,
+        mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         match self {
             Self::Scene(scene) => scene.encode(encoder, camera, lights, timer),
             Self::Single(single) => single.encode(encoder, bodies, camera, lights, timer),
+            Self::Depth(meshes, maps) => {
+                meshes.encode(encoder, bodies, camera, lights, timer.as_deref_mut())?;
+                maps.encode(encoder, bodies, camera, lights, timer)
+            }
         }
     }
 
@@ -121,6 +155,7 @@ impl Shadows {
         match (self, pipelines) {
             (Self::Scene(scene), VolumePipelines::Scene(pipelines)) => Ok(scene.draw(pass, pipelines, light)?),
             (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
+            (Self::Depth(_, maps), VolumePipelines::Depth(_, pipelines, _)) => maps.draw(pass, pipelines, light),
             (_, pipelines) => {
                 let (volumes, pipelines) = (self.counting(), pipelines.counting());
                 Err(ShadowDrawError::Counting { volumes, pipelines }.into())
@@ -132,6 +167,15 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.counting,
             Self::Single(single) => single.counting(),
+            Self::Depth(meshes, _) => meshes.counting(),
+        }
+    }
+
+    /// What was found in the maps of each light, if they cast. Waits for the device.
+    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<(FromDepth, Vec<DepthFound>)>, ReadError> {
+        match self {
+            Self::Scene(_) | Self::Single(_) => Ok(None),
+            Self::Depth(_, maps) => Ok(Some((maps.from, maps.found(gpu)?))),
         }
     }
 
@@ -140,6 +184,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.facing(gpu, bodies),
             Self::Single(single) => Ok(single.facing(bodies)),
+            Self::Depth(meshes, _) => meshes.facing(gpu, bodies),
         }
     }
 
@@ -148,6 +193,10 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.found(gpu),
             Self::Single(single) => Ok(single.found(gpu)?),
+            Self::Depth(meshes, _) => {
+                let volumes_of_none = |found| Found { shadow: parity(), is_whole: true, ..found };
+                Ok(meshes.found(gpu)?.into_iter().map(volumes_of_none).collect())
+            }
         }
     }
 
@@ -156,6 +205,12 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.statistics(gpu),
             Self::Single(single) => single.statistics(gpu),
+            Self::Depth(..) => Ok(parity()),
         }
     }
+}
+
+/// No volume of a mesh, and a count of 0 or 1.
+fn parity() -> ShadowStatistics {
+    ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() }
 }

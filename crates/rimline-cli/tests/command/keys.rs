@@ -64,7 +64,7 @@ fn described() -> Outcome {
     let extract = ["extract", &model, light[0], light[1], "--out", &out];
     let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
     let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
-    let lines: [(&[&str], &[&str]); 11] = [
+    let lines: [(&[&str], &[&str]); 12] = [
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
         (&extract, &["--device", "cpu"]),
@@ -72,6 +72,7 @@ fn described() -> Outcome {
         (&query, &["--device", "cpu"]),
         (&shadow, &["--area", "disc", "--samples", "2"]),
         (&shadow, &["--hide-covered"]),
+        (&shadow, &["--from-depth", "64"]),
         (&["info", &model], &[]),
         (&["info", &gltf], &[]),
         (&["verify", &at("bits")], &["--device", "cpu"]),

@@ -8,6 +8,7 @@ mod bad_input;
 mod bench;
 mod contract;
 mod covered;
+mod depth_shadows;
 mod draw;
 mod fallback;
 mod info;
@@ -66,6 +67,7 @@ fn main() {
         obj_input::TESTS,
         contract::TESTS,
         covered::TESTS,
+        depth_shadows::TESTS,
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,

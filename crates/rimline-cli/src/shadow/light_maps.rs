@@ -1,0 +1,142 @@
+//! The cameras of a light's depth map: one that sees all casters, or six around the light.
+
+use glam::{DMat4, DVec3, DVec4, Vec3};
+use rimline::gpu::DepthMapCube;
+use rimline::{DepthDirection, Light, ShadowCamera};
+
+/// How a light sees the casters.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LightCameras {
+    One(ShadowCamera),
+    /// The light is among the casters, or close to them.
+    Cube([ShadowCamera; 6]),
+}
+
+/// The tangent of half the angle that one map may see.
+const WIDEST: f64 = 2.0;
+/// Room beside the casters, as a share of what is seen: a texel and more at the usual sides of maps.
+const MARGIN: f64 = 1.02;
+
+impl LightCameras {
+    /// Sees `points`, of which there is at least one, with a map of `side` texels or six.
+    pub(super) fn new(light: &Light, points: &[[f32; 3]], side: u32) -> Self {
+        let points = || points.iter().map(|&point| Vec3::from(point).as_dvec3());
+        let (low, high) = points()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
+        // What positions are taken relative to: exactly this float.
+        let centre = (low.midpoint(high)).as_vec3();
+        let from_centre = || points().map(|point| point - centre.as_dvec3());
+        let extent = from_centre().map(DVec3::length).fold(0.0, f64::max).max(1e-30);
+        let xyz = Vec3::from(light.xyz).as_dvec3();
+        let place = xyz / f64::from(light.w) - centre.as_dvec3();
+        let is_parallel = light.w == 0.0 || !place.is_finite();
+        let towards = if is_parallel { xyz } else { place };
+        let around = || Self::around(centre, place, extent, side);
+        let Some(forward) = (-towards).try_normalize() else { return around() };
+        let right = forward.any_orthonormal_vector();
+        let axes = [right, right.cross(forward), forward];
+        let distance = if is_parallel { 0.0 } else { place.length() };
+        let seen = || from_centre().map(|point| DVec3::from_array(axes.map(|axis| axis.dot(point))));
+        let (near, far) =
+            seen().fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), p| (near.min(p.z), far.max(p.z)));
+        // So flat models have depth, too.
+        let room = 0.01 * extent;
+        let (near, far) = (near - room, far + room);
+        if is_parallel {
+            let widths = seen().fold(DVec3::splat(room), |most, p| most.max(p.abs())) * MARGIN;
+            let rows = [
+                (right / widths.x).extend(0.0),
+                (axes[1] / widths.y).extend(0.0),
+                (DVec4::W * far - forward.extend(0.0)) / (far - near),
+                DVec4::W,
+            ];
+            return Self::One(camera(rows, centre));
+        }
+        let near = near + distance;
+        let tangents = seen().map(|p| p.abs() / (p.z + distance)).fold(DVec3::ZERO, DVec3::max) * MARGIN;
+        if near <= room || tangents.truncate().max_element() > WIDEST {
+            return around();
+        }
+        let tangents = tangents.max(DVec3::splat(room / (far + distance)));
+        let scale = near / (far + distance - near);
+        let rows = [
+            (right / tangents.x).extend(0.0),
+            (axes[1] / tangents.y).extend(0.0),
+            (DVec4::W * far - forward.extend(0.0)) * scale,
+            forward.extend(distance),
+        ];
+        Self::One(camera(rows, centre))
+    }
+
+    fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Self {
+        let near = (1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32;
+        let place = (centre.as_dvec3() + place).as_vec3().to_array();
+        Self::Cube(DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side))
+    }
+}
+
+fn camera([x, y, z, w]: [DVec4; 4], origin: Vec3) -> ShadowCamera {
+    ShadowCamera {
+        view_projection: DMat4::from_cols(x, y, z, w).transpose().as_mat4().to_cols_array_2d(),
+        origin: origin.to_array(),
+        depth: DepthDirection::Reversed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corners(half: f32, at: [f32; 3]) -> Vec<[f32; 3]> {
+        let corner = |number: u32| {
+            let sign = |bit: u32| if number >> bit & 1 == 1 { half } else { -half };
+            [at[0] + sign(0), at[1] + sign(1), at[2] + sign(2)]
+        };
+        (0..8).map(corner).collect()
+    }
+
+    /// All points are in the picture, between the near and the far plane.
+    fn sees(camera: &ShadowCamera, points: &[[f32; 3]]) -> bool {
+        let matrix = glam::Mat4::from_cols_array_2d(&camera.view_projection);
+        points.iter().all(|&point| {
+            let clip = matrix * (Vec3::from(point) - Vec3::from(camera.origin)).extend(1.0);
+            let [x, y, z] = [clip.x, clip.y, clip.z].map(|c| c / clip.w);
+            clip.w > 0.0 && x.abs() < 1.0 && y.abs() < 1.0 && z > 0.0 && z < 1.0
+        })
+    }
+
+    #[test]
+    fn a_light_outside_has_one_map_that_sees_all() {
+        let points = corners(1.0, [10.0, 0.0, 0.0]);
+        for light in [
+            Light::point([10.0, 5.0, 0.0]),
+            Light::point([13.0, 1.0, 4.0]),
+            Light::point([10.0, 1e6, 0.0]),
+            Light::directional([0.3, 1.0, -2.0]),
+            Light::homogeneous([1.0, 2.0, 3.0, 1e-42]),
+        ] {
+            let LightCameras::One(camera) = LightCameras::new(&light, &points, 64) else {
+                panic!("{light:?} has a cube");
+            };
+            assert!(sees(&camera, &points), "{light:?}");
+            assert!(!sees(&camera, &corners(1.0, [14.0, 9.0, 0.0])), "negative control: {light:?}");
+        }
+        // Flat, and seen edge-on.
+        let flat: Vec<_> = points.iter().map(|&[x, _, z]| [x, 0.0, z]).collect();
+        for light in [Light::point([20.0, 0.0, 0.0]), Light::directional([1.0, 0.0, 0.0])] {
+            let LightCameras::One(camera) = LightCameras::new(&light, &flat, 64) else {
+                panic!("{light:?} has a cube")
+            };
+            assert!(sees(&camera, &flat), "{light:?}");
+        }
+    }
+
+    #[test]
+    fn a_light_among_the_casters_has_a_cube() {
+        let points = corners(1.0, [0.0; 3]);
+        for place in [[0.0; 3], [0.5, 0.9, 0.0], [0.0, 1.2, 0.0]] {
+            let cameras = LightCameras::new(&Light::point(place), &points, 64);
+            assert!(matches!(cameras, LightCameras::Cube(_)), "{place:?}");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! `--from-depth`: shadows rebuilt from maps that the lights see, against those of meshes.
+
+use rimline_measure::shapes;
+
+use super::run::folder;
+use super::shadow::{Image, model, run};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("depth_shadows::masks_are_those_of_meshes_but_for_borders", masks),
+    ("depth_shadows::lights_among_the_models_have_six_maps", cube),
+    ("depth_shadows::each_detector_draws_every_mode", modes),
+    ("depth_shadows::options_that_do_not_go_with_it_end_with_2", wrong_options),
+];
+
+const VIEW: &str = "--ground 0 --eye 4,9,14 --target 0,1,0 --size 160x120";
+
+fn models() -> Result<tempfile::TempDir, String> {
+    let folder = folder();
+    for (name, shape, at) in
+        [("ball", shapes::sphere(8), [0.0, 2.0, 0.0]), ("ring", shapes::torus(24, 12, 2.0, 0.5), [0.0, 2.0, 0.5])]
+    {
+        let file = folder.path().join(format!("{name}.npz"));
+        std::fs::write(file, model(&shape, 1.0, at)).map_err(|error| error.to_string())?;
+    }
+    Ok(folder)
+}
+
+/// Pixels of which two masks say different things, and of which the first says that they are dark or lit.
+fn differences(folder: &tempfile::TempDir, names: [&str; 2]) -> Result<[usize; 3], String> {
+    let [one, other] = names.map(|name| Image::mask(&folder.path().join(name)));
+    let (one, other) = (one?.bytes, other?.bytes);
+    let count = |value| one.iter().filter(|byte| **byte == value).count();
+    Ok([one.iter().zip(&other).filter(|(a, b)| a != b).count(), count(0), count(255)])
+}
+
+fn masks() -> Outcome {
+    let folder = models()?;
+    let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
+    let draw = |name: &str, options: &str| {
+        run(folder.path(), &format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json"))
+            .json()
+    };
+    draw("mesh", "")?;
+    let found = draw("map", "--from-depth")?;
+    draw("coarse", "--from-depth 8")?;
+    for light in ["0", "1"] {
+        let against = |name: &str| differences(&folder, [&format!("mesh.{light}.png"), &format!("{name}.{light}.png")]);
+        let [different, dark, lit] = against("map")?;
+        ensure!(dark > 1000 && lit > 1000 && different < 60, "light {light}: {different} of {dark} and {lit} differ");
+        // Negative controls: a map of few texels, and the other light.
+        let [coarse, ..] = against("coarse")?;
+        ensure!(coarse > 300, "light {light}: {coarse} differ with a coarse map");
+    }
+    let [exchanged, ..] = differences(&folder, ["mesh.0.png", "map.1.png"])?;
+    ensure!(exchanged > 1000, "{exchanged} differ with the lights exchanged");
+    for light in 0..2 {
+        let of_light = &found["lights"][light];
+        let (map, caster) = (&of_light["depth_map"], &of_light["casters"][1]);
+        ensure!(map["side"] == 1024 && map["maps"] == 1, "{found:#}");
+        ensure!(map["cells"].as_u64().is_some_and(|cells| cells > 100_000), "{found:#}");
+        ensure!(caster["casting"] == "depth map" && caster["counting"] == "parity", "{found:#}");
+    }
+    ensure!(found["count_bound"] == 1 && found["may_wrap"] == 0, "{found:#}");
+    Ok(())
+}
+
+/// The light is within the ring, beside the ball.
+fn cube() -> Outcome {
+    let folder = models()?;
+    let line = |options: &str| format!("shadow @ball.npz @ring.npz {VIEW} --light point:1.2,2.4,0.9 {options} --json");
+    run(folder.path(), &line("--mask @mesh")).json()?;
+    let found = run(folder.path(), &line("--from-depth 512 --mask @map")).json()?;
+    ensure!(found["lights"][0]["depth_map"]["maps"] == 6, "{found:#}");
+    let [different, dark, lit] = differences(&folder, ["mesh.0.png", "map.0.png"])?;
+    ensure!(dark > 1000 && lit > 1000 && different < 200, "{different} of {dark} and {lit} differ");
+    let message = ["light 0", "--detector every or world=T"];
+    run(folder.path(), &line("--from-depth --detector differences=0.01 --mask @m")).expect(2, &message)?;
+    ensure!(!folder.path().join("m.0.png").exists(), "a mask is left");
+    Ok(())
+}
+
+fn modes() -> Outcome {
+    let folder = models()?;
+    let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
+    for (mode, detector) in
+        [("ambient", "every"), ("black", "differences=0.0005"), ("composited", "world=0.02"), ("additive", "world=0")]
+    {
+        let draw = |name: &str, options: &str| {
+            let line =
+                format!("shadow @ball.npz @ring.npz {VIEW} {lights} --mode {mode} {options} --out @{name}.png --json");
+            run(folder.path(), &line).json()?;
+            Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
+        };
+        let (mesh, map) = (draw("mesh", "")?, draw("map", &format!("--from-depth 512 --detector {detector}"))?);
+        let apart = mesh.iter().zip(&map).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+        ensure!(mesh != map && apart * 30 < mesh.len(), "{mode}: {apart} of {} are apart", mesh.len());
+    }
+    // Samples of an area have maps of their own.
+    let line = format!(
+        "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png --json"
+    );
+    let found = run(folder.path(), &line).json()?;
+    let cells = &found["lights"][0]["depth_map"]["cells"];
+    ensure!(cells.as_array().is_some_and(|cells| cells.len() == 3), "{found:#}");
+    Ok(())
+}
+
+fn wrong_options() -> Outcome {
+    let folder = models()?;
+    for (options, part) in [
+        ("--from-depth --method zp+", "--method"),
+        ("--from-depth --volumes", "--volumes"),
+        ("--from-depth --hide-covered", "--hide-covered"),
+        ("--detector every", "--from-depth"),
+        ("--from-depth 2", "3..=4096"),
+        ("--from-depth 5000", "3..=4096"),
+        ("--from-depth --detector some", "there is no detector `some`"),
+        ("--from-depth --detector differences=1.5", "0 to 1, not 1.5"),
+        ("--from-depth --detector world=-1", "must not be negative"),
+    ] {
+        run(folder.path(), &format!("shadow @ball.npz {options} --out @p.png")).expect(2, &[part])?;
+        ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
+    }
+    Ok(())
+}
