@@ -93,7 +93,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
-    let from_depth = args.from_depth();
+    let from_depth = args.depth_maps();
     from_depth.map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
     mask_files.iter().try_for_each(|file| inputs.spare(file))?;
     let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let method = ShadowMethod::new(scene.method.counting(), &set.bodies).from_depth(from_depth);
+    let method = ShadowMethod::new(scene.method.counting(), &set.bodies).with_depth_maps(from_depth);
     let pictures =
         output.is_some().then(|| Pictures::new(&gpu, &resources, method, scene.mode, scene.volumes, set.is_in_parts()));
     let pictures = pictures.transpose().map_err(fail)?;

@@ -198,7 +198,7 @@ pub(crate) struct ShadowArgs {
 }
 
 impl ShadowArgs {
-    pub(crate) fn from_depth(&self) -> Option<FromDepth> {
+    pub(crate) fn depth_maps(&self) -> Option<FromDepth> {
         self.from_depth.map(|side| FromDepth { side, edges: self.detector })
     }
 }

@@ -5,11 +5,11 @@ use rimline::gpu::DepthMapCube;
 use rimline::{DepthDirection, Light, ShadowCamera};
 
 /// How a light sees the casters.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum LightCameras {
     One(ShadowCamera),
     /// The light is among the casters, or close to them.
-    Cube([ShadowCamera; 6]),
+    Cube(Box<[ShadowCamera; 6]>),
 }
 
 /// The tangent of half the angle that one map may see.
@@ -71,7 +71,7 @@ impl LightCameras {
     fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Self {
         let near = (1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();
-        Self::Cube(DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side))
+        Self::Cube(Box::new(DepthMapCube::cameras(place, near, None, DepthDirection::Reversed, side)))
     }
 }
 

@@ -39,7 +39,7 @@ impl ShadowMethod {
     }
 
     /// The same, with maps of the lights that cast instead of meshes.
-    pub(crate) fn from_depth(self, from_depth: Option<FromDepth>) -> Self {
+    pub(crate) fn with_depth_maps(self, from_depth: Option<FromDepth>) -> Self {
         Self { from_depth, ..self }
     }
 }
@@ -65,7 +65,7 @@ impl VolumePipelines {
         let (shared, counting) = (&gpu.pipelines, method.counting);
         if let Some(from) = method.from_depth {
             let maps = DepthMapPipelines::new(shared, format, PARITY_BIT)?;
-            let meshes = Self::new(gpu, format, method.from_depth(None))?;
+            let meshes = Self::new(gpu, format, method.with_depth_maps(None))?;
             return Ok(Self::Depth(Box::new(meshes), Arc::new(maps), from));
         }
         Ok(if method.is_single {
