@@ -207,7 +207,7 @@ fn darken() -> Result<(), String> {
     let first = 71_000;
     println!("seeds from {first}");
     let (mut compared, mut dark, mut frames, mut differing, mut failures) = (0, 0, 0, 0, Vec::new());
-    for seed in first..first + if is_long() { 900 } else { 100 } {
+    for seed in first..first + if is_long() { 900 } else { 130 } {
         let mut random = Random::new(seed);
         let (name, set) = polygons(&mut random);
         let mesh = set.mesh(Weld::Position).map_err(|error| error.to_string())?;
