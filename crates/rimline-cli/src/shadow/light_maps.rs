@@ -14,6 +14,8 @@ pub(super) enum LightCameras {
 
 /// The tangent of half the angle that one map may see.
 const WIDEST: f64 = 2.0;
+/// Times the extent of the casters that a light may be away before its rays are taken for parallel.
+const FARTHEST: f64 = 1e12;
 /// Room beside the casters, as a share of what is seen: a texel and more at the usual sides of maps.
 const MARGIN: f64 = 1.02;
 
@@ -29,7 +31,8 @@ impl LightCameras {
         let extent = from_centre().map(DVec3::length).fold(0.0, f64::max).max(1e-30);
         let xyz = Vec3::from(light.xyz).as_dvec3();
         let place = xyz / f64::from(light.w) - centre.as_dvec3();
-        let is_parallel = light.w == 0.0 || !place.is_finite();
+        // Farther away, the numbers of the camera leave the range of f32, and no texel tells the difference.
+        let is_parallel = light.w == 0.0 || place.length() > FARTHEST * extent;
         let towards = if is_parallel { xyz } else { place };
         let around = || Self::around(centre, place, extent, side);
         let Some(forward) = (-towards).try_normalize() else { return around() };
