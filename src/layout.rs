@@ -554,6 +554,32 @@ shared_structs! {
         unused: u32,
     }
 
+    /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the range of device depths.
+    struct ContourShape {
+        /// Tiles of 16 × 16 cells across, and all of them.
+        tiles: [u32; 2],
+        /// Words of a row of marks.
+        words: u32,
+        /// Walls that the list has room for.
+        capacity: u32,
+        /// The distance that an edge's samples must be apart, more than their slopes tell.
+        threshold: i32,
+        /// The distance from which on they are at a jump, whatever is behind it.
+        sure: i32,
+        /// How far a segment may be from a place of the contour, in parts of 256 of a texel.
+        sideways: i32,
+        /// How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and depths are moved down by.
+        tolerance: i32,
+        /// See `tolerance`.
+        shift: u32,
+        /// The move away from the light: parts of 256 of a texel's depth difference, parts of 2²⁹ of the depth, a distance.
+        slope_bias: i32,
+        /// See `slope_bias`.
+        share: i32,
+        /// See `slope_bias`.
+        constant: i32,
+    }
+
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
     struct DepthMapView {
         /// Clip space for each step across.

@@ -90,10 +90,16 @@ pub mod cpu {
     pub use crate::cpu::common::cone::may_be_in_cone;
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
+    pub use crate::cpu::depth_map::contour::{Edge, FAR, Map as ContourMap};
+    pub use crate::cpu::depth_map::contour_marks::contour_marks;
+    pub use crate::cpu::depth_map::contour_places::contour_places;
+    pub use crate::cpu::depth_map::contour_side::{contour_distance, contour_side};
+    pub use crate::cpu::depth_map::contour_walls::{Wall, WallList, WallVertex, contour_walls};
     pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells, depth_cells_of_objects};
     pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
+    pub use crate::cpu::depth_map::depth_walls::depth_walls;
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};
     pub use crate::cpu::depth_map::mesh_depth::mesh_depth;
     pub use crate::cpu::depth_map::samples::{Key, Samples};

@@ -3,6 +3,7 @@
 
 mod analytic;
 mod boundary;
+mod contours;
 mod cube;
 mod extremes;
 mod lookup;
@@ -30,6 +31,7 @@ fn main() {
         parity::TESTS,
         analytic::TESTS,
         lookup::TESTS,
+        contours::TESTS,
         extremes::TESTS,
         refusals::TESTS,
         mesh_depth::TESTS,

@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::meeting::{cameras, check_meeting};
-use super::options::DepthMapOptions;
+use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::texture::{check_texture, written_texture};
 use super::volumes::DepthMapVolumes;
@@ -77,6 +77,9 @@ impl DepthMapCube {
         }
         if options.objects {
             return Err(DepthMapCubeError::Objects);
+        }
+        if options.reconstruction != DepthMapReconstruction::Triangles {
+            return Err(DepthMapCubeError::Contours);
         }
         if options.bits > 1 {
             return Err(DepthMapCubeError::Bits(options.bits));

@@ -64,6 +64,18 @@ pub enum DepthMapVolumesError {
     /// The stencil has not as many bits.
     #[error("`bits` is {0}; the stencil has 8, so take 1 to 8")]
     Bits(u32),
+    /// Contours need a threshold of depths.
+    #[error("`DepthMapReconstruction::Contours` with {0:?}; take `DepthEdges::Differences` or `DepthEdges::Outlines`")]
+    ContourEdges(super::options::DepthEdges),
+    /// Contours have one bit.
+    #[error("`DepthMapReconstruction::Contours` with {0} bits; take 1, or `DepthMapReconstruction::Triangles`")]
+    ContourBits(u32),
+    /// A segment cannot be as far from its contour.
+    #[error("`sideways` of `DepthMapReconstruction::Contours` is {0}; take 0 to 0.5 texels")]
+    Sideways(f32),
+    /// A wall cannot be as far from its surfaces.
+    #[error("`depth` of `DepthMapReconstruction::Contours` is {0}; device depth differs by 0 to 1")]
+    ContourDepth(f32),
     /// The bias would move the surface towards the light, or nowhere.
     #[error("`slope_bias` is {0}; take a finite number that is not negative")]
     Bias(f32),
@@ -101,6 +113,9 @@ impl std::fmt::Display for CubeMismatch {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapCubeError {
+    /// Maps of a cube take triangles.
+    #[error("`DepthMapReconstruction::Contours` of a cube; take `DepthMapReconstruction::Triangles`")]
+    Contours,
     /// As for volumes of one map.
     #[error(transparent)]
     Volumes(#[from] DepthMapVolumesError),

@@ -14,6 +14,8 @@ pub struct DepthMapFrame {
     pub(super) device: wgpu::Device,
     /// For each bit.
     pub(super) groups: Vec<wgpu::BindGroup>,
+    /// Whether walls are drawn. Then there is one bit.
+    pub(super) has_walls: bool,
     pub(super) draws: wgpu::Buffer,
     pub(super) depth: DepthDirection,
     pub(super) encodes: Arc<AtomicU64>,
@@ -43,6 +45,17 @@ impl DepthMapFrame {
         }
         if self.encodes.load(Ordering::Relaxed) != self.encode {
             return Err(DepthMapDrawError::StaleFrame);
+        }
+        if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
+            let own = pipelines.walls();
+            pass.set_bind_group(0, group, &[]);
+            pass.set_pipeline(&own.walls);
+            pass.draw_indirect(&self.draws, 0);
+            pass.set_pipeline(&own.surface);
+            pass.draw_indirect(&self.draws, 16);
+            pass.set_pipeline(&own.near_cap);
+            pass.draw(0..3, 0..1);
+            return Ok(());
         }
         for (group, own) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);

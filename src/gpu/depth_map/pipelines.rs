@@ -1,6 +1,7 @@
 //! Render pipelines that turn a bit of the stencil round at each triangle of the boundary.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use wgpu::{CompareFunction, StencilOperation};
 
@@ -12,7 +13,7 @@ use crate::gpu::common::requirements::Subject;
 use crate::gpu::shadow::pipelines::check;
 use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
 use crate::shadow::DepthDirection;
-use crate::stages::DEPTH_SURFACE;
+use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
 /// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some.
 #[derive(Debug)]
@@ -22,11 +23,22 @@ pub struct DepthMapPipelines {
     bits: Range<u32>,
     /// For each bit.
     pub(super) draws: Vec<BitPipelines>,
+    /// Made when volumes with walls first need them.
+    walls: OnceLock<WallPipelines>,
 }
 
 /// The pipelines of a bit.
 #[derive(Debug)]
 pub(super) struct BitPipelines {
+    pub(super) surface: wgpu::RenderPipeline,
+    pub(super) near_cap: wgpu::RenderPipeline,
+}
+
+/// The pipelines of walls, in the first bit.
+#[derive(Debug)]
+pub(super) struct WallPipelines {
+    pub(super) walls: wgpu::RenderPipeline,
+    /// Draws every cell where the list of walls overflowed.
     pub(super) surface: wgpu::RenderPipeline,
     pub(super) near_cap: wgpu::RenderPipeline,
 }
@@ -82,17 +94,26 @@ impl DepthMapPipelines {
     }
 
     fn with(shared: Pipelines, format: &ShadowFormat, bits: Range<u32>) -> Self {
-        let nearer = match format.depth {
-            DepthDirection::Reversed => CompareFunction::Greater,
-            DepthDirection::Standard => CompareFunction::Less,
-        };
-        let cap = ["depth_near_cap", "depth_near_cap_fragment"];
+        let layout = layout(&shared);
         let of_bit = |bit| BitPipelines {
-            surface: make(&shared, format, bit, ["depth_surface", "nothing"], nearer),
-            near_cap: make(&shared, format, bit, cap, CompareFunction::Always),
+            surface: make(&shared, format, bit, &layout, [SURFACE, NOTHING], nearer(format)),
+            near_cap: make(&shared, format, bit, &layout, [NEAR_CAP, BEHIND_TRIANGLES], CompareFunction::Always),
         };
         let draws = bits.clone().map(of_bit).collect();
-        Self { shared, format: format.clone(), bits, draws }
+        Self { shared, format: format.clone(), bits, draws, walls: OnceLock::new() }
+    }
+
+    /// The pipelines of walls.
+    pub(super) fn walls(&self) -> &WallPipelines {
+        self.walls.get_or_init(|| {
+            let layout = wall_layout(&self.shared);
+            let (shared, format, bit, nearer) = (&self.shared, &self.format, self.bits.start, nearer(&self.format));
+            WallPipelines {
+                walls: make(shared, format, bit, &layout, [WALLS, NOTHING], nearer),
+                surface: make(shared, format, bit, &layout, [SURFACE, NOTHING], nearer),
+                near_cap: make(shared, format, bit, &layout, [NEAR_CAP, BEHIND_CONTOURS], CompareFunction::Always),
+            }
+        })
     }
 
     pub(super) fn shared(&self) -> &Pipelines {
@@ -117,28 +138,75 @@ impl DepthMapPipelines {
     }
 }
 
-/// The layout of the bind group of the draws: map, texture, cells, view, objects.
+/// An entry point and its module.
+type EntryPoint = (&'static Stage, &'static str);
+
+const SURFACE: EntryPoint = (&DEPTH_SURFACE, "depth_surface");
+const WALLS: EntryPoint = (&DEPTH_WALLS, "depth_walls");
+const NOTHING: EntryPoint = (&DEPTH_SURFACE, "nothing");
+const NEAR_CAP: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap");
+const BEHIND_TRIANGLES: EntryPoint = (&DEPTH_SURFACE, "depth_near_cap_fragment");
+const BEHIND_CONTOURS: EntryPoint = (&DEPTH_WALLS, "depth_walls_near_cap_fragment");
+
+/// What passes the depth test where it is nearer.
+fn nearer(format: &ShadowFormat) -> CompareFunction {
+    match format.depth {
+        DepthDirection::Reversed => CompareFunction::Greater,
+        DepthDirection::Standard => CompareFunction::Less,
+    }
+}
+
+const fn uniform_or_storage(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+const UNIFORM: wgpu::BindingType = uniform_or_storage(wgpu::BufferBindingType::Uniform);
+const STORAGE: wgpu::BindingType = uniform_or_storage(wgpu::BufferBindingType::Storage { read_only: true });
+/// Map, texture, cells, view, objects.
+const SURFACE_BINDINGS: [(u32, wgpu::BindingType); 5] =
+    [(0, UNIFORM), (1, FLOAT_TEXTURE), (2, STORAGE), (3, STORAGE), (4, UINT_TEXTURE)];
+/// Places, contours, marks.
+const WALL_BINDINGS: [(u32, wgpu::BindingType); 3] = [(5, STORAGE), (6, UNIFORM), (9, STORAGE)];
+
+fn entry((binding, ty): (u32, wgpu::BindingType)) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }
+}
+
+/// The layout of the bind group of the draws.
 pub(super) fn layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
-    let types = [buffer(wgpu::BufferBindingType::Uniform), FLOAT_TEXTURE, storage, storage, UINT_TEXTURE];
-    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    pipelines.layout("depth surface", (0..).zip(types).map(entry).collect())
+    pipelines.layout("depth surface", SURFACE_BINDINGS.map(entry).to_vec())
+}
+
+/// The layout of the bind group of the draws of walls.
+pub(super) fn wall_layout(pipelines: &Pipelines) -> wgpu::BindGroupLayout {
+    pipelines.layout("depth walls", SURFACE_BINDINGS.into_iter().chain(WALL_BINDINGS).map(entry).collect())
+}
+
+/// The bind group of the draws of walls.
+pub(super) fn wall_group(pipelines: &Pipelines, resources: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = resources.into_iter().map(entry).collect();
+    pipelines.device().create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("depth walls"),
+        layout: &wall_layout(pipelines),
+        entries: &entries,
+    })
 }
 
 fn make(
     shared: &Pipelines,
     format: &ShadowFormat,
     bit: u32,
-    [vertex, fragment]: [&'static str; 2],
+    layout: &wgpu::BindGroupLayout,
+    [vertex, fragment]: [EntryPoint; 2],
     depth_compare: CompareFunction,
 ) -> wgpu::RenderPipeline {
     let device = shared.device();
-    let module = shared.module(DEPTH_SURFACE.name, &DEPTH_SURFACE.wgsl());
+    let [vertex_module, fragment_module] =
+        [vertex, fragment].map(|(stage, _)| shared.module(stage.name, &stage.wgsl()));
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(vertex),
-        bind_group_layouts: &[Some(&layout(shared))],
+        label: Some(vertex.1),
+        bind_group_layouts: &[Some(layout)],
         immediate_size: 0,
     });
     let turned = wgpu::StencilFaceState { pass_op: StencilOperation::Invert, ..wgpu::StencilFaceState::IGNORE };
@@ -148,11 +216,11 @@ fn make(
     let targets: Vec<_> = format.colors.iter().map(|&color| unchanged(color)).collect();
     let compilation_options = wgpu::PipelineCompilationOptions::default;
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex),
+        label: Some(vertex.1),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(vertex),
+            module: &vertex_module,
+            entry_point: Some(vertex.1),
             compilation_options: compilation_options(),
             buffers: &[],
         },
@@ -166,8 +234,8 @@ fn make(
         }),
         multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
+            module: &fragment_module,
+            entry_point: Some(fragment.1),
             compilation_options: compilation_options(),
             targets: &targets,
         }),

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::contours::Contours;
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
-use super::pipelines::{DepthMapPipelines, layout};
+use super::pipelines::{DepthMapPipelines, layout, wall_group};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view, world_step};
 use crate::ShadowCamera;
@@ -68,8 +69,9 @@ const WORD_CELLS: u64 = 8;
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     shared: Pipelines,
-    /// Count, places, list.
-    stages: [Pipeline; 3],
+    /// Count, places, list. Empty if there are contours.
+    stages: Vec<Pipeline>,
+    contours: Option<Contours>,
     shape: DepthMapShape,
     slope_bias: f32,
     bits: u32,
@@ -106,7 +108,7 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit } = options;
+        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit, .. } = options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -142,6 +144,7 @@ impl DepthMapVolumes {
         {
             return Err(DepthMapVolumesError::RoundedTo(format));
         }
+        let contours = Contours::new(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
@@ -153,7 +156,9 @@ impl DepthMapVolumes {
             size,
             cells,
             blocks,
-            capacity: capacity.unwrap_or(cells).min(cells).min(fitting),
+            capacity: contours
+                .as_ref()
+                .map_or(capacity.unwrap_or(cells).min(cells).min(fitting), |own| own.shape.capacity),
             every_cell,
             // A threshold that a device may flush is none.
             threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
@@ -165,9 +170,14 @@ impl DepthMapVolumes {
             spread: u32::from(bits > 1),
             unused: 0,
         };
+        // Contours have lists of their own.
+        let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, blocks) };
         let allocations = [
-            Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) * u64::from(1 + WORKGROUP) },
-            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(shape.capacity) },
+            Allocation {
+                label: "places of depth cells",
+                bytes: 4 * (u64::from(blocks) * u64::from(1 + WORKGROUP)).max(1),
+            },
+            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(listed) },
             Allocation { label: "draws of depth cells", bytes: 16 },
         ];
         check(&allocations[..1], limits.binding, None)?;
@@ -181,8 +191,10 @@ impl DepthMapVolumes {
         let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
+        let of_cells = entry_points.iter().filter(|_| contours.is_none());
         Ok(Self {
-            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)),
+            stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
+            contours,
             shape,
             slope_bias,
             bits,
@@ -288,18 +300,21 @@ impl DepthMapVolumes {
         }
         let refused = |message| DepthMapEncodeError::Refused { message };
         let bound = any_error(device, || self.bind([texture, objects], &shape, views)).map_err(refused)?;
-        for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {
+        for (stage, group, [x, y]) in &bound.stages {
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
             pass.set_pipeline(&stage.compute);
-            pass.set_bind_group(0, group, &[0]);
+            // Each uniform begins at its buffer's start.
+            let offsets = if self.contours.is_some() { &[0, 0][..] } else { &[0] };
+            pass.set_bind_group(0, group, offsets);
             pass.dispatch_workgroups(*x, *y, 1);
         }
         Ok(DepthMapFrame {
             device: device.clone(),
             groups: bound.draws,
-            draws: self.draws.clone(),
+            has_walls: self.contours.is_some(),
+            draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
             depth: self.eye.1,
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
             encodes: Arc::clone(&self.encodes),
@@ -309,8 +324,12 @@ impl DepthMapVolumes {
     /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
     /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn.
     /// With a number larger than the capacity the entries are not complete, and every cell was drawn.
+    ///
+    /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number, three times 0, then twelve words for each. They are four
+    /// vertices of three words: its place across and down the lattice, whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in
+    /// units of 2⁻²⁹ of the range of depths, or 2³¹ − 1 where it is far.
     pub fn cells(&self) -> &wgpu::Buffer {
-        &self.cells
+        self.contours.as_ref().map_or(&self.cells, |own| &own.walls)
     }
 
     /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
@@ -319,7 +338,7 @@ impl DepthMapVolumes {
         textures: [Option<&wgpu::TextureView>; 2],
         shape: &DepthMapShape,
         views: &[Vec<DepthMapView>],
-    ) -> Bound {
+    ) -> Bound<'_> {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
         let [texture, objects] =
@@ -327,8 +346,22 @@ impl DepthMapVolumes {
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
         let every = [shape.blocks.div_ceil(rows).min(most), rows];
+        if let (Some(contours), Some([view, ..])) = (&self.contours, views.first().map(Vec::as_slice)) {
+            let contour = contours.uniform(&self.shared, view);
+            let stages = contours.bind(device, &uniform, &contour, [texture.clone(), objects.clone()]);
+            let view = filled(device, "depth map view", bytemuck::bytes_of(view), wgpu::BufferUsages::STORAGE);
+            let resources = [
+                (0, uniform.as_entire_binding()),
+                (1, texture),
+                (2, contours.walls.as_entire_binding()),
+                (3, view.as_entire_binding()),
+                (4, objects),
+            ];
+            let entries: Vec<_> = resources.into_iter().chain(contours.of_draws(&contour)).collect();
+            return Bound { stages, draws: vec![wall_group(&self.shared, entries)] };
+        }
         let mut counts = [every, [1, 1], every].into_iter();
-        let stages = self.stages.each_ref().map(|stage| {
+        let stages = self.stages.iter().map(|stage| {
             let group = stage.bind(
                 device,
                 &[
@@ -340,7 +373,7 @@ impl DepthMapVolumes {
                     ("draws", self.draws.as_entire_binding()),
                 ],
             );
-            (group, counts.next().unwrap_or(every))
+            (stage, group, counts.next().unwrap_or(every))
         });
         let draw = |views: &Vec<DepthMapView>| {
             let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
@@ -353,13 +386,13 @@ impl DepthMapVolumes {
             ];
             group(device, "depth surface", &layout(&self.shared), &resources)
         };
-        Bound { stages, draws: views.iter().map(draw).collect() }
+        Bound { stages: stages.collect(), draws: views.iter().map(draw).collect() }
     }
 }
 
 /// The bind groups of an encode, and the workgroups of each stage.
-struct Bound {
-    stages: [(wgpu::BindGroup, [u32; 2]); 3],
+struct Bound<'a> {
+    stages: Vec<(&'a Pipeline, wgpu::BindGroup, [u32; 2])>,
     /// For each bit.
     draws: Vec<wgpu::BindGroup>,
 }
