@@ -6,7 +6,8 @@
 const BLOCK: u32 = 256u;
 const WORD_SAMPLES: i32 = 16;
 
-// Whether there is a jump between two samples, and not only a slope. A jump that is not sure does not count beside one that is twice as large.
+// Whether there is a jump between two samples, and not only a slope: a difference that is more than the threshold larger than what the slopes to both sides tell. It
+// must be twice as large as those beside it, too, if it is not sure.
 fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   if (a == FAR || b == FAR) {
     return a != b;
@@ -18,15 +19,18 @@ fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   if (abs(difference) <= contour.threshold) {
     return false;
   }
+  // From the nearer sample to the farther one.
   let is_rising = difference > 0;
-  let before = slope_to_step(at, step);
-  let after = -slope_to_step(at + step, -step);
-  let beyond = distance_at(select(at - step, at + 2 * step, is_rising));
-  let next = select(beyond - max(a, b), FAR, beyond == FAR);
-  let is_alone = abs(difference) > contour.sure || next / 2 < abs(difference);
-  let over_before = select(before - difference, difference - before, is_rising);
-  let over_after = select(after - difference, difference - after, is_rising);
-  return is_alone && over_before > contour.threshold && over_after > contour.threshold;
+  let away = select(-step, step, is_rising);
+  let near = select(at + step, at, is_rising);
+  let jump = abs(difference);
+  let first = distance_at(near - away);
+  let second = distance_at(near + 2 * away);
+  let before = select(min(a, b) - first, 0, first == FAR);
+  let after = select(second - max(a, b), FAR, second == FAR);
+  let is_alone = max(before, after) / 2 < jump / 4;
+  let slopes = max(slope_to_step(near, away), -slope_to_step(near + away, -away));
+  return (jump > contour.sure || is_alone) && jump - slopes > contour.threshold;
 }
 
 // Workgroups take blocks of words in turn, where a dispatch may not have as many.

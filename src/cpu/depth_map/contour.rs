@@ -122,7 +122,7 @@ impl Map<'_> {
         there.clamp(0, own + (RANGE - own) / 2)
     }
 
-    /// Whether there is a jump between the samples of an edge, and not only a slope. A jump that is not sure does not count beside one that is twice as large.
+    /// Whether there is a jump between the samples of an edge, and not only a slope. One that is not sure must be twice as large as the differences beside it.
     pub fn is_marked(&self, edge: Edge) -> bool {
         let step = if edge.axis == 0 { [1, 0] } else { [0, 1] };
         let other = sum(edge.at, step);
@@ -138,15 +138,21 @@ impl Map<'_> {
         if (b - a).abs() <= threshold {
             return false;
         }
-        let before = self.slope(edge.at, step);
-        let after = -self.slope(other, step.map(|step| -step));
-        let sign = (b - a).signum();
-        let (far, away) = if sign > 0 { (other, step) } else { (edge.at, step.map(|step| -step)) };
-        let beyond = self.distance(sum(far, away));
-        let next = if beyond == FAR { FAR } else { beyond - a.max(b) };
-        let is_sure = (b - a).abs() > self.shape.sure;
-        (is_sure || next / 2 < (b - a).abs())
-            && sign * (b - a - before) > threshold
-            && sign * (b - a - after) > threshold
+        // From the nearer sample to the farther one.
+        let (near, away) = if b > a { (edge.at, step) } else { (other, step.map(|step| -step)) };
+        let far = sum(near, away);
+        let back = away.map(|away| -away);
+        let jump = (b - a).abs();
+        let before = match self.distance(sum(near, back)) {
+            FAR => 0,
+            first => a.min(b) - first,
+        };
+        let after = match self.distance(sum(far, away)) {
+            FAR => FAR,
+            second => second - a.max(b),
+        };
+        let is_alone = before.max(after) / 2 < jump / 4;
+        let slopes = self.slope(near, away).max(-self.slope(far, back));
+        (jump > self.shape.sure || is_alone) && jump - slopes > threshold
     }
 }
