@@ -8,8 +8,11 @@ use rimline::gpu::{
 };
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
 
+use super::extracted::Extracted;
+use super::found::{FacingMasks, Found};
 use super::light_maps::LightCameras;
-use super::posed_model::{PosedModel, Topology};
+use super::posed_model::PosedModel;
+use super::shadows::{CastInputs, parity, put};
 use crate::device::Gpu;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
@@ -54,10 +57,17 @@ pub(crate) struct DepthShadows {
     device: wgpu::Device,
     pipelines: Arc<DepthMapPipelines>,
     pub(super) from: FromDepth,
-    /// Of each file, with what its faces were made of.
-    meshes: Vec<(Vec<Topology>, MeshDepth)>,
+    max_lights: usize,
+    files: Vec<File>,
     /// Of each light, from the first encode on.
     lights: Vec<LightMaps>,
+}
+
+/// The triangles of a file.
+struct File {
+    depth: MeshDepth,
+    /// Which of them are turned to the lights.
+    surface: Extracted,
 }
 
 struct LightMaps {
@@ -73,28 +83,30 @@ enum Maps {
 }
 
 impl DepthShadows {
-    pub(super) fn new(gpu: &Gpu, pipelines: &Arc<DepthMapPipelines>, from: FromDepth) -> Self {
+    pub(super) fn new(gpu: &Gpu, pipelines: &Arc<DepthMapPipelines>, from: FromDepth, max_lights: usize) -> Self {
         Self {
             device: gpu.device.clone(),
             pipelines: Arc::clone(pipelines),
             from,
-            meshes: Vec::new(),
+            max_lights,
+            files: Vec::new(),
             lights: Vec::new(),
         }
     }
 
     pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for (number, body) in bodies.iter().enumerate() {
-            if self.meshes.get(number).is_some_and(|(topologies, _)| *topologies == body.topologies) {
+            if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
                 continue;
             }
             let mesh = body.triangles()?.map_or_else(|| body.mesh(), Ok)?;
-            let made = MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
-            let made = (body.topologies.clone(), made.map_err(|error| GpuError::from(error).on(gpu))?);
-            match self.meshes.get_mut(number) {
-                Some(old) => *old = made,
-                None => self.meshes.push(made),
-            }
+            let depth = MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
+            let depth = depth.map_err(|error| GpuError::from(error).on(gpu))?;
+            put(
+                &mut self.files,
+                number,
+                File { depth, surface: Extracted::of_mesh(gpu, &mesh, body, self.max_lights)? },
+            );
         }
         Ok(())
     }
@@ -102,11 +114,12 @@ impl DepthShadows {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
+        CastInputs { bodies, camera, lights }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
+        for (file, body) in self.files.iter_mut().zip(bodies) {
+            file.surface.encode(encoder, body, lights, timer.as_deref_mut())?;
+        }
         let points = points(bodies);
         for (number, light) in lights.iter().enumerate() {
             let cameras = LightCameras::new(light, &points, self.from.side);
@@ -116,10 +129,7 @@ impl DepthShadows {
             };
             if !self.lights.get(number).is_some_and(fits) {
                 let made = LightMaps::new(&self.device, &self.pipelines, self.from, &cameras)?;
-                match self.lights.get_mut(number) {
-                    Some(old) => *old = made,
-                    None => self.lights.push(made),
-                }
+                put(&mut self.lights, number, made);
             }
             let Some(maps) = self.lights.get_mut(number) else { continue };
             let eyes = match &cameras {
@@ -139,8 +149,8 @@ impl DepthShadows {
                     timestamp_writes,
                     ..Default::default()
                 });
-                for ((_, mesh), body) in self.meshes.iter().zip(bodies) {
-                    mesh.draw(&mut pass, body.positions.buffer(), eye)?;
+                for (file, body) in self.files.iter().zip(bodies) {
+                    file.depth.draw(&mut pass, body.positions.buffer(), eye)?;
                 }
             }
             maps.frame = Some(maps.find(encoder, &cameras, camera, timer.as_deref_mut())?);
@@ -159,6 +169,20 @@ impl DepthShadows {
             Some(frame) => Ok(frame.draw(pass, pipelines)?),
             None => Ok(()),
         }
+    }
+
+    pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
+        self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect()
+    }
+
+    /// What was found for each file: no volumes. Waits for the device.
+    pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
+        let of_file = |file: &File| {
+            let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
+            let lights = vec![bytemuck::Zeroable::zeroed(); self.max_lights];
+            Ok(Found { lights, silhouettes, extraction, shadow: parity(), is_whole: true })
+        };
+        self.files.iter().map(of_file).collect()
     }
 
     /// What was found for each light. Waits for the device.

@@ -170,7 +170,7 @@ impl Report {
         let [set_up, work] = times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
-            "method": value_name(&args.method),
+            "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
             "files": self.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
             "faces": self.files.iter().map(|file| file.faces).collect::<Vec<_>>(),

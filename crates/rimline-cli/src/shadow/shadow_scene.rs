@@ -14,6 +14,7 @@ use super::part::{PARTS, Part};
 use super::posed_model::{PosedModel, animations};
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use super::shadows::CastInputs;
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
@@ -231,7 +232,8 @@ impl<'a> ShadowScene<'a> {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         resources.set(gpu, &self.frame(), &self.shaded_light_data());
-        casters.encode(encoder, &self.bodies, &part_camera(&self.camera, &self.part), &self.ranged(), timer)
+        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        casters.encode(encoder, CastInputs { bodies: &self.bodies, camera: &camera, lights: &lights }, timer)
     }
 }
 

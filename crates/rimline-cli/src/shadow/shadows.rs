@@ -18,8 +18,27 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
 
+/// What maps have for a method of counting volumes of meshes, where one must be named.
+const NO_COUNTING: Counting = Counting::Auto;
+
 /// The bit of the stencil that maps turn round. Each light has a stencil of its own.
 const PARITY_BIT: u32 = 0;
+
+/// What throws shadows now, for whom, and from where.
+#[derive(Clone, Copy)]
+pub(crate) struct CastInputs<'a> {
+    pub(crate) bodies: &'a [PosedModel<'a>],
+    pub(crate) camera: &'a ShadowCamera,
+    pub(crate) lights: &'a [Light],
+}
+
+/// Puts `made` in the place of what has this number, or behind the last.
+pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
+    match list.get_mut(number) {
+        Some(old) => *old = made,
+        None => list.push(made),
+    }
+}
 
 /// How shadows are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,24 +68,22 @@ impl ShadowMethod {
 pub(crate) enum VolumePipelines {
     Scene(Arc<ScenePipelines>),
     Single(Arc<ShadowPipelines>),
-    /// Maps of the lights cast. Which faces are turned to a light is found as without them.
-    Depth(Box<VolumePipelines>, Arc<DepthMapPipelines>, FromDepth),
+    /// Maps of the lights cast.
+    Depth(Arc<DepthMapPipelines>, FromDepth),
 }
 
 /// The casters of all files.
 pub(crate) enum Shadows {
     Scene(Box<SceneShadows>),
     Single(SingleCasters),
-    Depth(Box<Shadows>, Box<DepthShadows>),
+    Depth(Box<DepthShadows>),
 }
 
 impl VolumePipelines {
     pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: ShadowMethod) -> Result<Self, GpuError> {
         let (shared, counting) = (&gpu.pipelines, method.counting);
         if let Some(from) = method.from_depth {
-            let maps = DepthMapPipelines::new(shared, format, PARITY_BIT)?;
-            let meshes = Self::new(gpu, format, method.with_depth_maps(None))?;
-            return Ok(Self::Depth(Box::new(meshes), Arc::new(maps), from));
+            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, PARITY_BIT)?), from));
         }
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
@@ -79,8 +96,13 @@ impl VolumePipelines {
         match self {
             Self::Scene(pipelines) => pipelines.counting(),
             Self::Single(pipelines) => pipelines.counting(),
-            Self::Depth(meshes, ..) => meshes.counting(),
+            Self::Depth(..) => NO_COUNTING,
         }
+    }
+
+    /// Whether there are volumes of meshes.
+    pub(super) fn has_mesh_volumes(&self) -> bool {
+        !matches!(self, Self::Depth(..))
     }
 }
 
@@ -91,9 +113,8 @@ impl Shadows {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
             VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
-            VolumePipelines::Depth(meshes, maps, from) => {
-                let meshes = Self::new(gpu, meshes, max_lights)?;
-                Self::Depth(Box::new(meshes), Box::new(DepthShadows::new(gpu, maps, *from)))
+            VolumePipelines::Depth(maps, from) => {
+                Self::Depth(Box::new(DepthShadows::new(gpu, maps, *from, max_lights)))
             }
         })
     }
@@ -103,10 +124,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.place(gpu, bodies),
             Self::Single(single) => single.place(gpu, bodies),
-            Self::Depth(meshes, maps) => {
-                meshes.place(gpu, bodies)?;
-                maps.place(gpu, bodies)
-            }
+            Self::Depth(maps) => maps.place(gpu, bodies),
         }
     }
 
@@ -130,18 +148,13 @@ impl Shadows {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
-        mut timer: Option<&mut StageTimer>,
+        inputs: CastInputs<'_>,
+        timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         match self {
-            Self::Scene(scene) => scene.encode(encoder, camera, lights, timer),
-            Self::Single(single) => single.encode(encoder, bodies, camera, lights, timer),
-            Self::Depth(meshes, maps) => {
-                meshes.encode(encoder, bodies, camera, lights, timer.as_deref_mut())?;
-                maps.encode(encoder, bodies, camera, lights, timer)
-            }
+            Self::Scene(scene) => scene.encode(encoder, inputs, timer),
+            Self::Single(single) => single.encode(encoder, inputs, timer),
+            Self::Depth(maps) => maps.encode(encoder, inputs, timer),
         }
     }
 
@@ -155,7 +168,7 @@ impl Shadows {
         match (self, pipelines) {
             (Self::Scene(scene), VolumePipelines::Scene(pipelines)) => Ok(scene.draw(pass, pipelines, light)?),
             (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
-            (Self::Depth(_, maps), VolumePipelines::Depth(_, pipelines, _)) => maps.draw(pass, pipelines, light),
+            (Self::Depth(maps), VolumePipelines::Depth(pipelines, _)) => maps.draw(pass, pipelines, light),
             (_, pipelines) => {
                 let (volumes, pipelines) = (self.counting(), pipelines.counting());
                 Err(ShadowDrawError::Counting { volumes, pipelines }.into())
@@ -167,7 +180,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.counting,
             Self::Single(single) => single.counting(),
-            Self::Depth(meshes, _) => meshes.counting(),
+            Self::Depth(_) => NO_COUNTING,
         }
     }
 
@@ -175,7 +188,7 @@ impl Shadows {
     pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<(FromDepth, Vec<DepthFound>)>, ReadError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(_, maps) => Ok(Some((maps.from, maps.found(gpu)?))),
+            Self::Depth(maps) => Ok(Some((maps.from, maps.found(gpu)?))),
         }
     }
 
@@ -184,7 +197,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.facing(gpu, bodies),
             Self::Single(single) => Ok(single.facing(bodies)),
-            Self::Depth(meshes, _) => meshes.facing(gpu, bodies),
+            Self::Depth(maps) => Ok(maps.facing(bodies)),
         }
     }
 
@@ -193,10 +206,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.found(gpu),
             Self::Single(single) => Ok(single.found(gpu)?),
-            Self::Depth(meshes, _) => {
-                let volumes_of_none = |found| Found { shadow: parity(), is_whole: true, ..found };
-                Ok(meshes.found(gpu)?.into_iter().map(volumes_of_none).collect())
-            }
+            Self::Depth(maps) => Ok(maps.found_of_files(gpu)?),
         }
     }
 
@@ -211,6 +221,6 @@ impl Shadows {
 }
 
 /// No volume of a mesh, and a count of 0 or 1.
-fn parity() -> ShadowStatistics {
+pub(super) fn parity() -> ShadowStatistics {
     ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() }
 }

@@ -41,7 +41,7 @@ fn masks() -> Outcome {
         run(folder.path(), &format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json"))
             .json()
     };
-    draw("mesh", "")?;
+    let mesh = draw("mesh", "")?;
     let found = draw("map", "--from-depth")?;
     draw("coarse", "--from-depth 8")?;
     for light in ["0", "1"] {
@@ -61,7 +61,13 @@ fn masks() -> Outcome {
         ensure!(map["cells"].as_u64().is_some_and(|cells| cells > 100_000), "{found:#}");
         ensure!(caster["casting"] == "depth map" && caster["counting"] == "parity", "{found:#}");
     }
-    ensure!(found["count_bound"] == 1 && found["may_wrap"] == 0, "{found:#}");
+    ensure!(found["count_bound"] == 1 && found["may_wrap"] == 0 && found["method"] == "parity", "{found:#}");
+    // No stage of volumes of meshes runs.
+    let stages = &found["milliseconds"];
+    for stage in ["reach", "clusters", "chunks", "choose", "caps", "bounds", "shadow_arguments"] {
+        ensure!(stages[stage].is_null(), "{stage}: {found:#}");
+    }
+    ensure!(mesh["method"] == "auto" && !mesh["milliseconds"]["choose"].is_null(), "{mesh:#}");
     Ok(())
 }
 
