@@ -50,7 +50,7 @@ pub(crate) fn shadow_stages(
     shadows.place(gpu, &body)?;
     let label = Some("warm up");
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-    let inputs = CastInputs { bodies: &body, camera, lights };
+    let inputs = CastInputs { gpu, bodies: &body, camera, lights };
     shadows.encode(&mut encoder, inputs, None).map_err(|error| error.on(gpu))?;
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()

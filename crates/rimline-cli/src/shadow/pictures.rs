@@ -40,7 +40,7 @@ impl Pictures {
     pub(crate) fn new(
         gpu: &Gpu,
         resources: &RenderResources<'_>,
-        method: ShadowMethod,
+        method: &ShadowMethod,
         mode: ModeArg,
         volumes: bool,
         in_parts: bool,

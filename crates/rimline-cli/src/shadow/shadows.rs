@@ -9,7 +9,7 @@ use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::covered::CoveredFaces;
-use super::depth_shadows::{DepthFound, DepthShadows, FromDepth};
+use super::depth_shadows::{DepthShadows, DepthsFound, FromDepth};
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
 use super::scene_shadows::SceneShadows;
@@ -17,6 +17,7 @@ use super::single_casters::SingleCasters;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+use crate::npz::DepthMapArrays;
 
 /// What maps have for a method of counting volumes of meshes, where one must be named.
 const NO_COUNTING: Counting = Counting::Auto;
@@ -27,6 +28,7 @@ const PARITY_BIT: u32 = 0;
 /// What throws shadows now, for whom, and from where.
 #[derive(Clone, Copy)]
 pub(crate) struct CastInputs<'a> {
+    pub(crate) gpu: &'a Gpu,
     pub(crate) bodies: &'a [PosedModel<'a>],
     pub(crate) camera: &'a ShadowCamera,
     pub(crate) lights: &'a [Light],
@@ -41,7 +43,7 @@ pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
 }
 
 /// How shadows are counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct ShadowMethod {
     pub(crate) counting: Counting,
     /// Each file is a caster by itself.
@@ -80,10 +82,10 @@ pub(crate) enum Shadows {
 }
 
 impl VolumePipelines {
-    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: ShadowMethod) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: &ShadowMethod) -> Result<Self, GpuError> {
         let (shared, counting) = (&gpu.pipelines, method.counting);
-        if let Some(from) = method.from_depth {
-            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, PARITY_BIT)?), from));
+        if let Some(from) = &method.from_depth {
+            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, PARITY_BIT)?), from.clone()));
         }
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
@@ -113,9 +115,7 @@ impl Shadows {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
             VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
-            VolumePipelines::Depth(maps, from) => {
-                Self::Depth(Box::new(DepthShadows::new(gpu, maps, *from, max_lights)))
-            }
+            VolumePipelines::Depth(maps, from) => Self::Depth(Box::new(DepthShadows::new(maps, from, max_lights))),
         })
     }
 
@@ -184,11 +184,19 @@ impl Shadows {
         }
     }
 
-    /// What was found in the maps of each light, if they cast. Waits for the device.
-    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<(FromDepth, Vec<DepthFound>)>, ReadError> {
+    /// What was found in maps, if they cast. Waits for the device.
+    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, ReadError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(maps) => Ok(Some((maps.from, maps.found(gpu)?))),
+            Self::Depth(maps) => maps.found(gpu).map(Some),
+        }
+    }
+
+    /// The maps of a light as they were drawn, if they cast. Waits for the device.
+    pub(super) fn saved_maps(&self, gpu: &Gpu, light: usize) -> Result<Option<DepthMapArrays>, GpuError> {
+        match self {
+            Self::Scene(_) | Self::Single(_) => Ok(None),
+            Self::Depth(maps) => maps.saved(gpu, light),
         }
     }
 

@@ -65,7 +65,7 @@ impl SingleCasters {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        CastInputs { bodies, camera, lights }: CastInputs<'_>,
+        CastInputs { bodies, camera, lights, .. }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         for (Caster { extracted, surface, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {

@@ -116,7 +116,6 @@ fn wrong_options() -> Outcome {
     let folder = models()?;
     for (options, part) in [
         ("--from-depth --method zp+", "--method"),
-        ("--from-depth --volumes", "--volumes"),
         ("--from-depth --hide-covered", "--hide-covered"),
         ("--detector every", "--from-depth"),
         ("--from-depth 2", "3..=4096"),
