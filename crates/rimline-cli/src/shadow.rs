@@ -5,6 +5,7 @@ pub(crate) mod casters;
 pub(crate) mod counts;
 mod covered;
 mod depth;
+mod depth_overlay;
 pub(crate) mod depth_shadows;
 mod extracted;
 mod found;

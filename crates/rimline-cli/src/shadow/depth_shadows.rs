@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rimline::gpu::{DepthEdges, DepthMapPipelines, MeshDepth, ReadError, StageTimer};
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
 
+use super::depth_overlay::ShownDepths;
 use super::extracted::Extracted;
 use super::found::{FacingMasks, Found};
 use super::given_map::GivenMap;
@@ -156,7 +157,7 @@ impl DepthShadows {
                     draw_map(encoder, (view, eye), files, bodies, timer.as_deref_mut())?;
                 }
             }
-            let found = maps.find(encoder, &cameras, camera, timer.as_deref_mut());
+            let found = maps.find(gpu, encoder, &cameras, camera, timer.as_deref_mut());
             found.map_err(|error| from.failed(error))?;
         }
         made.truncate(lights.len());
@@ -193,6 +194,10 @@ impl DepthShadows {
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, ReadError> {
         let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
         Ok(DepthsFound { size: self.from.size(), lights })
+    }
+
+    pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {
+        self.lights.get(light).and_then(LightMaps::shown)
     }
 
     /// The maps of a light as they were drawn. Waits for the device.

@@ -6,6 +6,7 @@ use rimline::gpu::{
 };
 use rimline::{ShadowCamera, wgpu};
 
+use super::depth_overlay::{ShownDepths, ShownMaps};
 use super::depth_shadows::{DepthFound, FromDepth, MAP, MapSource};
 use super::light_maps::LightCameras;
 use crate::device::Gpu;
@@ -21,6 +22,7 @@ pub(super) struct LightMaps {
     /// As they were encoded.
     cameras: LightCameras,
     pub(super) frame: Option<DepthMapFrame>,
+    shown: ShownMaps,
 }
 
 enum Maps {
@@ -55,7 +57,7 @@ impl LightMaps {
             MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
             MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
-        Ok(Self { maps, views, objects, cameras: cameras.clone(), frame: None })
+        Ok(Self { maps, views, objects, cameras: cameras.clone(), frame: None, shown: ShownMaps::new(gpu) })
     }
 
     /// Whether these are as many maps.
@@ -69,12 +71,14 @@ impl LightMaps {
     /// Records how shadows are rebuilt from what is in the maps.
     pub(super) fn find(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         cameras: &LightCameras,
         eye: &ShadowCamera,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         let mut views = self.views.iter();
+        let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
         let frame = match (&mut self.maps, cameras) {
             (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
                 cube.set_cameras(cameras)?;
@@ -91,6 +95,7 @@ impl LightMaps {
             // The caller asks `fits`.
             _ => return Err(DepthMapDrawError::StaleFrame.into()),
         };
+        self.shown.encode(gpu, encoder, (cameras, size), eye, self.cells());
         self.cameras = cameras.clone();
         self.frame = Some(frame);
         Ok(())
@@ -100,6 +105,15 @@ impl LightMaps {
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
         let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
         Ok(DepthFound { maps: self.views.len(), cells: list.first().copied().unwrap_or(0) })
+    }
+
+    /// What an overlay shows of them.
+    pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
+        let texture = match &self.maps {
+            Maps::One(_) => self.views.first()?,
+            Maps::Cube(cube) => cube.texture(),
+        };
+        Some(ShownDepths { shown: &self.shown, cells: self.cells(), texture })
     }
 
     fn cells(&self) -> &wgpu::Buffer {

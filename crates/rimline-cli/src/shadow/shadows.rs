@@ -9,6 +9,7 @@ use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::covered::CoveredFaces;
+use super::depth_overlay::ShownDepths;
 use super::depth_shadows::{DepthShadows, DepthsFound, FromDepth};
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
@@ -53,6 +54,11 @@ pub(crate) struct ShadowMethod {
 }
 
 impl ShadowMethod {
+    /// Whether maps of the lights cast instead of meshes.
+    pub(super) fn has_depth_maps(&self) -> bool {
+        self.from_depth.is_some()
+    }
+
     /// Scenes have neither ZP+ as published nor polygons.
     pub(crate) fn new(counting: Counting, bodies: &[PosedModel<'_>]) -> Self {
         let is_single = counting == Counting::ZpPlus2005 || bodies.iter().any(PosedModel::has_polygons);
@@ -189,6 +195,14 @@ impl Shadows {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
             Self::Depth(maps) => maps.found(gpu).map(Some),
+        }
+    }
+
+    /// What an overlay shows of a light's maps, if they cast.
+    pub(super) fn shown_depths(&self, light: usize) -> Option<ShownDepths<'_>> {
+        match self {
+            Self::Scene(_) | Self::Single(_) => None,
+            Self::Depth(maps) => maps.shown(light),
         }
     }
 
