@@ -89,6 +89,8 @@ pub(crate) enum InputError {
     Obj(#[from] ObjError),
     #[error(transparent)]
     DepthMap(#[from] GivenMapError),
+    #[error("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}")]
+    DepthMapTimes { what: String },
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(transparent)]
