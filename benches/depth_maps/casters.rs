@@ -8,6 +8,7 @@ use rimline::gpu::{
 use rimline::{Counting, Light};
 use rimline_measure::on_gpu::text;
 use rimline_measure::shapes::{self, Shape};
+use serde_json::json;
 
 use crate::shade::Shade;
 use crate::stage::{Bench, EYE, MAP, axes, camera, map_of, medians, pass};
@@ -17,14 +18,23 @@ const SIDE: u32 = 1024;
 /// Of spheres: 8 n² faces.
 const SUBDIVISIONS: [u32; 4] = [11, 35, 112, 354];
 
-pub(crate) fn measure(bench: &Bench, rounds: usize) -> Result<(), String> {
+/// Methods as tables and data name them; the first is counted in none of the others.
+const METHODS: [&str; 5] = [
+    "the eye's depth, not counted below",
+    "volumes of the mesh",
+    "of the map, every cell",
+    "of the map, differences 0.0005",
+    "lookup",
+];
+
+/// Writes the times to a file, too, as `rimline bench --depth-maps` takes them.
+pub(crate) fn measure(bench: &Bench, rounds: usize, json: Option<&str>) -> Result<(), String> {
     println!(
         "\nA sphere over a ground, picture and map of {SIDE}²: milliseconds of a frame's shadows, medians of {rounds} rounds in turn"
     );
-    println!(
-        "| faces | the eye's depth, not counted below | volumes of the mesh | of the map, every cell | of the map, differences 0.0005 | lookup |"
-    );
-    println!("|---:|---:|---:|---:|---:|---:|");
+    println!("| faces | {} |", METHODS.join(" | "));
+    println!("|---:|{}", "---:|".repeat(METHODS.len()));
+    let mut rows = Vec::new();
     let down = DVec3::new(0.4, -1.0, 0.3).normalize();
     let (distance, radius) = (6.0, 2.0);
     let light = camera(axes(down, DVec3::Z), distance, radius, true);
@@ -77,6 +87,18 @@ pub(crate) fn measure(bench: &Bench, rounds: usize) -> Result<(), String> {
         }
         let cells = medians(&times).map(|time| format!("{time:.1}"));
         println!("| {} | {} |", sphere.mesh.face_count(), cells.join(" | "));
+        let of_rounds = |method: usize| times.iter().map(|round| round[method]).collect::<Vec<_>>();
+        let methods = METHODS.iter().enumerate();
+        let methods = methods.map(|(at, name)| json!({ "name": name, "ms_of_rounds": of_rounds(at) }));
+        rows.push(json!({ "faces": sphere.mesh.face_count(), "methods": methods.collect::<Vec<_>>() }));
     }
-    Ok(())
+    let Some(file) = json else { return Ok(()) };
+    let data = json!({
+        "format": "rimline-depth-map-casters",
+        "version": 1,
+        "device": bench.gpu.name,
+        "size": SIDE,
+        "rows": rows,
+    });
+    std::fs::write(file, format!("{data:#}\n")).map_err(|error| format!("{file}: {error}"))
 }

@@ -3,6 +3,7 @@
 pub(crate) mod args;
 mod bench_mesh;
 mod casters;
+mod depth_maps;
 mod figures;
 mod grouped;
 mod machine;
@@ -30,6 +31,7 @@ use crate::output::{self, is_interrupted, note, print};
 use crate::progress::Progress;
 use args::BenchArgs;
 use bench_mesh::{BenchMesh, Case, Made};
+use depth_maps::DepthMapResults;
 use machine::{Adapter, Machine};
 use plan::Plan;
 use report::Destination;
@@ -43,6 +45,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         return print(SCHEMA);
     }
     let plan = Plan::new(args)?;
+    let depth_maps = args.depth_maps.as_deref().map(DepthMapResults::read).transpose()?;
     let destination = Destination::new(args)?;
     let wanted = Wanted::parse(&args.device.device);
     let device = device::open(&wanted)?;
@@ -60,6 +63,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         shadows: gpu.map(|_| plan.shadows.empty_results()).filter(|shadows| shadows.planned_rows > 0),
         casters: gpu.map(|_| plan.casters.empty_results()).filter(|casters| casters.planned_rows > 0),
         skipping: gpu.map(|_| plan.skipping.empty_results()).filter(|skipping| skipping.planned_rows > 0),
+        depth_maps,
     };
     let progress = Progress::rows(results.rows_planned());
     if !results.machine.is_optimised {

@@ -8,6 +8,7 @@ use rimline::{CameraError, LightError, MeshError};
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
+use crate::shadow::given_map::GivenMapError;
 use crate::spec::SpecError;
 
 /// What to do about a machine without any adapter.
@@ -86,6 +87,10 @@ pub(crate) enum InputError {
     Npz(#[from] NpzError),
     #[error(transparent)]
     Obj(#[from] ObjError),
+    #[error(transparent)]
+    DepthMap(#[from] GivenMapError),
+    #[error("it is not what `cargo bench --bench depth_maps -- casters --json FILE` writes: {what}")]
+    DepthMapTimes { what: String },
     #[error(transparent)]
     Mesh(#[from] MeshError),
     #[error(transparent)]
@@ -188,6 +193,16 @@ pub(crate) enum UsageError {
          --detector every or world=T"
     )]
     DetectorInCube { light: usize },
+    #[error(
+        "--depth is the map of one light, and --light gives {count}; give one, or none: the light is then where the map was seen from"
+    )]
+    DepthLights { count: usize },
+    #[error("--light is {given}, but the map of --depth was seen from {map}; give this light, or leave --light out")]
+    DepthLightApart { given: String, map: String },
+    #[error(
+        "--detector objects takes a number of an object for each texel, which only a file of --depth has; take another detector"
+    )]
+    NoObjects,
     #[error("--eye and --target are the same point; move one")]
     EyeAtTarget,
     #[error("--size {width}x{height} is too large: {adapter} can draw at most {limit} pixels in each direction")]

@@ -52,12 +52,12 @@ pub(crate) fn run(args: &FilmArgs) -> Result<(), Failure> {
         bodies.iter_mut().try_for_each(|body| body.pose(&gpu, posed))?;
         points.extend(bodies.iter().flat_map(PosedModel::points));
     }
-    let mut set = ShadowScene::new(scene, bodies, &points)?;
+    let mut set = ShadowScene::new(scene, bodies, &points, None)?;
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
     let pictures = Pictures::new(
         &gpu,
         &resources,
-        ShadowMethod::new(scene.method.counting(), &set.bodies),
+        &ShadowMethod::new(scene.method.counting(), &set.bodies),
         scene.mode,
         scene.volumes,
         set.is_in_parts(),

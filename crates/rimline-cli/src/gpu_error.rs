@@ -1,5 +1,7 @@
 //! Errors of the library's GPU part, and what they mean for the command.
 
+use std::path::{Path, PathBuf};
+
 use rimline::LightError;
 use rimline::gpu::{
     DeformError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
@@ -10,6 +12,7 @@ use rimline::gpu::{
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
+use crate::shadow::given_map::GivenMapError;
 
 /// Any of them.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +61,9 @@ pub(crate) enum GpuError {
     DepthMapDraw(#[from] DepthMapDrawError),
     #[error(transparent)]
     MeshDepth(#[from] MeshDepthError),
+    /// The user's depth map is the reason.
+    #[error("{}: {error}", .file.display())]
+    GivenMap { file: PathBuf, error: Box<GivenMapError> },
 }
 
 impl GpuError {
@@ -67,8 +73,34 @@ impl GpuError {
         if let Err(failure) = gpu.check() {
             return failure;
         }
+        match self {
+            Self::GivenMap { file, error } => return Failure::input(&file)((*error).into()),
+            error => error.of_device(gpu),
+        }
+    }
+
+    /// Makes a map of the user's the reason, where it is one.
+    pub(crate) fn of_map(self, file: &Path) -> Self {
+        let error: GivenMapError = match self {
+            Self::DepthMap(error)
+                if !matches!(error, DepthMapVolumesError::Device(_) | DepthMapVolumesError::Memory(_)) =>
+            {
+                error.into()
+            }
+            Self::DepthMapCube(DepthMapCubeError::Volumes(error)) => return Self::DepthMap(error).of_map(file),
+            Self::DepthMapCube(error) => error.into(),
+            Self::DepthMapEncode(
+                error @ (DepthMapEncodeError::Light(_) | DepthMapEncodeError::FarPlane | DepthMapEncodeError::NearFar),
+            ) => error.into(),
+            other => return other,
+        };
+        Self::GivenMap { file: file.to_owned(), error: Box::new(error) }
+    }
+
+    fn of_device(self, gpu: &Gpu) -> Failure {
         match &self {
-            Self::Shadow(ShadowEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
+            Self::Shadow(ShadowEncodeError::Camera(camera))
+            | Self::DepthMapEncode(DepthMapEncodeError::Camera(camera)) => return UsageError::Camera(*camera).into(),
             Self::Scene(SceneError::Camera { error, .. }) => return UsageError::Camera(*error).into(),
             Self::Shadow(ShadowEncodeError::Light(lights)) => return UsageError::Lights(*lights).into(),
             // The CPU would do.

@@ -51,6 +51,11 @@ impl Picture {
         Ok(Self { size: [width, height], pitch: pitch as usize, depth: depth as usize, bytes })
     }
 
+    /// The bytes of each row.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &[u8]> {
+        self.bytes.chunks(self.pitch).map(|row| &row[..self.depth * self.size[0] as usize])
+    }
+
     /// The mean of pictures of one size, each byte rounded to the nearest; at least one picture.
     pub(crate) fn mean(mut pictures: Vec<Self>) -> Self {
         let mut mean = pictures.swap_remove(0);
@@ -76,8 +81,7 @@ impl Picture {
         }
         let mut header = encoder.write_header().map_err(io::Error::from)?;
         let mut rows = header.stream_writer().map_err(io::Error::from)?;
-        for row in self.bytes.chunks(self.pitch) {
-            let row = &row[..self.depth * width as usize];
+        for row in self.rows() {
             if is_grey {
                 rows.write_all(row)?;
             } else {

@@ -18,6 +18,10 @@ pub(crate) struct LoadArgs {
 }
 
 impl LoadArgs {
+    pub(crate) fn memory_limit(self) -> u64 {
+        self.memory_limit
+    }
+
     pub(crate) fn options(self, weld: Weld) -> LoadOptions {
         LoadOptions { weld, memory_limit: self.memory_limit, allow_outside: self.allow_outside }
     }

@@ -5,10 +5,13 @@ pub(crate) mod casters;
 pub(crate) mod counts;
 mod covered;
 mod depth;
+mod depth_overlay;
 pub(crate) mod depth_shadows;
 mod extracted;
 mod found;
 pub(crate) mod frame;
+pub(crate) mod given_map;
+mod light_depths;
 mod light_maps;
 mod masks;
 mod part;
@@ -18,6 +21,7 @@ mod receiver;
 pub(crate) mod receiver_pipelines;
 pub(crate) mod render_resources;
 mod report;
+mod result_files;
 mod scene_found;
 mod scene_shadows;
 mod shaded_lights;
@@ -33,25 +37,26 @@ use rimline::wgpu;
 
 use crate::device::Gpu;
 use crate::displacement;
-use crate::ending::{self, Written};
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
 use crate::image::Picture;
-use crate::output::{Output, print};
+use crate::output::print;
 use crate::overwrite::Inputs;
 use crate::progress::Progress;
-use crate::target::is_same_file;
 use crate::times::Times;
 use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
 use casters::Casters;
 use covered::CoveredFaces;
+use depth_shadows::FromDepth;
+use given_map::GivenMap;
 use masks::Masks;
 use part::PARTS;
 use pictures::Pictures;
 use render_resources::{DrawInputs, RenderResources};
 use report::Report;
-use shadow_scene::{ShadowInputs, ShadowScene, mask_file};
+use result_files::ResultFiles;
+use shadow_scene::{ShadowInputs, ShadowScene};
 use shadows::ShadowMethod;
 
 pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
@@ -59,7 +64,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     if args.hide_covered && scene.method == CountingArg::ZpPlus2005 {
         return Err(UsageError::CoveredMethod(value_name(&scene.method)).into());
     }
-    args.out.as_deref().map_or(Ok(()), |out| ending::check(out, Written::Png))?;
+    ResultFiles::check(args)?;
     let progress = Progress::start();
     let mut times = Times::default();
     progress.step("reading the models");
@@ -67,14 +72,10 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     for &animation in &props.animations {
         displacement::note_idle_time(&scene.posed.pose, animation, props.displacement.as_ref());
     }
-    let inputs = Inputs::new(props.files(scene));
-    args.out.as_deref().map_or(Ok(()), |out| inputs.spare(out))?;
-    // There is a first light in any case; how many there are is known later.
-    if let Some(first) = args.mask.as_ref().map(|prefix| mask_file(prefix, 0)) {
-        inputs.spare(&first)?;
-        drop(Output::create(&first)?);
-    }
-    let output = args.out.as_deref().map(Output::create).transpose()?;
+    let from_depth = times.measure("load", || args.depth_maps())?;
+    let given = from_depth.as_ref().and_then(FromDepth::given);
+    let inputs = Inputs::new(props.files(scene).chain(args.depth.as_deref()));
+    let mut files = ResultFiles::begin(args, &inputs)?;
 
     progress.step("opening the device");
     let gpu = times.measure("device", || shadow_scene::open_gpu(scene))?;
@@ -82,30 +83,23 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     progress.step("placing the models");
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
-    let mut set = ShadowScene::new(scene, bodies, &points)?;
-    let mask_files: Vec<_> = match &args.mask {
-        None => Vec::new(),
-        Some(prefix) => (0..set.shaded_lights.len()).map(|light| mask_file(prefix, light)).collect(),
-    };
-    if let Some(out) = args.out.as_deref().filter(|out| mask_files.iter().any(|file| is_same_file(out, file))) {
-        return Err(UsageError::SameOutput { file: out.to_owned() }.into());
-    }
+    let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
+    given.map_or(Ok(()), |map| map.check_lights(&set.shaded_lights, &set.stage))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }
-    let from_depth = args.depth_maps();
-    from_depth.map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
-    mask_files.iter().try_for_each(|file| inputs.spare(file))?;
-    let mask_outputs = mask_files.iter().map(|file| Output::create(file)).collect::<Result<Vec<_>, _>>()?;
+    from_depth.as_ref().map_or(Ok(()), |from| from.check(&set.ranged(), &set.bodies))?;
+    files.begin_lights(args, &inputs, set.shaded_lights.len())?;
 
     progress.step("drawing");
     let begin = Instant::now();
     let resources = RenderResources::new(&gpu, &set.frame(), scene.view.size, set.samples());
-    let method = ShadowMethod::new(scene.method.counting(), &set.bodies).with_depth_maps(from_depth);
-    let pictures =
-        output.is_some().then(|| Pictures::new(&gpu, &resources, method, scene.mode, scene.volumes, set.is_in_parts()));
+    let method = ShadowMethod::new(scene.method.counting(), &set.bodies).with_depth_maps(from_depth.clone());
+    let pictures = files
+        .has_picture()
+        .then(|| Pictures::new(&gpu, &resources, &method, scene.mode, scene.volumes, set.is_in_parts()));
     let pictures = pictures.transpose().map_err(fail)?;
-    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, method)).transpose().map_err(fail)?;
+    let masks = args.mask.is_some().then(|| Masks::new(&gpu, &resources, &method)).transpose().map_err(fail)?;
     let pipelines = pictures.as_ref().map(|p| &p.pipelines).or(masks.as_ref().map(|m| &m.pipelines));
     let Some(pipelines) = pipelines else { return Ok(()) };
     let mut casters =
@@ -132,30 +126,24 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
         times.add(stage, milliseconds);
     }
     times.measure("compile", || trial(&gpu, &resources, pictures.as_ref(), masks.as_ref(), &set.trial(&casters)))?;
-    if let (Some(pictures), Some(output)) = (&pictures, output) {
+    if let Some(pictures) = &pictures {
         let picture =
             times.measure("picture", || picture(&gpu, &resources, pictures, &mut set, &mut casters)).map_err(fail)?;
-        gpu.check()?;
-        output.finish(|file| picture.write_png(file))?;
+        files.finish_picture(&gpu, &picture)?;
     }
     if let Some(masks) = &masks {
-        let mut first = 0;
-        for (shaded, output) in set.shaded_lights.iter().zip(mask_outputs) {
-            let samples = first..first + shaded.samples.len();
-            first = samples.end;
-            let mask =
-                times.measure("masks", || mask(&gpu, &resources, masks, &set, &casters, samples)).map_err(fail)?;
-            gpu.check()?;
-            output.finish(|file| mask.write_png(file))?;
-        }
+        files.finish_masks(&gpu, |light| {
+            let drawn = times.measure("masks", || mask(&gpu, &resources, masks, &set, &casters, set.samples_of(light)));
+            drawn.map_err(fail)
+        })?;
     }
+    files.finish_maps(&gpu, &casters)?;
     let report = Report::read(&gpu, &set, &casters, covered.as_ref()).map_err(fail)?;
     gpu.check()?;
     drop(progress);
     report.bound().warn();
     set.warn_of_depth(&gpu);
-    let written: Vec<_> = args.out.iter().cloned().chain(mask_files).collect();
-    print(&if args.json { report.json(scene, &times) } else { report.text(&written, scene.view.size, &times) })
+    print(&if args.json { report.json(scene, &times) } else { report.text(&files.names, scene.view.size, &times) })
 }
 
 /// Draws once, and shows it to nobody, so that the driver has compiled everything before times are taken.
@@ -231,11 +219,11 @@ fn mask(
 
 #[cfg(test)]
 mod tests {
-    use super::mask_file;
+    use super::shadow_scene::numbered;
     use std::path::Path;
 
     #[test]
     fn masks_are_numbered_after_their_prefix() {
-        assert_eq!(mask_file(Path::new("a/b.x"), 3), Path::new("a/b.x.3.png"));
+        assert_eq!(numbered(Path::new("a/b.x"), 3, "png"), Path::new("a/b.x.3.png"));
     }
 }

@@ -76,7 +76,7 @@ pub(crate) enum SpecError {
     RangeAtInfinity,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
-    #[error("there is no detector `{0}`; write every, differences=T or world=T")]
+    #[error("there is no detector `{0}`; write every, differences=T, world=T or objects")]
     Detector(String),
     #[error("device depths differ by 0 to 1, not {0}")]
     DepthThreshold(f32),
@@ -250,6 +250,7 @@ pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
     let unknown = || SpecError::Detector(text.to_owned());
     match text.split_once('=') {
         None if text == "every" => Ok(DepthEdges::EveryCell),
+        None if text == "objects" => Ok(DepthEdges::Outlines),
         Some(("differences", threshold)) => match number(threshold)? {
             threshold if (0.0..=1.0).contains(&threshold) => Ok(DepthEdges::Differences { threshold }),
             threshold => Err(SpecError::DepthThreshold(threshold)),

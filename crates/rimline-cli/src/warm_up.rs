@@ -9,7 +9,7 @@ use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::input::{Input, Scene, Shape, Source};
 use crate::shadow::posed_model::PosedModel;
-use crate::shadow::shadows::{Shadows, VolumePipelines};
+use crate::shadow::shadows::{CastInputs, Shadows, VolumePipelines};
 
 const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
@@ -50,7 +50,8 @@ pub(crate) fn shadow_stages(
     shadows.place(gpu, &body)?;
     let label = Some("warm up");
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-    shadows.encode(&mut encoder, &body, camera, lights, None).map_err(|error| error.on(gpu))?;
+    let inputs = CastInputs { gpu, bodies: &body, camera, lights };
+    shadows.encode(&mut encoder, inputs, None).map_err(|error| error.on(gpu))?;
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()
 }

@@ -59,6 +59,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub(crate) frames: Option<u16>,
 
+    /// Also show the times in this file, which `cargo bench --bench depth_maps -- casters --json FILE` writes: shadows by depth maps, by
+    /// meshes and by lookups
+    #[arg(long, value_name = "FILE")]
+    pub(crate) depth_maps: Option<PathBuf>,
+
     /// Print the JSON Schema of the data and measure nothing
     #[arg(long)]
     pub(crate) schema: bool,
@@ -71,6 +76,8 @@ Examples:
   rimline bench --scene casters --meshes none --frames 0 --casters 200,10000
   rimline bench --scene still,city,crowd,moving,big --meshes none \\
       --frames 0 --report report
+  rimline bench --meshes none --scenes none --frames 0 --depth-maps times.json \\
+      --report report
   rimline bench --meshes 65536 --lights 8 --scenes translation-1e6,plate-third \\
       --rounds 5
 ";

@@ -3,6 +3,7 @@
 mod casters;
 mod classes;
 mod cost;
+mod depth_maps;
 mod error;
 mod lights;
 mod shadows;
@@ -16,11 +17,12 @@ use super::results::{Results, Row};
 use crate::page::Section;
 
 pub(super) use casters::casters;
+pub(super) use depth_maps::depth_maps;
 pub(super) use shadows::shadows;
 pub(super) use skip::skipping;
 
 /// Every plot that a report may have.
-pub(super) const PLOTS: [&str; 12] = [
+pub(super) const PLOTS: [&str; 13] = [
     "time_against_error",
     "time_against_size",
     "speed_against_2003",
@@ -33,6 +35,7 @@ pub(super) const PLOTS: [&str; 12] = [
     "shadow_paths",
     casters::RECORDING,
     skip::WORK,
+    depth_maps::AGAINST_MESHES,
 ];
 
 /// The number of lights that plots are about which show one: eight where they were measured.

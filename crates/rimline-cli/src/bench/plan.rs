@@ -90,7 +90,7 @@ impl Plan {
         let one_mesh = if args.quick { QUICK_ONE_CASTER.into() } else { ONE_CASTER.into() };
         let casters = CastersPlan { numbers, one_mesh, size, rounds };
         let skipping = SkipPlan { scenes, size, rounds };
-        if subjects.is_empty() && shadows.rows() + casters.rows() + skipping.rows() == 0 {
+        if args.depth_maps.is_none() && subjects.is_empty() && shadows.rows() + casters.rows() + skipping.rows() == 0 {
             return Err(UsageError::NothingToMeasure);
         }
         Ok(Self { subjects, rounds, shadows, casters, skipping })

@@ -141,5 +141,6 @@ fn sections(results: &Results) -> Vec<Section> {
     let shadows = results.shadows.as_ref().filter(|shadows| !shadows.rows.is_empty()).map(figures::shadows);
     let casters = results.casters.as_ref().filter(|casters| casters.rows_done() > 0).map(figures::casters);
     let skipping = results.skipping.as_ref().filter(|skipping| !skipping.rows.is_empty()).map(figures::skipping);
-    extraction.into_iter().chain(shadows).chain(casters).chain(skipping).collect()
+    let depth_maps = results.depth_maps.as_ref().map(figures::depth_maps);
+    extraction.into_iter().chain(shadows).chain(casters).chain(skipping).chain(depth_maps).collect()
 }

@@ -4,6 +4,7 @@ use rimline_measure::error_metrics::Score;
 use serde_json::{Value, json};
 
 use super::casters::results::CastersResults;
+use super::depth_maps::DepthMapResults;
 use super::machine::{Adapter, Machine};
 use super::measure::{Sample, Summary};
 use super::method::{CONTESTANTS, Contestant};
@@ -25,6 +26,8 @@ pub(crate) struct Results {
     pub(crate) casters: Option<CastersResults>,
     /// `None` where none were asked for.
     pub(crate) skipping: Option<SkipResults>,
+    /// Measured before, by another program. `None` where none were given.
+    pub(crate) depth_maps: Option<DepthMapResults>,
 }
 
 /// A mesh that was measured.
@@ -59,7 +62,7 @@ pub(crate) struct Entry {
 
 impl Results {
     pub(crate) fn is_empty(&self) -> bool {
-        self.rows_done() == 0
+        self.rows_done() == 0 && self.depth_maps.is_none()
     }
 
     /// Rows measured, of extraction, of shadows, of scenes of many casters and of skipping.
@@ -110,6 +113,7 @@ impl Results {
             "shadows": self.shadows.as_ref().map(ShadowResults::json),
             "casters": self.casters.as_ref().map(CastersResults::json),
             "skipping": self.skipping.as_ref().map(SkipResults::json),
+            "depth_maps": self.depth_maps.as_ref().map(DepthMapResults::json),
         })
     }
 

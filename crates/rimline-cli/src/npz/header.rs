@@ -22,6 +22,10 @@ impl ElementType {
     }
     /// `u8`.
     pub const U8: Self = Self::native('u', 1);
+    /// `bool`.
+    pub const BOOL: Self = Self::native('b', 1);
+    /// `u16`, in this machine's byte order.
+    pub const U16: Self = Self::native('u', 2);
     /// `u32`, in this machine's byte order.
     pub const U32: Self = Self::native('u', 4);
     /// `i32`, in this machine's byte order.

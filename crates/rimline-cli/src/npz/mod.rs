@@ -2,11 +2,13 @@
 
 pub(crate) mod charge;
 mod compare;
+mod depth_map;
 mod header;
 mod read;
 mod write;
 
 pub use compare::{Difference, compare};
+pub use depth_map::{DepthMapArrays, Depths, MAX_SIDE, read_depth_map};
 pub use header::ElementType;
 pub use read::{Arrays, NpzError, PolygonArrays, read, read_points, read_with_lights};
 pub use write::NpzWriter;

@@ -71,7 +71,9 @@ pub enum NpzError {
          {limit}; if it is meant to be that large, give a larger --memory-limit"
     )]
     TooLarge { array: &'static str, rows: u64, needed: u64, limit: u64 },
-    #[error("array `{array}`, row {row}, has the number {index}, which no mesh can have")]
+    #[error("array `{array}` holds {found}; {wanted}")]
+    Value { array: &'static str, found: String, wanted: &'static str },
+    #[error("array `{array}`, row {row}, has the number {index}; numbers from 0 to 4294967295 can be read")]
     Index { array: &'static str, row: usize, index: i128 },
     #[error("array `faces`, row {row}, names vertex {index}, but `positions` has {vertices} rows")]
     OutOfRange { row: usize, index: u32, vertices: usize },
@@ -103,9 +105,9 @@ pub(super) fn shown(shape: &[u64]) -> String {
 }
 
 /// The memory that reading one archive may take. What is charged is never given back.
-struct Budget {
-    limit: u64,
-    used: u64,
+pub(super) struct Budget {
+    pub(super) limit: u64,
+    pub(super) used: u64,
 }
 
 /// Reads `positions` (V,3) float32, and `faces` (F,3) integers; either byte order, either array order. In place of `faces`
@@ -197,24 +199,39 @@ pub fn read_points(reader: impl Read + Seek, memory_limit: u64) -> Result<Vec<[f
     points.rows(&mut archive, &mut Budget { limit: memory_limit, used: 0 }, float)
 }
 
-fn is_float(element: ElementType) -> bool {
+pub(super) fn is_float(element: ElementType) -> bool {
     element.kind == 'f' && element.size == 4
 }
 
-fn is_integer(element: ElementType) -> bool {
+pub(super) fn is_integer(element: ElementType) -> bool {
     matches!((element.kind, element.size), ('i' | 'u', 1 | 2 | 4 | 8))
 }
 
 /// What one of the arrays must be.
-struct Entry {
-    array: &'static str,
-    shape: &'static str,
+pub(super) struct Entry {
+    pub(super) array: &'static str,
+    pub(super) shape: &'static str,
     /// The most rows.
-    limit: u64,
-    /// What a row takes of the budget.
-    row_bytes: u64,
-    wanted: &'static str,
-    accepts: fn(ElementType) -> bool,
+    pub(super) limit: u64,
+    /// What a row, or a value of an array that is no table, takes of the budget.
+    pub(super) row_bytes: u64,
+    pub(super) wanted: &'static str,
+    pub(super) accepts: fn(ElementType) -> bool,
+}
+
+/// How much an array holds.
+struct Extent {
+    /// Tuples that are read.
+    tuples: u64,
+    /// Tuples of a row, as messages count rows.
+    row: u64,
+}
+
+/// An array of any shape, its values in C order.
+pub(super) struct Values<T> {
+    pub(super) shape: Vec<u64>,
+    pub(super) element: ElementType,
+    pub(super) elements: Vec<T>,
 }
 
 impl Entry {
@@ -224,6 +241,47 @@ impl Entry {
         budget: &mut Budget,
         decode: fn(ElementType, &[u8]) -> Result<T, i128>,
     ) -> Result<Vec<[T; C]>, NpzError> {
+        let extent = |shape: &[u64]| match *shape {
+            [rows] if C == 1 => Some(Extent { tuples: rows, row: 1 }),
+            [rows, columns] if C > 1 && columns == C as u64 => Some(Extent { tuples: rows, row: 1 }),
+            _ => None,
+        };
+        let (_, _, rows) = self.tuples(archive, budget, decode, extent)?;
+        Ok(rows)
+    }
+
+    /// An array whose shape `fits` accepts. It has at most three dimensions, and so few values that their number is no question.
+    pub(super) fn values<T: Copy + Default>(
+        &self,
+        archive: &mut ZipArchive<impl Read + Seek>,
+        budget: &mut Budget,
+        decode: fn(ElementType, &[u8]) -> Result<T, i128>,
+        fits: impl Fn(&[u64]) -> bool,
+    ) -> Result<Values<T>, NpzError> {
+        let extent = |shape: &[u64]| {
+            let row = shape.last().copied().unwrap_or(1).max(1);
+            (shape.len() <= 3 && fits(shape)).then(|| Extent { tuples: shape.iter().product(), row })
+        };
+        let (header, element, tuples) = self.tuples::<T, 1>(archive, budget, decode, extent)?;
+        let mut elements: Vec<T> = tuples.into_iter().map(|[value]| value).collect();
+        if header.fortran_order {
+            elements = in_c_order(&elements, &header.shape);
+        }
+        Ok(Values { shape: header.shape, element, elements })
+    }
+
+    /// Whether the archive has the array.
+    pub(super) fn is_in(&self, archive: &ZipArchive<impl Read + Seek>) -> bool {
+        archive.index_for_name(&format!("{}.npy", self.array)).is_some()
+    }
+
+    fn tuples<T: Copy + Default, const C: usize>(
+        &self,
+        archive: &mut ZipArchive<impl Read + Seek>,
+        budget: &mut Budget,
+        decode: fn(ElementType, &[u8]) -> Result<T, i128>,
+        extent: impl Fn(&[u64]) -> Option<Extent>,
+    ) -> Result<(Header, ElementType, Vec<[T; C]>), NpzError> {
         let array = self.array;
         let name = format!("{array}.npy");
         if archive.index_for_name(&name).is_none() {
@@ -241,28 +299,28 @@ impl Entry {
             found: header.descr.chars().take(40).collect(),
             wanted: self.wanted,
         })?;
-        let rows = match header.shape[..] {
-            [rows] if C == 1 => rows,
-            [rows, columns] if C > 1 && columns == C as u64 => rows,
-            _ => return Err(NpzError::Shape { array, shape: header.shape, wanted: self.shape }),
+        let Some(Extent { tuples, row }) = extent(&header.shape) else {
+            return Err(NpzError::Shape { array, shape: header.shape, wanted: self.shape });
         };
-        let limit = self.limit;
+        let (rows, limit) = (tuples / row, self.limit);
         if rows > limit {
             return Err(NpzError::Rows { array, rows, limit });
         }
-        // Known before anything is allocated: rows are below 2^32, so this cannot overflow.
-        let wanted = counted.count + rows * (C * element.size) as u64;
+        // Known before anything is allocated: tuples are below 2^32, so this cannot overflow.
+        let wanted = counted.count + tuples * (C * element.size) as u64;
         if wanted != held {
             return Err(NpzError::Length { array, wanted, held });
         }
         // A compressed entry may be a thousandth of what it unpacks to.
-        let needed = budget.used.saturating_add(rows * self.row_bytes);
+        let needed = budget.used.saturating_add(tuples * self.row_bytes);
         if needed > budget.limit {
             return Err(NpzError::TooLarge { array, rows, needed, limit: budget.limit });
         }
         budget.used = needed;
         let order = if header.fortran_order { Order::Columns } else { Order::Rows };
-        Elements { array, rows: rows as usize, element, decode }.read(entry, order)
+        let elements = Elements { array, rows: tuples as usize, row: row as usize, element, decode };
+        let tuples = elements.read(entry, order)?;
+        Ok((header, element, tuples))
     }
 }
 
@@ -276,6 +334,8 @@ enum Order {
 struct Elements<T> {
     array: &'static str,
     rows: usize,
+    /// How many of them make a row of a message.
+    row: usize,
     element: ElementType,
     decode: fn(ElementType, &[u8]) -> Result<T, i128>,
 }
@@ -306,7 +366,7 @@ impl<T: Copy + Default> Elements<T> {
 
     fn data(&self, row: usize, source: io::Error) -> NpzError {
         let array = self.array;
-        NpzError::Data { array, row, source }
+        NpzError::Data { array, row: row / self.row, source }
     }
 
     fn set<const C: usize>(
@@ -316,7 +376,8 @@ impl<T: Copy + Default> Elements<T> {
         set: impl FnOnce(&mut [T; C]),
     ) -> Result<(), NpzError> {
         if row >= all.len() {
-            all.try_reserve(1).map_err(|_| NpzError::Memory { array: self.array, rows: self.rows as u64 })?;
+            all.try_reserve(1)
+                .map_err(|_| NpzError::Memory { array: self.array, rows: (self.rows / self.row) as u64 })?;
             all.resize(row + 1, [T::default(); C]);
         }
         set(&mut all[row]);
@@ -339,7 +400,7 @@ impl<T: Copy + Default> Elements<T> {
                 for (value, bytes) in values.iter_mut().zip(tuple.chunks_exact(size)) {
                     *value = (self.decode)(self.element, bytes).map_err(|index| NpzError::Index {
                         array: self.array,
-                        row,
+                        row: row / self.row,
                         index,
                     })?;
                 }
@@ -350,8 +411,18 @@ impl<T: Copy + Default> Elements<T> {
     }
 }
 
+/// Values that lie with the first dimension innermost, with the last innermost.
+fn in_c_order<T: Copy>(values: &[T], shape: &[u64]) -> Vec<T> {
+    let mut sides = [1, 1, 1];
+    sides.iter_mut().rev().zip(shape.iter().rev()).for_each(|(side, &given)| *side = given as usize);
+    let [planes, rows, columns] = sides;
+    let places = (0..planes).flat_map(|plane| (0..rows).map(move |row| plane + planes * row));
+    let places = places.flat_map(|first| (0..columns).map(move |column| first + planes * rows * column));
+    places.filter_map(|place| values.get(place).copied()).collect()
+}
+
 /// Up to eight bytes as a little-endian number's low bytes.
-fn raw(element: ElementType, bytes: &[u8]) -> u64 {
+pub(super) fn raw(element: ElementType, bytes: &[u8]) -> u64 {
     let mut low = [0; 8];
     for (i, &byte) in bytes.iter().enumerate() {
         low[if element.big_endian { bytes.len() - 1 - i } else { i }] = byte;
@@ -365,7 +436,7 @@ fn float(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
     Ok(f32::from_bits(raw(element, bytes) as u32))
 }
 
-fn index(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
+pub(super) fn index(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
     let value = raw(element, bytes);
     let value = if element.kind == 'i' {
         let unused = 64 - 8 * element.size as u32;
@@ -405,9 +476,20 @@ mod tests {
     }
 
     #[test]
+    fn the_last_dimension_becomes_the_innermost() {
+        let of = |shape: &[u64]| in_c_order(&(0..24).collect::<Vec<u32>>(), shape);
+        // Row r, column c of (4, 6) lies at r + 4 c.
+        assert_eq!(of(&[4, 6])[..8], [0, 4, 8, 12, 16, 20, 1, 5]);
+        // Plane p, row r, column c of (2, 3, 4) lies at p + 2 r + 6 c.
+        assert_eq!(of(&[2, 3, 4])[..13], [0, 6, 12, 18, 2, 8, 14, 20, 4, 10, 16, 22, 1]);
+        assert_eq!(of(&[24]), (0..24).collect::<Vec<u32>>());
+        assert_eq!(in_c_order(&[7], &[]), [7]);
+    }
+
+    #[test]
     fn columns_become_rows() {
         let bytes: Vec<u8> = vec![1, 4, 2, 5, 3, 6];
-        let elements = Elements { array: "faces", rows: 2, element: ElementType::U8, decode: index };
+        let elements = Elements { array: "faces", rows: 2, row: 1, element: ElementType::U8, decode: index };
         let rows = elements.read(bytes.as_slice(), Order::Columns).expect("six bytes are there");
         assert_eq!(rows, [[1, 2, 3], [4, 5, 6]]);
     }

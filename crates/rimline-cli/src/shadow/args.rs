@@ -1,15 +1,18 @@
 //! The command lines of `rimline shadow` and `rimline film`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use rimline::Counting;
 use rimline::gpu::DepthEdges;
 
+use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
-use crate::shadow::depth_shadows::FromDepth;
+use crate::shadow::depth_shadows::{FromDepth, MapSource};
+use crate::shadow::given_map::GivenMap;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -177,16 +180,32 @@ pub(crate) struct ShadowArgs {
         num_args = 0..=1,
         default_missing_value = "1024",
         value_parser = clap::value_parser!(u32).range(3..=4096),
-        conflicts_with_all = ["method", "volumes", "hide_covered"],
+        conflicts_with_all = ["method", "hide_covered"],
+        group = "depth_maps",
     )]
     pub(crate) from_depth: Option<u32>,
 
-    /// With --from-depth: which edges of a map bound shadows. `every` one; those where device depths differ by more than T, 0 to 1; or those where
-    /// distances along the map's view differ by more than T. A T that is too large turns shadows round in streaks
+    /// Let the depth map in this file cast the only shadows: one that any program made, with its projection. The models are lit from where it
+    /// was seen, and receive its shadows. With one --light, which must be there, they have its color and range. docs/formats.md has the arrays
     #[arg(
         long,
-        value_name = "every|differences=T|world=T",
-        requires = "from_depth",
+        value_name = "MAP.npz",
+        conflicts_with_all = ["method", "hide_covered", "area"],
+        group = "depth_maps",
+    )]
+    pub(crate) depth: Option<PathBuf>,
+
+    /// With --from-depth: also write PREFIX.<light>.npz for each light, its depth map with its projection, as --depth takes it
+    #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
+    pub(crate) save_depth: Option<PathBuf>,
+
+    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; those where device depths differ by more than T, 0 to 1;
+    /// those where distances along the map's view differ by more than T; or, with a file that has `objects`, those between objects, which --depth takes
+    /// with either T, too. What a map casts must then be among the models, at the same place. A T that is too large turns shadows round in streaks
+    #[arg(
+        long,
+        value_name = "every|differences=T|world=T|objects",
+        requires = "depth_maps",
         default_value = "every",
         value_parser = spec::detector,
     )]
@@ -198,8 +217,19 @@ pub(crate) struct ShadowArgs {
 }
 
 impl ShadowArgs {
-    pub(crate) fn depth_maps(&self) -> Option<FromDepth> {
-        self.from_depth.map(|side| FromDepth { side, edges: self.detector })
+    /// The depth maps that cast, if there are any. Reads the file of `--depth`.
+    pub(crate) fn depth_maps(&self) -> Result<Option<FromDepth>, Failure> {
+        let edges = self.detector;
+        let source = match (self.from_depth, &self.depth) {
+            (Some(_), _) if edges == DepthEdges::Outlines => return Err(UsageError::NoObjects.into()),
+            (Some(side), _) => MapSource::Drawn { side },
+            (None, Some(file)) => {
+                let limit = self.scene.load.memory_limit();
+                MapSource::Given(Arc::new(GivenMap::read(file, edges, limit)?))
+            }
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(FromDepth { source, edges }))
     }
 }
 
@@ -214,6 +244,7 @@ Examples:
   rimline shadow fox.glb --light point:50,150,100 --mask fox --json
   rimline shadow house.glb chairs.glb --hide-covered --volumes --out house.png
   rimline shadow fox.glb --from-depth 2048 --mask fox
+  rimline shadow room.glb --depth lamp.npz --volumes --out room.png
 "
 );
 
@@ -225,9 +256,9 @@ counts of all files together), may_wrap (the number of lights or samples whose c
 the stencil holds: places in their shadow may look lit), lights (a list of light, range, color and casters, a list of \
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
-count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth also \
-depth_map: side, maps and cells, those that the boundary of the shadow has triangles in; casting is then depth map and \
-counting parity), statistics (a list, one for each file, of file, skipped, every_face, \
+count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
+depth_map: size, side (null unless square), maps and cells, those that the boundary of the shadow has triangles in; casting is then depth map, \
+and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \

@@ -1,13 +1,13 @@
 //! The bodies on the GPU: they throw shadows, receive them and are drawn.
 
 use rimline::gpu::{Extraction, StageTimer};
-use rimline::{Light, ShadowCamera, wgpu};
+use rimline::wgpu;
 
 use super::covered::CoveredFaces;
 use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
-use super::shadows::{Shadows, VolumePipelines};
+use super::shadows::{CastInputs, Shadows, VolumePipelines, put};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
@@ -33,7 +33,8 @@ impl Casters {
         shows_volumes: bool,
     ) -> Result<Self, GpuError> {
         let shadows = Shadows::new(gpu, pipelines, max_lights)?;
-        Ok(Self { shadows, receivers: Vec::new(), shown: shows_volumes.then(Vec::new), casting: None, max_lights })
+        let shown = (shows_volumes && pipelines.has_mesh_volumes()).then(Vec::new);
+        Ok(Self { shadows, receivers: Vec::new(), shown, casting: None, max_lights })
     }
 
     /// Takes the bodies with the faces that they have now.
@@ -41,10 +42,8 @@ impl Casters {
         self.shadows.place(gpu, bodies)?;
         let Some(shown) = &mut self.shown else { return Ok(()) };
         for (number, body) in bodies.iter().enumerate() {
-            match shown.get_mut(number) {
-                Some(old) if old.is_of(body) => {}
-                Some(old) => *old = Extracted::new(gpu, body, self.max_lights)?,
-                None => shown.push(Extracted::new(gpu, body, self.max_lights)?),
+            if !shown.get(number).is_some_and(|old| old.is_of(body)) {
+                put(shown, number, Extracted::new(gpu, body, self.max_lights)?);
             }
         }
         Ok(())
@@ -77,12 +76,11 @@ impl Casters {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
+        inputs: CastInputs<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        self.shadows.encode(encoder, bodies, camera, lights, timer)?;
+        let CastInputs { bodies, lights, .. } = inputs;
+        self.shadows.encode(encoder, inputs, timer)?;
         for (shown, body) in self.shown.iter_mut().flatten().zip(bodies) {
             shown.encode(encoder, body, lights, None)?;
         }

@@ -1,39 +1,75 @@
-//! Shadows from depth maps that the lights see, which the command draws itself: `--from-depth`.
+//! Shadows from depth maps of the lights: those that the command draws itself, `--from-depth`, or one that the caller made, `--depth`.
 
 use std::sync::Arc;
 
-use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapFrame, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth,
-    ReadError, StageTimer, read_back_vec,
-};
+use rimline::gpu::{DepthEdges, DepthMapPipelines, MeshDepth, ReadError, StageTimer};
 use rimline::{DepthDirection, Light, ShadowCamera, wgpu};
 
+use super::depth_overlay::ShownDepths;
+use super::extracted::Extracted;
+use super::found::{FacingMasks, Found};
+use super::given_map::GivenMap;
+use super::light_depths::LightMaps;
 use super::light_maps::LightCameras;
-use super::posed_model::{PosedModel, Topology};
+use super::posed_model::PosedModel;
+use super::shadows::{CastInputs, parity, put};
 use crate::device::Gpu;
 use crate::failure::{Failure, UsageError};
 use crate::gpu_error::GpuError;
+use crate::npz::DepthMapArrays;
 
 /// Floats tell the same part of any distance apart with reversed depth.
-const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What `--from-depth` and `--detector` ask for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What `--from-depth` or `--depth`, and `--detector` ask for.
+#[derive(Clone, Debug)]
 pub(crate) struct FromDepth {
-    /// Texels of a map, each way.
-    pub(crate) side: u32,
+    pub(crate) source: MapSource,
     pub(crate) edges: DepthEdges,
+}
+
+/// Where maps come from.
+#[derive(Clone, Debug)]
+pub(crate) enum MapSource {
+    /// Each light sees the models in maps of `side` texels each way.
+    Drawn { side: u32 },
+    /// The only light has this.
+    Given(Arc<GivenMap>),
 }
 
 impl FromDepth {
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the same.
-    pub(crate) fn check(self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
+    pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
+        let MapSource::Drawn { side } = self.source else { return Ok(()) };
         if !matches!(self.edges, DepthEdges::Differences { .. }) {
             return Ok(());
         }
         let points = points(bodies);
-        let is_cube = |light: &Light| matches!(LightCameras::new(light, &points, self.side), LightCameras::Cube(_));
+        let is_cube = |light: &Light| matches!(LightCameras::new(light, &points, side), LightCameras::Cube(_));
         lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
+    }
+
+    /// Texels of a map across and down.
+    pub(super) fn size(&self) -> [u32; 2] {
+        match &self.source {
+            MapSource::Drawn { side } => [*side; 2],
+            MapSource::Given(map) => map.size,
+        }
+    }
+
+    pub(crate) fn given(&self) -> Option<&GivenMap> {
+        match &self.source {
+            MapSource::Drawn { .. } => None,
+            MapSource::Given(map) => Some(map),
+        }
+    }
+
+    /// An error that a given map is the reason of, where there is one.
+    fn failed(&self, error: GpuError) -> GpuError {
+        match self.given() {
+            Some(map) => error.of_map(&map.file),
+            None => error,
+        }
     }
 }
 
@@ -50,51 +86,47 @@ pub(crate) struct DepthFound {
     pub(crate) cells: u32,
 }
 
+/// What was found in the maps of all lights.
+pub(crate) struct DepthsFound {
+    /// Texels of a map across and down.
+    pub(crate) size: [u32; 2],
+    pub(crate) lights: Vec<DepthFound>,
+}
+
 pub(crate) struct DepthShadows {
-    device: wgpu::Device,
     pipelines: Arc<DepthMapPipelines>,
     pub(super) from: FromDepth,
-    /// Of each file, with what its faces were made of.
-    meshes: Vec<(Vec<Topology>, MeshDepth)>,
+    max_lights: usize,
+    files: Vec<File>,
     /// Of each light, from the first encode on.
     lights: Vec<LightMaps>,
 }
 
-struct LightMaps {
-    maps: Maps,
-    /// For each of the maps.
-    views: Vec<wgpu::TextureView>,
-    frame: Option<DepthMapFrame>,
-}
-
-enum Maps {
-    One(Box<DepthMapVolumes>),
-    Cube(Box<DepthMapCube>),
+/// The triangles of a file.
+struct File {
+    /// Where the command draws the maps.
+    depth: Option<MeshDepth>,
+    /// Which of them are turned to the lights.
+    surface: Extracted,
 }
 
 impl DepthShadows {
-    pub(super) fn new(gpu: &Gpu, pipelines: &Arc<DepthMapPipelines>, from: FromDepth) -> Self {
-        Self {
-            device: gpu.device.clone(),
-            pipelines: Arc::clone(pipelines),
-            from,
-            meshes: Vec::new(),
-            lights: Vec::new(),
-        }
+    pub(super) fn new(pipelines: &Arc<DepthMapPipelines>, from: &FromDepth, max_lights: usize) -> Self {
+        let (files, lights) = (Vec::new(), Vec::new());
+        Self { pipelines: Arc::clone(pipelines), from: from.clone(), max_lights, files, lights }
     }
 
     pub(super) fn place(&mut self, gpu: &Gpu, bodies: &[PosedModel<'_>]) -> Result<(), Failure> {
         for (number, body) in bodies.iter().enumerate() {
-            if self.meshes.get(number).is_some_and(|(topologies, _)| *topologies == body.topologies) {
+            if self.files.get(number).is_some_and(|file| file.surface.is_of(body)) {
                 continue;
             }
             let mesh = body.triangles()?.map_or_else(|| body.mesh(), Ok)?;
-            let made = MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
-            let made = (body.topologies.clone(), made.map_err(|error| GpuError::from(error).on(gpu))?);
-            match self.meshes.get_mut(number) {
-                Some(old) => *old = made,
-                None => self.meshes.push(made),
-            }
+            let depth = || MeshDepth::new(&gpu.pipelines, &mesh, MAP, DepthDirection::Reversed);
+            let depth = matches!(self.from.source, MapSource::Drawn { .. }).then(depth).transpose();
+            let depth = depth.map_err(|error| GpuError::from(error).on(gpu))?;
+            let surface = Extracted::of_mesh(gpu, &mesh, body, self.max_lights)?;
+            put(&mut self.files, number, File { depth, surface });
         }
         Ok(())
     }
@@ -102,50 +134,33 @@ impl DepthShadows {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
+        CastInputs { gpu, bodies, camera, lights }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
-        let points = points(bodies);
-        for (number, light) in lights.iter().enumerate() {
-            let cameras = LightCameras::new(light, &points, self.from.side);
-            let fits = |maps: &LightMaps| match (&maps.maps, &cameras) {
-                (Maps::One(_), LightCameras::One(_)) | (Maps::Cube(_), LightCameras::Cube(_)) => true,
-                (Maps::One(_), LightCameras::Cube(_)) | (Maps::Cube(_), LightCameras::One(_)) => false,
-            };
-            if !self.lights.get(number).is_some_and(fits) {
-                let made = LightMaps::new(&self.device, &self.pipelines, self.from, &cameras)?;
-                match self.lights.get_mut(number) {
-                    Some(old) => *old = made,
-                    None => self.lights.push(made),
-                }
-            }
-            let Some(maps) = self.lights.get_mut(number) else { continue };
-            let eyes = match &cameras {
-                LightCameras::One(camera) => std::slice::from_ref(camera),
-                LightCameras::Cube(cameras) => &cameras[..],
-            };
-            for (view, eye) in maps.views.iter().zip(eyes) {
-                let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.render_pass("mesh_depth"));
-                let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("depth map"),
-                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                        view,
-                        depth_ops: Some(ops),
-                        stencil_ops: None,
-                    }),
-                    timestamp_writes,
-                    ..Default::default()
-                });
-                for ((_, mesh), body) in self.meshes.iter().zip(bodies) {
-                    mesh.draw(&mut pass, body.positions.buffer(), eye)?;
-                }
-            }
-            maps.frame = Some(maps.find(encoder, &cameras, camera, timer.as_deref_mut())?);
+        for (file, body) in self.files.iter_mut().zip(bodies) {
+            file.surface.encode(encoder, body, lights, timer.as_deref_mut())?;
         }
-        self.lights.truncate(lights.len());
+        let points = points(bodies);
+        let Self { pipelines, from, files, lights: made, .. } = self;
+        for (number, light) in lights.iter().enumerate() {
+            let cameras = match &from.source {
+                MapSource::Drawn { side } => LightCameras::new(light, &points, *side),
+                MapSource::Given(map) => map.cameras.clone(),
+            };
+            if !made.get(number).is_some_and(|maps| maps.fits(&cameras)) {
+                let maps = LightMaps::new(gpu, pipelines, from, &cameras).map_err(|error| from.failed(error))?;
+                put(made, number, maps);
+            }
+            let Some(maps) = made.get_mut(number) else { continue };
+            if let MapSource::Drawn { .. } = from.source {
+                for (view, eye) in maps.views.iter().zip(cameras.all()) {
+                    draw_map(encoder, (view, eye), files, bodies, timer.as_deref_mut())?;
+                }
+            }
+            let found = maps.find(gpu, encoder, &cameras, camera, timer.as_deref_mut());
+            found.map_err(|error| from.failed(error))?;
+        }
+        made.truncate(lights.len());
         Ok(())
     }
 
@@ -161,71 +176,59 @@ impl DepthShadows {
         }
     }
 
-    /// What was found for each light. Waits for the device.
-    pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<DepthFound>, ReadError> {
-        let of_light = |LightMaps { maps, views, .. }: &LightMaps| {
-            let list = match maps {
-                Maps::One(volumes) => volumes.cells(),
-                Maps::Cube(cube) => cube.cells(),
-            };
-            let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, list)?;
-            Ok(DepthFound { maps: views.len(), cells: list.first().copied().unwrap_or(0) })
+    pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
+        self.files.iter().zip(bodies).map(|(file, body)| file.surface.facing(body)).collect()
+    }
+
+    /// What was found for each file: no volumes. Waits for the device.
+    pub(super) fn found_of_files(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
+        let of_file = |file: &File| {
+            let (silhouettes, extraction) = file.surface.found(gpu, self.max_lights)?;
+            let lights = vec![bytemuck::Zeroable::zeroed(); self.max_lights];
+            Ok(Found { lights, silhouettes, extraction, shadow: parity(), is_whole: true })
         };
-        self.lights.iter().map(of_light).collect()
+        self.files.iter().map(of_file).collect()
+    }
+
+    /// What was found. Waits for the device.
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthsFound, ReadError> {
+        let lights = self.lights.iter().map(|maps| maps.found(gpu)).collect::<Result<_, _>>()?;
+        Ok(DepthsFound { size: self.from.size(), lights })
+    }
+
+    pub(super) fn shown(&self, light: usize) -> Option<ShownDepths<'_>> {
+        self.lights.get(light).and_then(LightMaps::shown)
+    }
+
+    /// The maps of a light as they were drawn. Waits for the device.
+    pub(super) fn saved(&self, gpu: &Gpu, light: usize) -> Result<Option<DepthMapArrays>, GpuError> {
+        self.lights.get(light).map(|maps| maps.saved(gpu)).transpose()
     }
 }
 
-impl LightMaps {
-    fn new(
-        device: &wgpu::Device,
-        pipelines: &DepthMapPipelines,
-        FromDepth { side, edges }: FromDepth,
-        cameras: &LightCameras,
-    ) -> Result<Self, GpuError> {
-        let options = DepthMapOptions { edges, ..DepthMapOptions::default() };
-        let (maps, count) = match cameras {
-            LightCameras::One(_) => (Maps::One(Box::new(DepthMapVolumes::new(pipelines, [side; 2], options)?)), 1),
-            LightCameras::Cube(cameras) => {
-                (Maps::Cube(Box::new(DepthMapCube::new(pipelines, side, cameras, options)?)), 6)
-            }
-        };
-        let view = |_| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("depth map"),
-                size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: MAP,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
-        };
-        Ok(Self { maps, views: (0..count).map(view).collect(), frame: None })
-    }
-
-    fn find(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cameras: &LightCameras,
-        eye: &ShadowCamera,
-        timer: Option<&mut StageTimer>,
-    ) -> Result<DepthMapFrame, GpuError> {
-        let mut views = self.views.iter();
-        match (&mut self.maps, cameras) {
-            (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
-                cube.set_cameras(cameras)?;
-                Ok(cube.encode(encoder, [0; 6].map(|_| views.next()), eye, timer)?)
-            }
-            (Maps::One(volumes), LightCameras::One(light)) => {
-                let Some(texture) = views.next() else {
-                    return Err(rimline::gpu::DepthMapDrawError::StaleFrame.into());
-                };
-                Ok(volumes.encode(encoder, &DepthMap { texture, light: *light }, eye, timer)?)
-            }
-            // `encode` makes maps that fit.
-            _ => Err(rimline::gpu::DepthMapDrawError::StaleFrame.into()),
+/// Draws all files as a light sees them.
+fn draw_map(
+    encoder: &mut wgpu::CommandEncoder,
+    (view, eye): (&wgpu::TextureView, &ShadowCamera),
+    files: &[File],
+    bodies: &[PosedModel<'_>],
+    timer: Option<&mut StageTimer>,
+) -> Result<(), GpuError> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("depth map"),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(ops),
+            stencil_ops: None,
+        }),
+        timestamp_writes: timer.and_then(|timer| timer.render_pass("mesh_depth")),
+        ..Default::default()
+    });
+    for (file, body) in files.iter().zip(bodies) {
+        if let Some(depth) = &file.depth {
+            depth.draw(&mut pass, body.positions.buffer(), eye)?;
         }
     }
+    Ok(())
 }

@@ -1,8 +1,10 @@
 //! The extraction of a single file's mesh.
 
-use rimline::gpu::{Extraction, Extractor, ExtractorOptions, StageTimer};
+use rimline::gpu::{Extraction, Extractor, ExtractorOptions, ReadError, StageTimer, read_back_vec};
+use rimline::reference::layout::ExtractionStatistics;
 use rimline::{Light, Mesh, wgpu};
 
+use super::found::{FacingMasks, FacingRun};
 use super::posed_model::{PosedModel, Topology};
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -43,5 +45,21 @@ impl Extracted {
     ) -> Result<&Extraction, GpuError> {
         let extraction = self.extractor.encode(encoder, body.positions.buffer(), lights, timer)?;
         Ok(self.extraction.insert(extraction))
+    }
+
+    /// Where the facing masks of the body's faces lie.
+    pub(super) fn facing(&self, body: &PosedModel<'_>) -> FacingMasks {
+        let faces = 0..body.faces.len() as u32;
+        let facing = self.extractor.results().facing.to_vec();
+        FacingMasks { slots: faces.clone().collect(), runs: vec![FacingRun { faces, facing }] }
+    }
+
+    /// The silhouette edges of each light, and the statistics. Waits for the device.
+    pub(super) fn found(&self, gpu: &Gpu, lights: usize) -> Result<(Vec<u32>, ExtractionStatistics), ReadError> {
+        let results = self.extractor.results();
+        let mut silhouettes: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, results.counts)?;
+        silhouettes.truncate(lights);
+        let statistics: Vec<ExtractionStatistics> = read_back_vec(&gpu.device, &gpu.queue, results.statistics)?;
+        Ok((silhouettes, statistics.first().copied().unwrap_or(bytemuck::Zeroable::zeroed())))
     }
 }

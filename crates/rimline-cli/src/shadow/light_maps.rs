@@ -1,6 +1,6 @@
 //! The cameras of a light's depth map: one that sees all casters, or six around the light.
 
-use glam::{DMat4, DVec3, DVec4, Vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::gpu::DepthMapCube;
 use rimline::{DepthDirection, Light, ShadowCamera};
 
@@ -71,6 +71,31 @@ impl LightCameras {
         Self::One(camera(rows, centre))
     }
 
+    /// The cameras of the maps.
+    pub(super) fn all(&self) -> &[ShadowCamera] {
+        match self {
+            Self::One(camera) => std::slice::from_ref(camera),
+            Self::Cube(cameras) => &cameras[..],
+        }
+    }
+
+    /// The light: the place that the maps are seen from, or the direction towards it. The cameras have passed their check.
+    pub(super) fn light(&self) -> Light {
+        let Some(camera) = self.all().first() else { return Light::directional([0.0; 3]) };
+        let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4();
+        let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
+        if w.truncate() == DVec3::ZERO {
+            // The way that keeps x and y; depth grows along it, or falls where it is reversed.
+            let way = x.truncate().cross(y.truncate()).normalize_or_zero();
+            let is_away = (way.dot(z.truncate()) * w.w > 0.0) == (camera.depth == DepthDirection::Standard);
+            return Light::directional((if is_away { -way } else { way }).as_vec3().into());
+        }
+        // The place where x, y and w are 0.
+        let rows = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+        let place = rows.inverse() * -DVec3::new(x.w, y.w, w.w);
+        Light::point((place + Vec3::from(camera.origin).as_dvec3()).as_vec3().into())
+    }
+
     fn around(centre: Vec3, place: DVec3, extent: f64, side: u32) -> Self {
         let near = (1e-4 * extent).max(f64::from(f32::MIN_POSITIVE)) as f32;
         let place = (centre.as_dvec3() + place).as_vec3().to_array();
@@ -96,6 +121,31 @@ mod tests {
             [at[0] + sign(0), at[1] + sign(1), at[2] + sign(2)]
         };
         (0..8).map(corner).collect()
+    }
+
+    #[test]
+    fn a_light_is_where_its_maps_look_from() {
+        let points = corners(1.0, [10.0, 0.0, 0.0]);
+        for light in [
+            Light::point([10.0, 5.0, 0.0]),
+            Light::point([13.0, 1.0, 4.0]),
+            Light::point([10.5, 0.1, 0.0]),
+            Light::directional([0.3, 1.0, -2.0]),
+            Light::directional([0.0, -1.0, 0.0]),
+        ] {
+            let cameras = LightCameras::new(&light, &points, 64);
+            let found = cameras.light();
+            let unit = |light: &Light| {
+                Vec3::from(light.xyz) / if light.w == 0.0 { Vec3::from(light.xyz).length() } else { 1.0 }
+            };
+            assert_eq!(found.w, light.w, "{light:?}");
+            assert!((unit(&found) - unit(&light)).length() < 1e-4, "{light:?}: {found:?}");
+            // Negative control: depth the other way round is seen from the other side.
+            let LightCameras::One(mut camera) = cameras else { continue };
+            camera.depth = DepthDirection::Standard;
+            let other = LightCameras::One(camera).light();
+            assert_eq!((unit(&other) - unit(&light)).length() > 1.0, light.w == 0.0, "{light:?}: {other:?}");
+        }
     }
 
     /// All points are in the picture, between the near and the far plane.

@@ -23,7 +23,7 @@ pub(crate) struct Masks {
 }
 
 impl Masks {
-    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: ShadowMethod) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, resources: &RenderResources<'_>, method: &ShadowMethod) -> Result<Self, GpuError> {
         let finished =
             resources.factory.target("mask", resources.size, MASK.format, MASK.samples, TextureUsages::COPY_SRC);
         let color = finished.create_view(&wgpu::TextureViewDescriptor::default());

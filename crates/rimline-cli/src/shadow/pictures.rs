@@ -4,6 +4,7 @@ use rimline::wgpu;
 use wgpu::{ColorWrites, CompareFunction, LoadOp, PrimitiveTopology, StencilFaceState, TextureFormat, TextureUsages};
 
 use super::depth::depth_format;
+use super::depth_overlay::DepthOverlay;
 use super::part::{PARTS, Part};
 use super::receiver_pipelines::{ADD, MULTIPLY, Onto, ReceiverPipelines, Target, depth_state};
 use super::render_resources::{Attachments, DrawInputs, RenderResources};
@@ -33,14 +34,30 @@ pub(crate) struct Pictures {
     /// Marks what turns its back on the light, then shades what is marked or in shadow.
     shade: Option<[ReceiverPipelines; 2]>,
     tone: (wgpu::RenderPipeline, wgpu::BindGroup),
-    volume_overlay: Option<VolumeOverlay>,
+    overlay: Option<Overlay>,
+}
+
+/// Draws what bounds the shadows.
+enum Overlay {
+    Volumes(VolumeOverlay),
+    Depths(DepthOverlay),
+}
+
+impl Overlay {
+    fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target, method: &ShadowMethod) -> Self {
+        if method.has_depth_maps() {
+            Self::Depths(DepthOverlay::new(gpu, resources, target))
+        } else {
+            Self::Volumes(VolumeOverlay::new(gpu, resources, target))
+        }
+    }
 }
 
 impl Pictures {
     pub(crate) fn new(
         gpu: &Gpu,
         resources: &RenderResources<'_>,
-        method: ShadowMethod,
+        method: &ShadowMethod,
         mode: ModeArg,
         volumes: bool,
         in_parts: bool,
@@ -102,7 +119,7 @@ impl Pictures {
             }),
             tone: (cover("tone", &tone, &[&layout], Target { format, samples: 1 }, None), group),
             resolved: (!in_parts).then_some(light),
-            volume_overlay: volumes.then(|| VolumeOverlay::new(gpu, resources, linear)),
+            overlay: volumes.then(|| Overlay::new(gpu, resources, linear, method)),
         })
     }
 
@@ -143,8 +160,10 @@ impl Pictures {
             }
         }
         let mut pass = subject.begin(attachments.pass(encoder, "resolve", None, self.resolved.as_ref()));
-        if let Some(volume_overlay) = &self.volume_overlay {
-            volume_overlay.draw(&mut pass, resources, subject)?;
+        match &self.overlay {
+            Some(Overlay::Volumes(overlay)) => overlay.draw(&mut pass, resources, subject)?,
+            Some(Overlay::Depths(overlay)) => overlay.draw(&mut pass, resources, subject),
+            None => {}
         }
         Ok(())
     }

@@ -99,7 +99,7 @@ impl<'a> RenderResources<'a> {
         pass.set_bind_group(1, &self.lamp_group, &[light as u32 * STRIDE as u32]);
     }
 
-    pub(super) fn pipelines(gpu: &Gpu, target: Target, method: ShadowMethod) -> Result<VolumePipelines, GpuError> {
+    pub(super) fn pipelines(gpu: &Gpu, target: Target, method: &ShadowMethod) -> Result<VolumePipelines, GpuError> {
         let format = ShadowFormat {
             depth_stencil: depth_format(&gpu.device),
             samples: target.samples,

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::casters::Casters;
 use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
-use super::depth_shadows::{DepthFound, FromDepth};
+use super::depth_shadows::{DepthFound, DepthsFound};
 use super::found::Found;
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
@@ -41,8 +41,8 @@ pub(super) struct Report {
     covered: Option<Vec<HiddenStatistics>>,
     /// Covered faces that were left out.
     left_out: usize,
-    /// If maps of the lights cast: what was found in those of each.
-    depth: Option<(FromDepth, Vec<DepthFound>)>,
+    /// If maps of the lights cast.
+    depth: Option<DepthsFound>,
 }
 
 fn casting(light: &ShadowLight) -> &'static str {
@@ -130,12 +130,13 @@ impl Report {
             if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
                 of_light["covered"] = covered_json(covered);
             }
-            if let Some((FromDepth { side, .. }, found)) = &self.depth {
+            if let Some(DepthsFound { size, lights: found }) = &self.depth {
                 let of_sample = |at: usize| found.get(at).copied();
                 let each =
                     |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
+                let side = (size[0] == size[1]).then_some(size[0]);
                 let (maps, cells) = (each(|found| found.maps.into()), each(|found| found.cells.into()));
-                of_light["depth_map"] = json!({ "side": side, "maps": maps, "cells": cells });
+                of_light["depth_map"] = json!({ "size": size, "side": side, "maps": maps, "cells": cells });
             }
             of_light
         };
@@ -170,7 +171,7 @@ impl Report {
         let [set_up, work] = times.set_up_and_work();
         let report = json!({
             "adapter": self.adapter,
-            "method": value_name(&args.method),
+            "method": if self.depth.is_some() { "parity".to_owned() } else { value_name(&args.method) },
             "mode": value_name(&args.mode),
             "files": self.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
             "faces": self.files.iter().map(|file| file.faces).collect::<Vec<_>>(),
@@ -200,7 +201,8 @@ impl Report {
         self.all.into()
     }
 
-    pub(super) fn text(&self, written: &[PathBuf], size: [u32; 2], times: &Times) -> String {
+    /// `pictures` of this size and `archives` were written.
+    pub(super) fn text(&self, [pictures, archives]: &[Vec<PathBuf>; 2], size: [u32; 2], times: &Times) -> String {
         let mut text = String::new();
         let mut line = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<18} {value}");
@@ -218,7 +220,7 @@ impl Report {
                 line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
-        for (light, DepthFound { maps, cells }) in self.depth.iter().flat_map(|(_, found)| found).enumerate() {
+        for (light, DepthFound { maps, cells }) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {
             let maps = if *maps == 1 { "one map".to_owned() } else { format!("{maps} maps") };
             line("depth map", &format!("light {light}: {maps}, {cells} cells with a border of the shadow"));
         }
@@ -231,8 +233,11 @@ impl Report {
         }
         line("milliseconds", &times.sums());
         line("by stage", &times.text());
-        for file in written {
+        for file in pictures {
             let _ = writeln!(text, "{}", crate::image::wrote(file, size));
+        }
+        for file in archives {
+            let _ = writeln!(text, "wrote {}", Line(file.display()));
         }
         text
     }

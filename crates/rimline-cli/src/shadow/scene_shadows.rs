@@ -8,10 +8,11 @@ use rimline::gpu::{
     Caster, CasterHandle, LightHandle, MeshHandle, Scene, SceneError, SceneFrame, SceneOptions, ScenePipelines,
     StageTimer,
 };
-use rimline::{Counting, Light, ShadowCamera, wgpu};
+use rimline::{Counting, Light, wgpu};
 
 use super::covered::{CoveredFaces, VERSION};
 use super::posed_model::{PosedModel, Topology};
+use super::shadows::CastInputs;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
@@ -77,8 +78,7 @@ impl SceneShadows {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        camera: &ShadowCamera,
-        lights: &[Light],
+        CastInputs { camera, lights, .. }: CastInputs<'_>,
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         self.set_lights(lights)?;

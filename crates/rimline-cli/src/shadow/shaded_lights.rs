@@ -59,11 +59,12 @@ pub(crate) struct SceneBounds {
 }
 
 impl ShadedLight {
-    /// The lights of the command line, or the one that is there by default.
+    /// The lights of the command line, or else `own`, or the one that is there by default.
     pub(crate) fn all(
         args: &ShadowSceneArgs,
         first: &PosedModel<'_>,
         stage: &SceneBounds,
+        own: Option<Light>,
     ) -> Result<Vec<Self>, Failure> {
         let mut chosen = Vec::new();
         for spec in &args.lights {
@@ -77,7 +78,7 @@ impl ShadedLight {
         let mut shaded_lights: Vec<Self> =
             chosen.iter().map(|(spec, chosen)| Self::new(spec, chosen, brightest, stage)).collect();
         if shaded_lights.is_empty() {
-            let light = default_light(args, stage);
+            let light = own.unwrap_or_else(|| default_light(args, stage));
             shaded_lights.push(Self {
                 light,
                 color: DEFAULT_COLOR,

@@ -14,6 +14,7 @@ use super::part::{PARTS, Part};
 use super::posed_model::{PosedModel, animations};
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
+use super::shadows::CastInputs;
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};
@@ -100,11 +101,12 @@ pub(crate) struct ShadowScene<'a> {
 }
 
 impl<'a> ShadowScene<'a> {
-    /// `points` are those that the camera must see, if it is not given.
+    /// `points` are those that the camera must see, if it is not given. `own_light` is the light if none is given.
     pub(crate) fn new(
         args: &'a ShadowSceneArgs,
         bodies: Vec<PosedModel<'a>>,
         points: &[[f32; 3]],
+        own_light: Option<Light>,
     ) -> Result<Self, Failure> {
         let first = &bodies[0];
         let failed = Failure::input(&first.input.file);
@@ -116,7 +118,7 @@ impl<'a> ShadowScene<'a> {
             ground: args.ground.unwrap_or_else(|| ground(&bounds)),
             bounds,
         };
-        let shaded_lights = ShadedLight::all(args, first, &stage)?;
+        let shaded_lights = ShadedLight::all(args, first, &stage, own_light)?;
         let samples = args.samples();
         if shaded_lights.len() * samples > MAX_LIGHTS {
             let (lights, limit) = (shaded_lights.len(), MAX_LIGHTS);
@@ -159,6 +161,12 @@ impl<'a> ShadowScene<'a> {
 
     pub(crate) fn ranged(&self) -> Vec<Light> {
         self.shaded_lights.iter().flat_map(ShadedLight::ranged).collect()
+    }
+
+    /// The numbers of a light's samples among those of all.
+    pub(super) fn samples_of(&self, light: usize) -> std::ops::Range<usize> {
+        let count = |lights: usize| self.shaded_lights.iter().take(lights).map(|shaded| shaded.samples.len()).sum();
+        count(light)..count(light + 1)
     }
 
     pub(crate) fn samples(&self) -> usize {
@@ -231,7 +239,8 @@ impl<'a> ShadowScene<'a> {
         timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         resources.set(gpu, &self.frame(), &self.shaded_light_data());
-        casters.encode(encoder, &self.bodies, &part_camera(&self.camera, &self.part), &self.ranged(), timer)
+        let (camera, lights) = (part_camera(&self.camera, &self.part), self.ranged());
+        casters.encode(encoder, CastInputs { gpu, bodies: &self.bodies, camera: &camera, lights: &lights }, timer)
     }
 }
 
@@ -264,9 +273,9 @@ fn near(camera: &Camera, stage: &SceneBounds, points: &[[f32; 3]]) -> f32 {
     wanted.min(most).max(1e-6 * nearest.max(least))
 }
 
-/// `PREFIX.<light>.png`.
-pub(crate) fn mask_file(prefix: &Path, light: usize) -> std::path::PathBuf {
+/// `PREFIX.<light>.<ending>`.
+pub(crate) fn numbered(prefix: &Path, light: usize, ending: &str) -> std::path::PathBuf {
     let mut name = prefix.as_os_str().to_owned();
-    name.push(format!(".{light}.png"));
+    name.push(format!(".{light}.{ending}"));
     name.into()
 }

@@ -9,7 +9,8 @@ use rimline::reference::layout::ShadowStatistics;
 use rimline::{Counting, Light, ShadowCamera, wgpu};
 
 use super::covered::CoveredFaces;
-use super::depth_shadows::{DepthFound, DepthShadows, FromDepth};
+use super::depth_overlay::ShownDepths;
+use super::depth_shadows::{DepthShadows, DepthsFound, FromDepth};
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
 use super::scene_shadows::SceneShadows;
@@ -17,12 +18,33 @@ use super::single_casters::SingleCasters;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
+use crate::npz::DepthMapArrays;
+
+/// What maps have for a method of counting volumes of meshes, where one must be named.
+const NO_COUNTING: Counting = Counting::Auto;
 
 /// The bit of the stencil that maps turn round. Each light has a stencil of its own.
 const PARITY_BIT: u32 = 0;
 
+/// What throws shadows now, for whom, and from where.
+#[derive(Clone, Copy)]
+pub(crate) struct CastInputs<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) bodies: &'a [PosedModel<'a>],
+    pub(crate) camera: &'a ShadowCamera,
+    pub(crate) lights: &'a [Light],
+}
+
+/// Puts `made` in the place of what has this number, or behind the last.
+pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
+    match list.get_mut(number) {
+        Some(old) => *old = made,
+        None => list.push(made),
+    }
+}
+
 /// How shadows are counted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct ShadowMethod {
     pub(crate) counting: Counting,
     /// Each file is a caster by itself.
@@ -32,6 +54,11 @@ pub(crate) struct ShadowMethod {
 }
 
 impl ShadowMethod {
+    /// Whether maps of the lights cast instead of meshes.
+    pub(super) fn has_depth_maps(&self) -> bool {
+        self.from_depth.is_some()
+    }
+
     /// Scenes have neither ZP+ as published nor polygons.
     pub(crate) fn new(counting: Counting, bodies: &[PosedModel<'_>]) -> Self {
         let is_single = counting == Counting::ZpPlus2005 || bodies.iter().any(PosedModel::has_polygons);
@@ -49,24 +76,22 @@ impl ShadowMethod {
 pub(crate) enum VolumePipelines {
     Scene(Arc<ScenePipelines>),
     Single(Arc<ShadowPipelines>),
-    /// Maps of the lights cast. Which faces are turned to a light is found as without them.
-    Depth(Box<VolumePipelines>, Arc<DepthMapPipelines>, FromDepth),
+    /// Maps of the lights cast.
+    Depth(Arc<DepthMapPipelines>, FromDepth),
 }
 
 /// The casters of all files.
 pub(crate) enum Shadows {
     Scene(Box<SceneShadows>),
     Single(SingleCasters),
-    Depth(Box<Shadows>, Box<DepthShadows>),
+    Depth(Box<DepthShadows>),
 }
 
 impl VolumePipelines {
-    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: ShadowMethod) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, format: &ShadowFormat, method: &ShadowMethod) -> Result<Self, GpuError> {
         let (shared, counting) = (&gpu.pipelines, method.counting);
-        if let Some(from) = method.from_depth {
-            let maps = DepthMapPipelines::new(shared, format, PARITY_BIT)?;
-            let meshes = Self::new(gpu, format, method.with_depth_maps(None))?;
-            return Ok(Self::Depth(Box::new(meshes), Arc::new(maps), from));
+        if let Some(from) = &method.from_depth {
+            return Ok(Self::Depth(Arc::new(DepthMapPipelines::new(shared, format, PARITY_BIT)?), from.clone()));
         }
         Ok(if method.is_single {
             Self::Single(Arc::new(ShadowPipelines::new(shared, format, counting)?))
@@ -79,8 +104,13 @@ impl VolumePipelines {
         match self {
             Self::Scene(pipelines) => pipelines.counting(),
             Self::Single(pipelines) => pipelines.counting(),
-            Self::Depth(meshes, ..) => meshes.counting(),
+            Self::Depth(..) => NO_COUNTING,
         }
+    }
+
+    /// Whether there are volumes of meshes.
+    pub(super) fn has_mesh_volumes(&self) -> bool {
+        !matches!(self, Self::Depth(..))
     }
 }
 
@@ -91,10 +121,7 @@ impl Shadows {
                 Self::Scene(Box::new(SceneShadows::new(gpu, pipelines.counting(), max_lights)?))
             }
             VolumePipelines::Single(pipelines) => Self::Single(SingleCasters::new(pipelines, max_lights)),
-            VolumePipelines::Depth(meshes, maps, from) => {
-                let meshes = Self::new(gpu, meshes, max_lights)?;
-                Self::Depth(Box::new(meshes), Box::new(DepthShadows::new(gpu, maps, *from)))
-            }
+            VolumePipelines::Depth(maps, from) => Self::Depth(Box::new(DepthShadows::new(maps, from, max_lights))),
         })
     }
 
@@ -103,10 +130,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.place(gpu, bodies),
             Self::Single(single) => single.place(gpu, bodies),
-            Self::Depth(meshes, maps) => {
-                meshes.place(gpu, bodies)?;
-                maps.place(gpu, bodies)
-            }
+            Self::Depth(maps) => maps.place(gpu, bodies),
         }
     }
 
@@ -130,18 +154,13 @@ impl Shadows {
     pub(crate) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
-        mut timer: Option<&mut StageTimer>,
+        inputs: CastInputs<'_>,
+        timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         match self {
-            Self::Scene(scene) => scene.encode(encoder, camera, lights, timer),
-            Self::Single(single) => single.encode(encoder, bodies, camera, lights, timer),
-            Self::Depth(meshes, maps) => {
-                meshes.encode(encoder, bodies, camera, lights, timer.as_deref_mut())?;
-                maps.encode(encoder, bodies, camera, lights, timer)
-            }
+            Self::Scene(scene) => scene.encode(encoder, inputs, timer),
+            Self::Single(single) => single.encode(encoder, inputs, timer),
+            Self::Depth(maps) => maps.encode(encoder, inputs, timer),
         }
     }
 
@@ -155,7 +174,7 @@ impl Shadows {
         match (self, pipelines) {
             (Self::Scene(scene), VolumePipelines::Scene(pipelines)) => Ok(scene.draw(pass, pipelines, light)?),
             (Self::Single(single), VolumePipelines::Single(pipelines)) => Ok(single.draw(pass, pipelines, light)?),
-            (Self::Depth(_, maps), VolumePipelines::Depth(_, pipelines, _)) => maps.draw(pass, pipelines, light),
+            (Self::Depth(maps), VolumePipelines::Depth(pipelines, _)) => maps.draw(pass, pipelines, light),
             (_, pipelines) => {
                 let (volumes, pipelines) = (self.counting(), pipelines.counting());
                 Err(ShadowDrawError::Counting { volumes, pipelines }.into())
@@ -167,15 +186,31 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.counting,
             Self::Single(single) => single.counting(),
-            Self::Depth(meshes, _) => meshes.counting(),
+            Self::Depth(_) => NO_COUNTING,
         }
     }
 
-    /// What was found in the maps of each light, if they cast. Waits for the device.
-    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<(FromDepth, Vec<DepthFound>)>, ReadError> {
+    /// What was found in maps, if they cast. Waits for the device.
+    pub(super) fn depth_found(&self, gpu: &Gpu) -> Result<Option<DepthsFound>, ReadError> {
         match self {
             Self::Scene(_) | Self::Single(_) => Ok(None),
-            Self::Depth(_, maps) => Ok(Some((maps.from, maps.found(gpu)?))),
+            Self::Depth(maps) => maps.found(gpu).map(Some),
+        }
+    }
+
+    /// What an overlay shows of a light's maps, if they cast.
+    pub(super) fn shown_depths(&self, light: usize) -> Option<ShownDepths<'_>> {
+        match self {
+            Self::Scene(_) | Self::Single(_) => None,
+            Self::Depth(maps) => maps.shown(light),
+        }
+    }
+
+    /// The maps of a light as they were drawn, if they cast. Waits for the device.
+    pub(super) fn saved_maps(&self, gpu: &Gpu, light: usize) -> Result<Option<DepthMapArrays>, GpuError> {
+        match self {
+            Self::Scene(_) | Self::Single(_) => Ok(None),
+            Self::Depth(maps) => maps.saved(gpu, light),
         }
     }
 
@@ -184,7 +219,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.facing(gpu, bodies),
             Self::Single(single) => Ok(single.facing(bodies)),
-            Self::Depth(meshes, _) => meshes.facing(gpu, bodies),
+            Self::Depth(maps) => Ok(maps.facing(bodies)),
         }
     }
 
@@ -193,10 +228,7 @@ impl Shadows {
         match self {
             Self::Scene(scene) => scene.found(gpu),
             Self::Single(single) => Ok(single.found(gpu)?),
-            Self::Depth(meshes, _) => {
-                let volumes_of_none = |found| Found { shadow: parity(), is_whole: true, ..found };
-                Ok(meshes.found(gpu)?.into_iter().map(volumes_of_none).collect())
-            }
+            Self::Depth(maps) => Ok(maps.found_of_files(gpu)?),
         }
     }
 
@@ -211,6 +243,6 @@ impl Shadows {
 }
 
 /// No volume of a mesh, and a count of 0 or 1.
-fn parity() -> ShadowStatistics {
+pub(super) fn parity() -> ShadowStatistics {
     ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() }
 }

@@ -6,13 +6,14 @@ use rimline::gpu::{
     ReadError, ShadowDrawError, ShadowFrame, ShadowOptions, ShadowPipelines, ShadowVolumes, StageTimer, read_back_vec,
 };
 use rimline::reference::cpu;
-use rimline::reference::layout::{ExtractionStatistics, SeenLight, ShadowStatistics};
-use rimline::{Counting, Light, ShadowCamera, wgpu};
+use rimline::reference::layout::{SeenLight, ShadowStatistics};
+use rimline::{Counting, wgpu};
 
 use super::counts;
 use super::extracted::Extracted;
-use super::found::{FacingMasks, FacingRun, Found};
+use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
+use super::shadows::{CastInputs, put};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;
@@ -56,10 +57,7 @@ impl SingleCasters {
             let volumes = ShadowVolumes::new(&self.pipelines, &extracted.extractor, options)
                 .map_err(|error| GpuError::from(error).on(gpu))?;
             let caster = Caster { extracted, surface, volumes, frame: None };
-            match self.casters.get_mut(number) {
-                Some(old) => *old = caster,
-                None => self.casters.push(caster),
-            }
+            put(&mut self.casters, number, caster);
         }
         Ok(())
     }
@@ -67,9 +65,7 @@ impl SingleCasters {
     pub(super) fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        bodies: &[PosedModel<'_>],
-        camera: &ShadowCamera,
-        lights: &[Light],
+        CastInputs { bodies, camera, lights, .. }: CastInputs<'_>,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<(), GpuError> {
         for (Caster { extracted, surface, volumes, frame }, body) in self.casters.iter_mut().zip(bodies) {
@@ -96,10 +92,7 @@ impl SingleCasters {
 
     pub(super) fn facing(&self, bodies: &[PosedModel<'_>]) -> Vec<FacingMasks> {
         let of_file = |(caster, body): (&Caster, &PosedModel<'_>)| {
-            let faces = 0..body.faces.len() as u32;
-            let drawn = caster.surface.as_ref().unwrap_or(&caster.extracted);
-            let facing = drawn.extractor.results().facing.to_vec();
-            FacingMasks { slots: faces.clone().collect(), runs: vec![FacingRun { faces, facing }] }
+            caster.surface.as_ref().unwrap_or(&caster.extracted).facing(body)
         };
         self.casters.iter().zip(bodies).map(of_file).collect()
     }
@@ -107,17 +100,14 @@ impl SingleCasters {
     pub(super) fn found(&self, gpu: &Gpu) -> Result<Vec<Found>, ReadError> {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let of_file = |Caster { extracted, volumes, .. }: &Caster| {
-            let results = extracted.extractor.results();
-            let mut silhouettes: Vec<u32> = read_back_vec(device, queue, results.counts)?;
-            silhouettes.truncate(self.max_lights);
+            let (silhouettes, extraction) = extracted.found(gpu, self.max_lights)?;
             let mut seen: Vec<SeenLight> = read_back_vec(device, queue, volumes.seen())?;
             seen.truncate(self.max_lights);
             let words: Vec<u32> = read_back_vec(device, queue, volumes.choices())?;
-            let extraction: Vec<ExtractionStatistics> = read_back_vec(device, queue, results.statistics)?;
             Ok(Found {
                 lights: cpu::chosen(&volumes.shape(), &seen, &words),
                 silhouettes,
-                extraction: extraction.first().copied().unwrap_or(bytemuck::Zeroable::zeroed()),
+                extraction,
                 shadow: counts::read(gpu, volumes.statistics())?,
                 is_whole: true,
             })

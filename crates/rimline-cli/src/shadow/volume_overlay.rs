@@ -11,7 +11,10 @@ use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::render::pipeline_factory::Pass;
 
-/// Draws the volumes themselves.
+/// Fragment shaders of all volumes.
+pub(super) const GLASS: &str = include_str!("glass.wgsl");
+
+/// Draws the volumes of meshes themselves.
 pub(super) struct VolumeOverlay {
     layout: wgpu::BindGroupLayout,
     sides: wgpu::RenderPipeline,
@@ -21,7 +24,7 @@ pub(super) struct VolumeOverlay {
 impl VolumeOverlay {
     pub(super) fn new(gpu: &Gpu, resources: &RenderResources<'_>, target: Target) -> Self {
         let layout = results_bind_group_layout(&gpu.device, wgpu::ShaderStages::VERTEX);
-        let source = format!("{}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
+        let source = format!("{}\n{GLASS}\n{}", include_wgsl(2), include_str!("volumes.wgsl"));
         let format = depth_format(&gpu.device);
         let pipeline = |name, topology| {
             resources.factory.pipeline(&Pass {

@@ -6,11 +6,6 @@
   return corner(instance, (vertex & 1u) != 0u, vertex >= 2u);
 }
 
-struct Edge {
-  @builtin(position) clip: vec4<f32>,
-  @location(0) @interpolate(flat) opacity: f32,
-}
-
 @vertex fn edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
   // Many lines would hide everything.
   let opacity = 0.4 * min(1.0, 100.0 / f32(rimline_silhouettes(shaded.bit)));
@@ -35,18 +30,4 @@ fn corner(instance: u32, second: bool, far: bool) -> vec4<f32> {
     return direction_to_clip(shaded.light.w * from_eye(p) - shaded.light.xyz);
   }
   return to_clip(p);
-}
-
-fn tint() -> vec3<f32> {
-  let brightest = max(max(shaded.color.r, shaded.color.g), max(shaded.color.b, 1e-6));
-  return shaded.color / brightest;
-}
-
-@fragment fn volumes_fragment() -> @location(0) vec4<f32> {
-  let volume_overlay = mix(vec3<f32>(0.9, 0.62, 0.18), tint(), 0.75) * vec3<f32>(0.8, 0.62, 0.36);
-  return vec4<f32>(volume_overlay / frame.exposure, 0.14 * shaded.density);
-}
-
-@fragment fn edges_fragment(in: Edge) -> @location(0) vec4<f32> {
-  return vec4<f32>(vec3<f32>(0.35, 0.14, 0.02) * tint() / frame.exposure, in.opacity * shaded.density);
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::run::{folder, is_empty, rimline, with_signals};
 use super::schema::validate;
@@ -13,6 +13,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("bench::one_device_and_many_lights", on_the_cpu),
     ("bench::scenes_of_many_casters", many_casters),
     ("bench::scenes_that_measure_skipping", skipping),
+    ("bench::times_of_depth_maps_are_shown", depth_maps),
     ("bench::the_schema_is_printed", schema_is_printed),
     ("bench::wrong_options_write_nothing", wrong_options),
     #[cfg(unix)]
@@ -423,6 +424,52 @@ fn skipping() -> Outcome {
         let mut other = data.clone();
         *other.pointer_mut(pointer).ok_or_else(|| format!("nothing is at {pointer}"))? = wrong;
         ensure!(check_data(&other).is_err(), "a wrong {pointer} passed");
+    }
+    Ok(())
+}
+
+fn depth_maps() -> Outcome {
+    let folder = folder();
+    let (times, report) = (folder.path().join("times.json"), folder.path().join("report"));
+    let line = "bench --meshes none --scenes none --device cpu --depth-maps";
+    let bench = || {
+        let places = [times.as_os_str(), "--report".as_ref(), report.as_os_str()];
+        rimline(line.split(' ').map(AsRef::as_ref).chain(places))
+    };
+    let method = |name: &str, ms: f64| json!({ "name": name, "ms_of_rounds": [ms, 2.0 * ms, 3.0 * ms] });
+    let row = |faces: u64, ms: f64| {
+        let names = ["volumes of the mesh", "of the map, every cell", "lookup", "another"];
+        let methods: Vec<Value> = (1..).zip(names).map(|(times, name)| method(name, f64::from(times) * ms)).collect();
+        json!({ "faces": faces, "methods": methods })
+    };
+    let good = json!({
+        "format": "rimline-depth-map-casters",
+        "version": 1,
+        "device": "a device",
+        "size": 64,
+        "rows": [row(1000, 1.5), row(1_000_000, 40.0)],
+    });
+    std::fs::write(&times, good.to_string()).map_err(|error| error.to_string())?;
+    bench().expect(0, &[])?;
+    let data = read_json(&report.join("data.json"))?;
+    check_data(&data)?;
+    let first = &data["depth_maps"]["rows"][0]["methods"][2];
+    ensure!(first["name"] == "lookup" && first["frame_ms"]["median"] == 9.0, "{first:#}");
+    let html = check_report(&report)?;
+    ensure!(html.contains("a device") && html.contains("volumes of the depth map"), "the section is not there");
+    ensure!(report.join("depth_maps_against_meshes.png").exists(), "no plot");
+    // Refused before anything is written.
+    std::fs::remove_dir_all(&report).map_err(|error| error.to_string())?;
+    let mut negative = good.clone();
+    negative["rows"][1]["methods"][0]["ms_of_rounds"][1] = (-1.0).into();
+    let mut empty = good.clone();
+    empty["rows"] = json!([]);
+    let mut other = good.clone();
+    other["format"] = "rimline-bench".into();
+    for text in [negative.to_string(), empty.to_string(), other.to_string(), "{".to_owned(), "3".to_owned()] {
+        std::fs::write(&times, &text).map_err(|error| error.to_string())?;
+        bench().expect(1, &["times.json", "it is not what `cargo bench --bench depth_maps"])?;
+        ensure!(!report.exists(), "{text:.40}: a report");
     }
     Ok(())
 }

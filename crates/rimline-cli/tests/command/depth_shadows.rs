@@ -10,6 +10,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("depth_shadows::masks_are_those_of_meshes_but_for_borders", masks),
     ("depth_shadows::lights_among_the_models_have_six_maps", cube),
     ("depth_shadows::each_detector_draws_every_mode", modes),
+    ("depth_shadows::volumes_are_shown_as_those_of_meshes", volumes),
     ("depth_shadows::options_that_do_not_go_with_it_end_with_2", wrong_options),
 ];
 
@@ -41,7 +42,7 @@ fn masks() -> Outcome {
         run(folder.path(), &format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json"))
             .json()
     };
-    draw("mesh", "")?;
+    let mesh = draw("mesh", "")?;
     let found = draw("map", "--from-depth")?;
     draw("coarse", "--from-depth 8")?;
     for light in ["0", "1"] {
@@ -61,7 +62,13 @@ fn masks() -> Outcome {
         ensure!(map["cells"].as_u64().is_some_and(|cells| cells > 100_000), "{found:#}");
         ensure!(caster["casting"] == "depth map" && caster["counting"] == "parity", "{found:#}");
     }
-    ensure!(found["count_bound"] == 1 && found["may_wrap"] == 0, "{found:#}");
+    ensure!(found["count_bound"] == 1 && found["may_wrap"] == 0 && found["method"] == "parity", "{found:#}");
+    // No stage of volumes of meshes runs.
+    let stages = &found["milliseconds"];
+    for stage in ["reach", "clusters", "chunks", "choose", "caps", "bounds", "shadow_arguments"] {
+        ensure!(stages[stage].is_null(), "{stage}: {found:#}");
+    }
+    ensure!(mesh["method"] == "auto" && !mesh["milliseconds"]["choose"].is_null(), "{mesh:#}");
     Ok(())
 }
 
@@ -106,11 +113,40 @@ fn modes() -> Outcome {
     Ok(())
 }
 
+/// A ball's boundary is that of its mesh's volume, but for what lies behind its surface.
+fn volumes() -> Outcome {
+    let folder = models()?;
+    for (light, detector) in [("point:6,12,3", "every"), ("dir:-1,2,0.5", "world=0.5"), ("point:1.2,3.2,0.3", "every")]
+    {
+        let draw = |name: &str, options: &str| {
+            let line = format!("shadow @ball.npz {VIEW} --light {light} {options} --out @{name}.png");
+            run(folder.path(), &line).expect(0, &[])?;
+            Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
+        };
+        let from_depth = format!("--from-depth 512 --detector {detector}");
+        // Of squares of 8 × 8 pixels, so that lines do not count one by one.
+        let blurred = |bytes: &[u8]| {
+            let square = |at: usize| {
+                let (x, y) = (at % 20 * 8, at / 20 * 8);
+                let rows = (y..y + 8).map(|y| &bytes[3 * (160 * y + x)..3 * (160 * y + x + 8)]);
+                rows.flatten().map(|&byte| i64::from(byte)).sum::<i64>()
+            };
+            (0..300).map(square).collect::<Vec<_>>()
+        };
+        let apart =
+            |one: &[u8], other: &[u8]| blurred(one).iter().zip(blurred(other)).map(|(a, b)| a.abs_diff(b)).sum::<u64>();
+        let plain = draw("plain", &from_depth)?;
+        let (map, mesh) = (draw("map", &format!("{from_depth} --volumes"))?, draw("mesh", "--volumes")?);
+        let (shown, wrong) = (apart(&mesh, &plain), apart(&mesh, &map));
+        ensure!(2 * wrong < shown, "{light}: {wrong} apart, and {shown} where nothing is shown");
+    }
+    Ok(())
+}
+
 fn wrong_options() -> Outcome {
     let folder = models()?;
     for (options, part) in [
         ("--from-depth --method zp+", "--method"),
-        ("--from-depth --volumes", "--volumes"),
         ("--from-depth --hide-covered", "--hide-covered"),
         ("--detector every", "--from-depth"),
         ("--from-depth 2", "3..=4096"),

@@ -11,6 +11,8 @@ mod covered;
 mod depth_shadows;
 mod draw;
 mod fallback;
+mod given_depth;
+mod given_depth_wrong;
 mod info;
 mod inputs;
 mod instances;
@@ -68,6 +70,8 @@ fn main() {
         contract::TESTS,
         covered::TESTS,
         depth_shadows::TESTS,
+        given_depth::TESTS,
+        given_depth_wrong::TESTS,
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,

@@ -1,4 +1,4 @@
-//! `NumPy` archives: as models, with polygons, with lights, as points, and compared with another archive.
+//! `NumPy` archives: as models, with polygons, with lights, as points, as depth maps, and compared with another archive.
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write as _};
@@ -45,6 +45,22 @@ fn polygons(positions: &Array) -> Vec<Array> {
     ]
 }
 
+/// A depth map, or six, of two texels.
+fn depth_map(maps: &str, order: &str) -> Vec<Array> {
+    let count: usize = if maps.is_empty() { 1 } else { 6 };
+    let matrix = [1.0_f32, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, -1.0, 0.0];
+    let matrices: Vec<u8> = matrix.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>().repeat(count);
+    let depths: Vec<u8> = [0.5_f32, f32::NAN].iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>().repeat(count);
+    vec![
+        array("depth", "<f4", order, &format!("({maps}1, 2)"), &depths),
+        array("view_projection", "<f4", order, &format!("({maps}4, 4)"), &matrices),
+        array("origin", "<f4", "False", "(3,)", &[0; 12]),
+        array("reversed", "|b1", "False", "()", &[1]),
+        array("depth_bits", "|u1", "False", "(1,)", &[24]),
+        array("objects", "<u2", order, "(1, 2)", &[1, 0, 2, 0]),
+    ]
+}
+
 impl Seeds {
     pub(crate) fn new() -> Result<Self, String> {
         let little: Vec<u8> = POSITIONS.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
@@ -64,6 +80,8 @@ impl Seeds {
             vec![faces("<i2", 2, "False"), array("extra", "<c8", "False", "()", &[0; 8]), positions],
             vec![points.clone()],
             vec![packed(points)],
+            depth_map("", "False"),
+            depth_map("6, ", "True"),
             vec![
                 packed(array("positions", "<f4", "False", "(100000, 3)", &vec![0; 1_200_000])),
                 faces("|u1", 1, "False"),
@@ -119,6 +137,21 @@ impl Seeds {
         }
         let with_lights = npz::read_with_lights(Cursor::new(bytes), MEMORY_LIMIT);
         let points = npz::read_points(Cursor::new(bytes), MEMORY_LIMIT);
+        let map = npz::read_depth_map(Cursor::new(bytes), MEMORY_LIMIT, true, false);
+        let is_short = |map: &npz::DepthMapArrays| {
+            let texels = map.size[0] as usize * map.size[1] as usize;
+            let depths = match &map.depths {
+                npz::Depths::F32(depths) => depths.len(),
+                npz::Depths::U16(depths) => depths.len(),
+            };
+            let maps = map.view_projections.len();
+            depths != maps * texels
+                || ![1, 6].contains(&maps)
+                || map.objects.as_ref().is_some_and(|of| of.len() != texels)
+        };
+        if map.as_ref().is_ok_and(is_short) {
+            return Err("a depth map lacks values".to_owned());
+        }
         let is_equal = bytes == self.sound;
         match npz::compare(bytes, &self.sound) {
             Ok(differences) if differences.is_empty() != is_equal => return Err("a difference is missed".to_owned()),
@@ -128,7 +161,7 @@ impl Seeds {
         if let Some(error) = model.as_ref().err().filter(|error| error.to_string().len() > 4000) {
             return Err(format!("a long message: {error}"));
         }
-        Ok(model.is_ok() || with_lights.is_ok() || points.is_ok())
+        Ok(model.is_ok() || with_lights.is_ok() || points.is_ok() || map.is_ok())
     }
 }
 

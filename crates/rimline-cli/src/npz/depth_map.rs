@@ -1,0 +1,256 @@
+//! Depth maps with their projections, as `rimline shadow` takes and writes them.
+
+use std::io::{self, Read, Seek, Write};
+
+use zip::ZipArchive;
+
+use super::charge::GROWTH;
+use super::header::ElementType;
+use super::read::{Budget, Entry, NpzError, Values, index, is_float, is_integer, raw};
+use super::write::NpzWriter;
+
+/// The most texels of a map across or down.
+pub const MAX_SIDE: u32 = 4096;
+/// What a value takes: as read, in its own type, turned into C order, and on its way to the device.
+const VALUE: u64 = 4 * GROWTH + 12;
+
+/// Depths as the file has them, bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Depths {
+    /// Device depths.
+    F32(Vec<f32>),
+    /// Device depths in steps of 1 / 65,535.
+    U16(Vec<u16>),
+}
+
+/// One map, or six of a cube, and what they were drawn with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMapArrays {
+    /// Texels of a map across and down.
+    pub size: [u32; 2],
+    /// Map by map, row by row, the first row at the top.
+    pub depths: Depths,
+    /// For each map the rows of its matrix, from positions less the origin to clip space.
+    pub view_projections: Vec<[[f32; 4]; 4]>,
+    pub origin: [f32; 3],
+    /// Whether near is 1 and far is 0.
+    pub is_reversed: bool,
+    /// Bits that the depths were rounded to before, if it is said.
+    pub depth_bits: Option<u32>,
+    /// A number for each texel of one map, if they were asked for.
+    pub objects: Option<Vec<u32>>,
+}
+
+const DEPTH: Entry = Entry {
+    array: "depth",
+    shape: "(H, W) or (6, H, W), with H and W from 1 to 4096,",
+    limit: 6 * MAX_SIDE as u64,
+    row_bytes: VALUE,
+    wanted: "float32 or uint16 is needed (NumPy: `depth.astype('f4')`)",
+    accepts: |element| is_float(element) || matches!((element.kind, element.size), ('u', 2)),
+};
+const VIEW_PROJECTION: Entry = Entry {
+    array: "view_projection",
+    shape: "(4, 4), or (6, 4, 4) for six maps,",
+    limit: 24,
+    row_bytes: 64,
+    wanted: "float32 or float64 is needed",
+    accepts: is_real,
+};
+const ORIGIN: Entry =
+    Entry { array: "origin", shape: "(3,)", limit: 3, row_bytes: 64, wanted: VIEW_PROJECTION.wanted, accepts: is_real };
+const REVERSED: Entry = Entry {
+    array: "reversed",
+    shape: "()",
+    limit: 1,
+    row_bytes: 64,
+    wanted: "a bool is needed: whether near is 1 and far is 0 (NumPy: `reversed=True`)",
+    accepts: |element| is_integer(element) || matches!((element.kind, element.size), ('b', 1)),
+};
+const DEPTH_BITS: Entry = Entry {
+    array: "depth_bits",
+    shape: "()",
+    limit: 1,
+    row_bytes: 64,
+    wanted: "16, 24 or 32 is needed",
+    accepts: is_integer,
+};
+const OBJECTS: Entry = Entry {
+    array: "objects",
+    shape: "(H, W), as `depth` has it,",
+    limit: MAX_SIDE as u64,
+    row_bytes: VALUE,
+    wanted: "an integer type of 8 to 64 bits is needed (NumPy: `objects.astype('u4')`)",
+    accepts: is_integer,
+};
+
+fn is_real(element: ElementType) -> bool {
+    matches!((element.kind, element.size), ('f', 4 | 8))
+}
+
+/// Up to 32 bits, as they are.
+#[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
+fn bits(element: ElementType, bytes: &[u8]) -> Result<u32, i128> {
+    Ok(raw(element, bytes) as u32)
+}
+
+/// Rounded to the nearest `f32`.
+#[expect(clippy::unnecessary_wraps, reason = "it stands beside `index`, which may fail")]
+fn real(element: ElementType, bytes: &[u8]) -> Result<f32, i128> {
+    let raw = raw(element, bytes);
+    Ok(if element.size == 4 { f32::from_bits(raw as u32) } else { f64::from_bits(raw) as f32 })
+}
+
+/// Reads a depth map, or six, with what they were drawn with; either byte order, either array order. `objects` are read if `with_objects`, and are
+/// needed then if `needs_objects`. What takes more than `memory_limit` bytes is refused before it is read.
+pub fn read_depth_map(
+    reader: impl Read + Seek,
+    memory_limit: u64,
+    with_objects: bool,
+    needs_objects: bool,
+) -> Result<DepthMapArrays, NpzError> {
+    let mut archive = ZipArchive::new(reader).map_err(NpzError::Archive)?;
+    let (archive, budget) = (&mut archive, &mut Budget { limit: memory_limit, used: 0 });
+    let is_side = |side: &u64| (1..=u64::from(MAX_SIDE)).contains(side);
+    let fits = |shape: &[u64]| match shape {
+        [height, width] | [6, height, width] => [height, width].into_iter().all(is_side),
+        _ => false,
+    };
+    let Values { shape, element, elements } = DEPTH.values(archive, budget, bits, fits)?;
+    let (maps, height, width) = match shape[..] {
+        [height, width] => (None, height, width),
+        [maps, height, width] => (Some(maps), height, width),
+        _ => return Err(NpzError::Shape { array: DEPTH.array, shape, wanted: DEPTH.shape }),
+    };
+    let depths = if element.kind == 'f' {
+        Depths::F32(elements.into_iter().map(f32::from_bits).collect())
+    } else {
+        Depths::U16(elements.into_iter().map(|value| value as u16).collect())
+    };
+    let is_matrix = |shape: &[u64]| match shape {
+        [4, 4] => maps.is_none(),
+        &[count, 4, 4] => Some(count) == maps,
+        _ => false,
+    };
+    let matrices = VIEW_PROJECTION.values(archive, budget, real, is_matrix)?.elements;
+    let view_projections = matrices.as_chunks::<4>().0.as_chunks::<4>().0.to_vec();
+    let mut origin = [0.0; 3];
+    if ORIGIN.is_in(archive) {
+        let given = ORIGIN.values(archive, budget, real, |shape| *shape == [3])?.elements;
+        origin.iter_mut().zip(given).for_each(|(to, given)| *to = given);
+    }
+    let is_reversed = match number(&REVERSED, archive, budget)? {
+        0 => false,
+        1 => true,
+        other => return Err(wrong(&REVERSED, other)),
+    };
+    let depth_bits = DEPTH_BITS.is_in(archive).then(|| number(&DEPTH_BITS, archive, budget)).transpose()?;
+    if let Some(other) = depth_bits.filter(|bits| ![16, 24, 32].contains(bits)) {
+        return Err(wrong(&DEPTH_BITS, other));
+    }
+    let mut objects = None;
+    if needs_objects || (with_objects && OBJECTS.is_in(archive)) {
+        objects = Some(OBJECTS.values(archive, budget, index, |of| *of == [height, width])?.elements);
+    }
+    let size = [width as u32, height as u32];
+    Ok(DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, objects })
+}
+
+/// The only number of an array.
+fn number(entry: &Entry, archive: &mut ZipArchive<impl Read + Seek>, budget: &mut Budget) -> Result<u32, NpzError> {
+    let shape = |shape: &[u64]| matches!(*shape, [] | [1]);
+    let elements = entry.values(archive, budget, |element, bytes| index(unsigned(element), bytes), shape)?.elements;
+    Ok(elements.first().copied().unwrap_or_default())
+}
+
+/// A bool is a number of a byte.
+fn unsigned(element: ElementType) -> ElementType {
+    if element.kind == 'b' { ElementType { kind: 'u', ..element } } else { element }
+}
+
+fn wrong(entry: &Entry, found: u32) -> NpzError {
+    NpzError::Value { array: entry.array, found: found.to_string(), wanted: entry.wanted }
+}
+
+impl DepthMapArrays {
+    /// Writes them as they are read.
+    pub fn write(&self, file: impl Write + Seek) -> io::Result<()> {
+        let mut npz = NpzWriter::new(file);
+        let maps = self.view_projections.len();
+        let of_maps = |shape: &[usize]| if maps == 1 { shape.to_vec() } else { [&[maps], shape].concat() };
+        let size = self.size.map(|side| side as usize);
+        let shape = [size[1], size[0]];
+        match &self.depths {
+            Depths::F32(depths) => {
+                npz.array("depth", ElementType::F32, &of_maps(&shape), |to| {
+                    to.write_all(bytemuck::cast_slice(depths))
+                })?;
+            }
+            Depths::U16(depths) => {
+                npz.array("depth", ElementType::U16, &of_maps(&shape), |to| {
+                    to.write_all(bytemuck::cast_slice(depths))
+                })?;
+            }
+        }
+        npz.array("view_projection", ElementType::F32, &of_maps(&[4, 4]), |to| {
+            to.write_all(bytemuck::cast_slice(&self.view_projections))
+        })?;
+        npz.array("origin", ElementType::F32, &[3], |to| to.write_all(bytemuck::cast_slice(&self.origin)))?;
+        npz.array("reversed", ElementType::BOOL, &[], |to| to.write_all(&[u8::from(self.is_reversed)]))?;
+        if let Some(bits) = self.depth_bits {
+            npz.array("depth_bits", ElementType::U32, &[], |to| to.write_all(bytemuck::bytes_of(&bits)))?;
+        }
+        if let Some(objects) = &self.objects {
+            npz.array("objects", ElementType::U32, &shape, |to| to.write_all(bytemuck::cast_slice(objects)))?;
+        }
+        npz.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(maps: usize, depths: Depths) -> DepthMapArrays {
+        let matrix =
+            |map: usize| [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| (16 * map + 4 * row + column) as f32));
+        DepthMapArrays {
+            size: [3, 2],
+            depths,
+            view_projections: (0..maps).map(matrix).collect(),
+            origin: [1.0, -2.0, 0.5],
+            is_reversed: maps == 6,
+            depth_bits: (maps == 6).then_some(24),
+            objects: (maps == 1).then(|| vec![7, 7, 8, 9, u32::MAX, 0]),
+        }
+    }
+
+    fn read(map: &DepthMapArrays, memory_limit: u64) -> Result<DepthMapArrays, NpzError> {
+        let mut bytes = io::Cursor::new(Vec::new());
+        map.write(&mut bytes).expect("it goes to memory");
+        read_depth_map(bytes, memory_limit, true, false)
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let one = map(1, Depths::U16(vec![0, 1, 2, 3, 4, 65535]));
+        let six = map(6, Depths::F32((0..36).map(|number| number as f32 / 35.0).collect()));
+        for map in [&one, &six] {
+            assert_eq!(read(map, 1 << 20).as_ref().ok(), Some(map));
+        }
+        assert_ne!(read(&one, 1 << 20).ok(), Some(six.clone()));
+        assert!(matches!(read(&six, 800), Err(NpzError::TooLarge { array: "depth", rows: 12, .. })));
+    }
+
+    #[test]
+    fn matrices_of_another_number_of_maps_are_refused() {
+        let mut wrong = map(1, Depths::U16(vec![0; 6]));
+        wrong.view_projections = map(6, Depths::U16(Vec::new())).view_projections;
+        wrong.depths = Depths::U16(vec![0; 36]);
+        wrong.objects = None;
+        assert!(read(&wrong, 1 << 20).is_ok());
+        wrong.view_projections.pop();
+        wrong.depths = Depths::U16(vec![0; 30]);
+        assert!(matches!(read(&wrong, 1 << 20), Err(NpzError::Shape { array: "depth", .. })));
+    }
+}

@@ -1,0 +1,145 @@
+// The boundary of the shadows of a depth map: its triangles as tinted glass, and lines: where what casts ends before nothing, as the light sees it, and some
+// of the rays there.
+
+// A map as the picture's camera sees it.
+struct DepthView {
+  // To clip space, of x, y and depth in the map's device coordinates.
+  across: vec4<f32>,
+  up: vec4<f32>,
+  depth: vec4<f32>,
+  middle: vec4<f32>,
+  // The same for places at infinity, of x and y.
+  far_across: vec4<f32>,
+  far_up: vec4<f32>,
+  far_middle: vec4<f32>,
+}
+
+struct DepthViews {
+  // Texels of a map.
+  size: vec2<u32>,
+  // 1, or the 6 of a cube, which lie three in a row.
+  maps: u32,
+  is_reversed: u32,
+  views: array<DepthView, 6>,
+}
+
+@group(2) @binding(0) var<uniform> maps: DepthViews;
+// How many there are, then the cells, as `rimline::gpu::DepthMapVolumes::cells` has them.
+@group(2) @binding(1) var<storage, read> cells: array<u32>;
+@group(2) @binding(2) var depths: texture_2d<f32>;
+
+// A sample: where it is in its map, and whether it casts.
+struct Sample {
+  map: u32,
+  // Of its texel, from the first. It may be beside the map.
+  texel: vec2<i32>,
+  depth: f32,
+  is_far: bool,
+}
+
+fn sample_at(map: u32, texel: vec2<i32>) -> Sample {
+  let is_outside = any(texel < vec2<i32>(0)) || any(texel >= vec2<i32>(maps.size));
+  let place = texel + vec2<i32>(vec2<u32>(map % 3u, map / 3u) * maps.size);
+  let depth = textureLoad(depths, clamp(place, vec2<i32>(0), vec2<i32>(textureDimensions(depths)) - 1), 0).x;
+  // Neither is so for NaN.
+  let casts = select((depth < 1.0), (depth > 0.0), maps.is_reversed != 0u);
+  return Sample(map, texel, clamp(depth, 0.0, 1.0), is_outside || !casts);
+}
+
+fn sample_clip(s: Sample) -> vec4<f32> {
+  let place = (2.0 * vec2<f32>(s.texel) + 1.0) / vec2<f32>(maps.size) - 1.0;
+  let view = maps.views[s.map];
+  if (s.is_far) {
+    return view.far_across * place.x - view.far_up * place.y + view.far_middle;
+  }
+  return view.across * place.x - view.up * place.y + view.depth * s.depth + view.middle;
+}
+
+struct DepthTriangle {
+  is_drawn: bool,
+  corners: array<Sample, 3>,
+}
+
+// Triangle 0 or 1 of a listed cell. Bits 30 and 31 tell which are drawn, bit 29 along which diagonal the cell is split.
+fn triangle(instance: u32, second: u32) -> DepthTriangle {
+  let entry = cells[min(1u + instance, arrayLength(&cells) - 1u)];
+  var rest = entry & 0x1fffffffu;
+  var map = 0u;
+  var first = vec2<i32>(0);
+  if (maps.maps > 1u) {
+    let side = maps.size.x - 1u;
+    map = min(rest / (side * side), 5u);
+    rest = rest % (side * side);
+    first = vec2<i32>(vec2<u32>(rest % side, rest / side));
+  } else {
+    let across = maps.size.x + 1u;
+    // Sample (0, 0) is beside the first texel.
+    first = vec2<i32>(vec2<u32>(rest % across, rest / across)) - 1;
+  }
+  let is_split = (entry & 0x20000000u) != 0u;
+  var offsets = array<vec2<i32>, 3>(vec2<i32>(0, 0), vec2<i32>(1, 0), vec2<i32>(1, 1));
+  if (is_split) {
+    offsets[2] = vec2<i32>(0, 1);
+  }
+  if (second != 0u) {
+    offsets = array<vec2<i32>, 3>(vec2<i32>(0, 0), vec2<i32>(0, 1), vec2<i32>(1, 1));
+    if (is_split) {
+      offsets[0] = vec2<i32>(1, 0);
+    }
+  }
+  let is_listed = instance + 1u < arrayLength(&cells);
+  let is_drawn = is_listed && (entry & (0x40000000u << second)) != 0u;
+  return DepthTriangle(
+    is_drawn,
+    array<Sample, 3>(
+      sample_at(map, first + offsets[0]), sample_at(map, first + offsets[1]), sample_at(map, first + offsets[2])));
+}
+
+const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
+
+@vertex fn depth_volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
+  -> @builtin(position) vec4<f32> {
+  var own = triangle(instance, vertex / 3u);
+  if (!own.is_drawn) {
+    return NOWHERE;
+  }
+  return sample_clip(own.corners[vertex % 3u]);
+}
+
+// For each triangle a line between its two corners that cast, then a ray, if the third is far.
+@vertex fn depth_edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
+  var own = triangle(instance, vertex / 4u);
+  let nothing = Edge(NOWHERE, 0.0);
+  if (!own.is_drawn) {
+    return nothing;
+  }
+  var far = 3u;
+  var count = 0u;
+  for (var corner = 0u; corner < 3u; corner++) {
+    if (own.corners[corner].is_far) {
+      far = corner;
+      count++;
+    }
+  }
+  if (count != 1u) {
+    return nothing;
+  }
+  let one = own.corners[(far + 1u) % 3u];
+  let other = own.corners[(far + 2u) % 3u];
+  let end = vertex & 1u;
+  if ((vertex & 2u) == 0u) {
+    var at = one;
+    if (end != 0u) {
+      at = other;
+    }
+    return Edge(sample_clip(at), 0.4);
+  }
+  // As many rays as there are on a body of some hundred faces.
+  let apart = max(i32(maps.size.x) / 32, 1);
+  if ((one.texel.x + one.texel.y) % apart != 0) {
+    return nothing;
+  }
+  var at = one;
+  at.is_far = end != 0u;
+  return Edge(sample_clip(at), 0.4);
+}

@@ -1,0 +1,166 @@
+//! A depth map that the caller made: `--depth`.
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use rimline::gpu::{DepthEdges, DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use rimline::{CameraError, DepthDirection, Light, ShadowCamera, wgpu};
+
+use super::light_maps::LightCameras;
+use super::shaded_lights::{SceneBounds, ShadedLight};
+use crate::device::Gpu;
+use crate::failure::{Failure, InputError, UsageError};
+use crate::npz::{self, DepthMapArrays, Depths};
+use crate::source;
+
+/// A map, or six, with what they were drawn with.
+#[derive(Debug)]
+pub(crate) struct GivenMap {
+    pub(crate) file: PathBuf,
+    pub(super) size: [u32; 2],
+    pub(super) cameras: LightCameras,
+    depths: Depths,
+    /// For each texel of one map, if the detector takes them.
+    objects: Option<Vec<u32>>,
+    /// A format that the depths were rounded to, coarser than their own.
+    pub(super) rounded_to: Option<wgpu::TextureFormat>,
+}
+
+/// What is wrong with a map whose arrays are sound.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum GivenMapError {
+    #[error(
+        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as `reversed` says"
+    )]
+    Camera { map: usize, error: CameraError },
+    #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
+    NotSquare([u32; 2]),
+    #[error("`objects` go with one map, not with six; take another detector")]
+    ObjectsOfCube,
+    #[error(transparent)]
+    Volumes(#[from] DepthMapVolumesError),
+    #[error(transparent)]
+    Cube(#[from] DepthMapCubeError),
+    #[error(transparent)]
+    Encode(#[from] DepthMapEncodeError),
+}
+
+impl GivenMap {
+    /// `objects` are read only if the detector takes them.
+    pub(super) fn read(file: &Path, edges: DepthEdges, memory_limit: u64) -> Result<Self, Failure> {
+        let (takes, needs) = (edges != DepthEdges::EveryCell, edges == DepthEdges::Outlines);
+        let read = || -> Result<_, InputError> {
+            let arrays = npz::read_depth_map(source::open(file)?, memory_limit, takes, needs)?;
+            Ok(Self::new(file, arrays)?)
+        };
+        read().map_err(Failure::input(file))
+    }
+
+    fn new(file: &Path, arrays: DepthMapArrays) -> Result<Self, GivenMapError> {
+        let DepthMapArrays { size, depths, view_projections, origin, is_reversed, depth_bits, objects } = arrays;
+        let depth = if is_reversed { DepthDirection::Reversed } else { DepthDirection::Standard };
+        let camera = |rows: &[[f32; 4]; 4]| ShadowCamera {
+            view_projection: [0, 1, 2, 3].map(|column| rows.map(|row| row[column])),
+            origin,
+            depth,
+        };
+        let cameras: Vec<ShadowCamera> = view_projections.iter().map(camera).collect();
+        for (map, camera) in cameras.iter().enumerate() {
+            camera.check().map_err(|error| GivenMapError::Camera { map, error })?;
+        }
+        let cameras = match (<[ShadowCamera; 6]>::try_from(cameras.as_slice()), &cameras[..]) {
+            (Ok(_), _) if size[0] != size[1] => return Err(GivenMapError::NotSquare(size)),
+            (Ok(_), _) if objects.is_some() => return Err(GivenMapError::ObjectsOfCube),
+            (Ok(cube), _) => LightCameras::Cube(Box::new(cube)),
+            (Err(_), [camera, ..]) => LightCameras::One(*camera),
+            (Err(_), []) => return Err(GivenMapError::Camera { map: 0, error: CameraError::Singular }),
+        };
+        let rounded_to = match (depth_bits, &depths) {
+            (Some(16), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth16Unorm),
+            (Some(24), Depths::F32(_)) => Some(wgpu::TextureFormat::Depth24Plus),
+            _ => None,
+        };
+        Ok(Self { file: file.to_owned(), size, cameras, depths, objects, rounded_to })
+    }
+
+    pub(super) fn has_objects(&self) -> bool {
+        self.objects.is_some()
+    }
+
+    /// Copies the maps into textures, one for each.
+    pub(super) fn upload(&self, gpu: &Gpu) -> Vec<wgpu::TextureView> {
+        let texels = self.size[0] as usize * self.size[1] as usize;
+        let texture = |format, bytes: &[u8]| self.texture(gpu, format, bytes);
+        match &self.depths {
+            Depths::F32(depths) => depths
+                .chunks(texels)
+                .map(|map| texture(wgpu::TextureFormat::R32Float, bytemuck::cast_slice(map)))
+                .collect(),
+            Depths::U16(depths) => depths
+                .chunks(texels)
+                .map(|map| texture(wgpu::TextureFormat::Depth16Unorm, bytemuck::cast_slice(map)))
+                .collect(),
+        }
+    }
+
+    pub(super) fn upload_objects(&self, gpu: &Gpu) -> Option<wgpu::TextureView> {
+        let objects = self.objects.as_ref()?;
+        Some(self.texture(gpu, wgpu::TextureFormat::R32Uint, bytemuck::cast_slice(objects)))
+    }
+
+    fn texture(&self, gpu: &Gpu, format: wgpu::TextureFormat, bytes: &[u8]) -> wgpu::TextureView {
+        let [width, height] = self.size;
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("given depth map"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let bytes_per_row = format.block_copy_size(None).map(|texel| texel * width);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+        gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, size);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// The light that the map is of.
+    pub(crate) fn light(&self) -> Light {
+        self.cameras.light()
+    }
+
+    /// Refuses lights that are not the map's.
+    pub(crate) fn check_lights(&self, lights: &[ShadedLight], stage: &SceneBounds) -> Result<(), UsageError> {
+        /// How far a light may be off, as a share of its distance or of the extent of the models.
+        const MOST: f64 = 1e-3;
+        /// Extents that count as any distance beyond them, and as a light at infinity.
+        const FAR: f64 = 1e9;
+        let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
+        let centre = Vec3::from(stage.centre).as_dvec3();
+        // In extents from the middle of the models.
+        let place = |light: &Light| {
+            let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
+            let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
+            towards.normalize_or_zero() * distance.min(FAR)
+        };
+        let (map, given) = (self.light(), shaded.light);
+        let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
+        if !is_near {
+            return Err(UsageError::DepthLightApart { given: spec(&given), map: spec(&map) });
+        }
+        Ok(())
+    }
+}
+
+/// A light as it is given on the command line.
+fn spec(light: &Light) -> String {
+    let [x, y, z] = light.xyz;
+    match light.w {
+        0.0 => format!("dir:{x},{y},{z}"),
+        1.0 => format!("point:{x},{y},{z}"),
+        w => format!("hom:{x},{y},{z},{w}"),
+    }
+}

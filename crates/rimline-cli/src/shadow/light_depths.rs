@@ -1,0 +1,165 @@
+//! The depth maps of one light, and the shadows rebuilt from them.
+
+use rimline::gpu::{
+    DepthEdges, DepthMap, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapOptions, DepthMapPipelines,
+    DepthMapVolumes, ReadError, StageTimer, read_back_vec,
+};
+use rimline::{ShadowCamera, wgpu};
+
+use super::depth_overlay::{ShownDepths, ShownMaps};
+use super::depth_shadows::{DepthFound, FromDepth, MAP, MapSource};
+use super::light_maps::LightCameras;
+use crate::device::Gpu;
+use crate::gpu_error::GpuError;
+use crate::image::Picture;
+use crate::npz::{DepthMapArrays, Depths};
+
+pub(super) struct LightMaps {
+    maps: Maps,
+    /// For each of the maps.
+    pub(super) views: Vec<wgpu::TextureView>,
+    objects: Option<wgpu::TextureView>,
+    /// As they were encoded.
+    cameras: LightCameras,
+    pub(super) frame: Option<DepthMapFrame>,
+    shown: ShownMaps,
+}
+
+enum Maps {
+    One(Box<DepthMapVolumes>),
+    Cube(Box<DepthMapCube>),
+}
+
+impl LightMaps {
+    pub(super) fn new(
+        gpu: &Gpu,
+        pipelines: &DepthMapPipelines,
+        from: &FromDepth,
+        cameras: &LightCameras,
+    ) -> Result<Self, GpuError> {
+        let mut options = DepthMapOptions { edges: from.edges, ..DepthMapOptions::default() };
+        if let MapSource::Given(map) = &from.source {
+            options.objects = map.has_objects();
+            options.rounded_to = map.rounded_to;
+        }
+        if from.edges == DepthEdges::Outlines {
+            // Steep sides of objects are left out, and what is drawn must stay with them.
+            options.slope_bias = 0.0;
+        }
+        let size = from.size();
+        let maps = match cameras {
+            LightCameras::One(_) => Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?)),
+            LightCameras::Cube(cameras) => {
+                Maps::Cube(Box::new(DepthMapCube::new(pipelines, size[0], cameras, options)?))
+            }
+        };
+        let (views, objects) = match &from.source {
+            MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
+            MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
+        };
+        Ok(Self { maps, views, objects, cameras: cameras.clone(), frame: None, shown: ShownMaps::new(gpu) })
+    }
+
+    /// Whether these are as many maps.
+    pub(super) fn fits(&self, cameras: &LightCameras) -> bool {
+        match (&self.maps, cameras) {
+            (Maps::One(_), LightCameras::One(_)) | (Maps::Cube(_), LightCameras::Cube(_)) => true,
+            (Maps::One(_), LightCameras::Cube(_)) | (Maps::Cube(_), LightCameras::One(_)) => false,
+        }
+    }
+
+    /// Records how shadows are rebuilt from what is in the maps.
+    pub(super) fn find(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        cameras: &LightCameras,
+        eye: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<(), GpuError> {
+        let mut views = self.views.iter();
+        let size = self.views.first().map_or([1; 2], |view| [view.texture().width(), view.texture().height()]);
+        let frame = match (&mut self.maps, cameras) {
+            (Maps::Cube(cube), LightCameras::Cube(cameras)) => {
+                cube.set_cameras(cameras)?;
+                cube.encode(encoder, [0; 6].map(|_| views.next()), eye, timer)?
+            }
+            (Maps::One(volumes), LightCameras::One(light)) => {
+                let texture = views.next().ok_or(DepthMapDrawError::StaleFrame)?;
+                let map = DepthMap { texture, light: *light };
+                match &self.objects {
+                    Some(objects) => volumes.encode_objects(encoder, &map, objects, eye, timer)?,
+                    None => volumes.encode(encoder, &map, eye, timer)?,
+                }
+            }
+            // The caller asks `fits`.
+            _ => return Err(DepthMapDrawError::StaleFrame.into()),
+        };
+        self.shown.encode(gpu, encoder, (cameras, size), eye, self.cells());
+        self.cameras = cameras.clone();
+        self.frame = Some(frame);
+        Ok(())
+    }
+
+    /// What was found. Waits for the device.
+    pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
+        let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
+        Ok(DepthFound { maps: self.views.len(), cells: list.first().copied().unwrap_or(0) })
+    }
+
+    /// What an overlay shows of them.
+    pub(super) fn shown(&self) -> Option<ShownDepths<'_>> {
+        let texture = match &self.maps {
+            Maps::One(_) => self.views.first()?,
+            Maps::Cube(cube) => cube.texture(),
+        };
+        Some(ShownDepths { shown: &self.shown, cells: self.cells(), texture })
+    }
+
+    fn cells(&self) -> &wgpu::Buffer {
+        match &self.maps {
+            Maps::One(volumes) => volumes.cells(),
+            Maps::Cube(cube) => cube.cells(),
+        }
+    }
+
+    /// The maps as they were drawn, and what they were drawn with. Waits for the device.
+    pub(super) fn saved(&self, gpu: &Gpu) -> Result<DepthMapArrays, GpuError> {
+        let mut depths = Vec::new();
+        let mut size = [0; 2];
+        for view in &self.views {
+            let texture = view.texture();
+            size = [texture.width(), texture.height()];
+            let map = Picture::read(gpu, texture)?;
+            depths.extend(map.rows().flat_map(bytemuck::pod_collect_to_vec::<u8, f32>));
+        }
+        let cameras = self.cameras.all();
+        let rows = |camera: &ShadowCamera| [0, 1, 2, 3].map(|row| camera.view_projection.map(|column| column[row]));
+        Ok(DepthMapArrays {
+            size,
+            depths: Depths::F32(depths),
+            view_projections: cameras.iter().map(rows).collect(),
+            origin: cameras.first().map_or([0.0; 3], |camera| camera.origin),
+            is_reversed: cameras.first().is_some_and(|camera| camera.depth == rimline::DepthDirection::Reversed),
+            depth_bits: None,
+            objects: None,
+        })
+    }
+}
+
+/// A map that is drawn into.
+fn drawn(gpu: &Gpu, side: u32) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("depth map"),
+        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: MAP,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}

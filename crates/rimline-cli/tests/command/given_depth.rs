@@ -1,0 +1,229 @@
+//! `--depth`: shadows of a map that some program made, which `--save-depth` is one of.
+
+use rimline_measure::shapes;
+
+use super::archive::{Entry, array, data, read_zip, words, write_zip};
+use super::run::folder;
+use super::shadow::{Image, model, run};
+use super::{Outcome, Test, ensure};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("given_depth::a_saved_map_has_the_same_mask", round_trip),
+    ("given_depth::other_types_and_orders_are_the_same_map", types),
+    ("given_depth::a_map_casts_and_the_models_do_not", casts_alone),
+    ("given_depth::objects_bound_shadows", objects),
+    ("given_depth::lights_that_are_not_the_maps_end_with_2", wrong_lights),
+];
+
+const VIEW: &str = "--ground 0 --eye 4,9,14 --target 0,1,0 --size 160x120";
+const LIGHT: &str = "point:6,12,3";
+
+fn put(folder: &tempfile::TempDir, name: &str, bytes: impl AsRef<[u8]>) -> Outcome {
+    std::fs::write(folder.path().join(name), bytes).map_err(|error| error.to_string())
+}
+
+/// A folder with a ball and a ring around it.
+pub(crate) fn models() -> Result<tempfile::TempDir, String> {
+    let folder = folder();
+    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
+    put(&folder, "ring.npz", model(&shapes::torus(24, 12, 2.0, 0.5), 1.0, [0.0, 2.0, 0.5]))?;
+    Ok(folder)
+}
+
+/// Saves the map of a light that sees both models, and a mask made with it.
+pub(crate) fn save(folder: &tempfile::TempDir, light: &str, side: u32) -> Result<(serde_json::Value, Vec<u8>), String> {
+    let line = format!(
+        "shadow @ball.npz @ring.npz {VIEW} --light {light} --from-depth {side} --mask @own --save-depth @map --json"
+    );
+    Ok((run(folder.path(), &line).json()?, mask(folder, "own")?))
+}
+
+fn mask(folder: &tempfile::TempDir, name: &str) -> Result<Vec<u8>, String> {
+    Ok(Image::mask(&folder.path().join(format!("{name}.0.png")))?.bytes)
+}
+
+/// The mask of a map, and what is said about it.
+pub(crate) fn of_map(
+    folder: &tempfile::TempDir,
+    map: &str,
+    options: &str,
+) -> Result<(serde_json::Value, Vec<u8>), String> {
+    let line = format!("shadow @ball.npz @ring.npz {VIEW} --depth @{map}.npz {options} --mask @given --json");
+    Ok((run(folder.path(), &line).json()?, mask(folder, "given")?))
+}
+
+fn apart(one: &[u8], other: &[u8]) -> usize {
+    one.iter().zip(other).filter(|(a, b)| a != b).count()
+}
+
+/// The entries of a saved map: depth, matrix, origin, direction.
+pub(crate) fn entries(folder: &tempfile::TempDir) -> Result<Vec<Entry>, String> {
+    read_zip(&std::fs::read(folder.path().join("map.0.npz")).map_err(|error| error.to_string())?)
+}
+
+pub(crate) fn floats(bytes: &[u8]) -> Vec<f32> {
+    words(bytes).into_iter().map(f32::from_bits).collect()
+}
+
+fn round_trip() -> Outcome {
+    let folder = models()?;
+    let mut masks = Vec::new();
+    // Among the models there are six maps.
+    for (light, maps) in [(LIGHT, 1), ("dir:-1,2,0.5", 1), ("point:1.2,2.4,0.9", 6)] {
+        let (said, own) = save(&folder, light, 256)?;
+        let dark: usize = own.iter().map(|value| usize::from(*value == 0)).sum();
+        ensure!(dark > 1000, "{light}: {dark} are dark");
+        let (again, given) = of_map(&folder, "map.0", &format!("--light {light}"))?;
+        ensure!(own == given, "{light}: {} pixels differ", apart(&own, &given));
+        let of_light = &again["lights"][0];
+        ensure!(of_light == &said["lights"][0] && again["method"] == "parity", "{light}: {said:#} {again:#}");
+        ensure!(of_light["depth_map"]["maps"] == maps, "{again:#}");
+        ensure!(of_light["depth_map"]["size"] == serde_json::json!([256, 256]), "{again:#}");
+        // The light's place follows from the matrix, but for rounding.
+        let (_, derived) = of_map(&folder, "map.0", "")?;
+        ensure!(apart(&own, &derived) < 20, "{light}: {} pixels differ without --light", apart(&own, &derived));
+        masks.push(own);
+    }
+    // Negative controls: other lights, and a map that is moved.
+    ensure!(apart(&masks[0], &masks[1]) > 1000 && apart(&masks[0], &masks[2]) > 1000, "all lights have the same mask");
+    save(&folder, "dir:-1,2,0.5", 256)?;
+    let mut moved = entries(&folder)?;
+    let origin: Vec<u8> = [0.5_f32, 2.0, 0.25].iter().flat_map(|c| c.to_le_bytes()).collect();
+    moved[2] = array("origin", "<f4", "False", "(3,)", &origin);
+    put(&folder, "moved.npz", write_zip(&moved))?;
+    let (_, given) = of_map(&folder, "moved", "")?;
+    ensure!(apart(&masks[1], &given) > 300, "a map that is moved has the same mask");
+    Ok(())
+}
+
+fn types() -> Outcome {
+    const SIDE: usize = 128;
+    let folder = models()?;
+    let (_, own) = save(&folder, LIGHT, SIDE as u32)?;
+    let saved = entries(&folder)?;
+    let names: Vec<_> = saved.iter().map(|entry| entry.name.as_str()).collect();
+    ensure!(names == ["depth.npy", "view_projection.npy", "origin.npy", "reversed.npy"], "{names:?}");
+    let depths = floats(data(&saved[0], "<f4", &format!("({SIDE}, {SIDE})"))?);
+    let matrix = floats(data(&saved[1], "<f4", "(4, 4)")?);
+    let square = format!("({SIDE}, {SIDE})");
+    let same = |name: &str, depth: Entry, matrix: Entry, reversed: Entry, most: usize| {
+        put(&folder, "other.npz", write_zip(&[reversed, saved[2].clone(), matrix, depth]))?;
+        let (_, given) = of_map(&folder, "other", &format!("--light {LIGHT}"))?;
+        let differing = apart(&own, &given);
+        ensure!(differing <= most, "{name}: {differing} pixels differ");
+        Ok(())
+    };
+    // Other ways to say the same numbers.
+    let packed = Entry { method: 8, ..saved[0].clone() };
+    same("deflated", packed, saved[1].clone(), array("reversed", "|u1", "False", "(1,)", &[1]), 0)?;
+    let turned = |values: &[f32], side: usize| -> Vec<u8> {
+        let places = (0..side * side).map(|at| at % side * side + at / side);
+        places.flat_map(|at| values[at].to_be_bytes()).collect()
+    };
+    let columns = array("depth", ">f4", "True", &square, &turned(&depths, SIDE));
+    let doubles: Vec<u8> = matrix.iter().flat_map(|&value| f64::from(value).to_le_bytes()).collect();
+    let doubles = array("view_projection", "<f8", "False", "(4, 4)", &doubles);
+    same("columns, doubles", columns, doubles, array("reversed", "<i8", "False", "()", &1_u64.to_le_bytes()), 0)?;
+    // Depth the other way round: 1 less it, and rows of the matrix likewise. It is coarser.
+    let standard: Vec<u8> = depths.iter().flat_map(|depth| (1.0 - depth).to_le_bytes()).collect();
+    let mut rows = matrix.clone();
+    for column in 0..4 {
+        rows[8 + column] = matrix[12 + column] - matrix[8 + column];
+    }
+    let rows: Vec<u8> = rows.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let standard = array("depth", "<f4", "False", &square, &standard);
+    let rows = array("view_projection", "<f4", "False", "(4, 4)", &rows);
+    same("standard", standard, rows, array("reversed", "|b1", "False", "()", &[0]), 10)?;
+    // 16 bits.
+    let steps: Vec<u8> = depths.iter().flat_map(|depth| ((depth * 65535.0).round() as u16).to_le_bytes()).collect();
+    let steps = array("depth", "<u2", "False", &square, &steps);
+    same("16 bits", steps, saved[1].clone(), saved[3].clone(), 40)?;
+    // Negative control: rows and columns exchanged.
+    let exchanged = array("depth", ">f4", "False", &square, &turned(&depths, SIDE));
+    let failed = same("exchanged", exchanged, saved[1].clone(), saved[3].clone(), 40);
+    ensure!(failed.is_err(), "a map with rows for columns has the same mask");
+    Ok(())
+}
+
+/// A ball to the left casts by its map, and a cube to the right does not. The eye is far above.
+fn casts_alone() -> Outcome {
+    let folder = folder();
+    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [-4.0, 2.0, 0.0]))?;
+    put(&folder, "cube.npz", model(&shapes::cube(), 1.0, [4.0, 2.0, 0.0]))?;
+    let view = "--ground 0 --eye 0,60,0.01 --target 0,0,0 --fov 15 --size 160x120 --light dir:0,1,1";
+    let dark = |files: &str, options: &str| {
+        run(folder.path(), &format!("shadow {files} {view} {options} --mask @m --json")).json()?;
+        let mask = Image::mask(&folder.path().join("m.0.png"))?;
+        let half = |columns: std::ops::Range<usize>| {
+            columns.flat_map(|x| (0..120).map(move |y| (x, y))).filter(|&(x, y)| mask.at(x, y) == 0).count()
+        };
+        Ok::<_, String>([half(0..80), half(80..160)])
+    };
+    let [ball, cube] = dark("@ball.npz @cube.npz", "")?;
+    ensure!(ball > 150 && cube > 150, "{ball} and {cube} pixels are dark by the meshes");
+    dark("@ball.npz", "--from-depth 512 --save-depth @map")?;
+    let [of_map, none] = dark("@cube.npz", "--depth @map.0.npz")?;
+    // The ball itself is dark in part, and hides a part of its shadow from the eye.
+    ensure!(
+        (ball / 2..2 * ball).contains(&of_map) && none < 60,
+        "{of_map} and {none}, and {ball} and {cube} by the meshes"
+    );
+    Ok(())
+}
+
+/// A convex body casts no shadow onto itself, so its outline is enough.
+fn objects() -> Outcome {
+    let folder = folder();
+    put(&folder, "ball.npz", model(&shapes::sphere(8), 1.0, [0.0, 2.0, 0.0]))?;
+    let draw = |options: &str, name: &str| {
+        let line = format!("shadow @ball.npz {VIEW} --light {LIGHT} {options} --mask @{name} --json");
+        Ok::<_, String>((run(folder.path(), &line).json()?, mask(&folder, name)?))
+    };
+    let (every, own) = draw("--from-depth 128 --save-depth @map", "own")?;
+    let saved = entries(&folder)?;
+    run(folder.path(), "shadow @ball.npz --depth @map.0.npz --detector objects --mask @no")
+        .expect(1, &["map.0.npz", "no array `objects`", "depth.npy"])?;
+    let with_objects = |number: fn(usize) -> u16| {
+        let objects: Vec<u8> = (0..128 * 128).flat_map(|texel| number(texel).to_le_bytes()).collect();
+        let mut entries = saved.clone();
+        entries.push(array("objects", "<u2", "False", "(128, 128)", &objects));
+        put(&folder, "objects.npz", write_zip(&entries))
+    };
+    with_objects(|_| 7)?;
+    let (found, given) = draw("--depth @objects.npz --detector objects", "given")?;
+    let cells = |json: &serde_json::Value| json["lights"][0]["depth_map"]["cells"].as_u64().unwrap_or(0);
+    ensure!(apart(&own, &given) < 30, "{} pixels differ", apart(&own, &given));
+    ensure!(cells(&found) > 100 && 10 * cells(&found) < cells(&every), "{} and {}", cells(&found), cells(&every));
+    // Halves of the ball are two objects: more edges, the same shadow.
+    with_objects(|texel| u16::from(texel % 128 < 64))?;
+    let (halves, given) = draw("--depth @objects.npz --detector objects", "given")?;
+    ensure!(apart(&own, &given) < 30 && cells(&halves) > cells(&found) + 20, "{} cells", cells(&halves));
+    // Beside a threshold they are taken, too; with every edge there is nothing to add.
+    let (both, _) = draw("--depth @objects.npz --detector world=0.5", "given")?;
+    let (steps, _) = draw("--depth @map.0.npz --detector world=0.5", "given")?;
+    ensure!(cells(&both) > cells(&steps) + 20, "{} and {}", cells(&both), cells(&steps));
+    let (all, given) = draw("--depth @objects.npz", "given")?;
+    ensure!(given == own && cells(&all) == cells(&every), "with every edge objects make a difference");
+    Ok(())
+}
+
+fn wrong_lights() -> Outcome {
+    let folder = models()?;
+    save(&folder, LIGHT, 32)?;
+    for (options, parts) in [
+        ("--light point:6,12,4", ["point:6,12,4", "seen from point:"]),
+        ("--light dir:6,12,3", ["dir:6,12,3", "seen from point:"]),
+        ("--light point:6,12,3 --light dir:0,1,0", ["--light gives 2", "give one"]),
+        ("--from-depth", ["--from-depth", "--depth"]),
+        ("--method zp+", ["--method", "--depth"]),
+        ("--area disc", ["--area", "--depth"]),
+        ("--hide-covered", ["--hide-covered", "--depth"]),
+        ("--save-depth @x", ["--save-depth", "--depth"]),
+    ] {
+        let line = format!("shadow @ball.npz {VIEW} --depth @map.0.npz {options} --mask @no");
+        run(folder.path(), &line).expect(2, &parts).map_err(|error| format!("{options}: {error}"))?;
+        ensure!(!folder.path().join("no.0.png").exists(), "{options}: a mask");
+    }
+    let line = format!("shadow @ball.npz {VIEW} --from-depth 32 --detector objects --mask @no");
+    run(folder.path(), &line).expect(2, &["--detector objects", "--depth"])
+}
