@@ -3,6 +3,7 @@
 
 mod analytic;
 mod boundary;
+mod counting;
 mod cube;
 mod extremes;
 mod lookup;
@@ -28,6 +29,7 @@ fn main() {
         merge::TESTS,
         cube::TESTS,
         parity::TESTS,
+        counting::TESTS,
         analytic::TESTS,
         lookup::TESTS,
         extremes::TESTS,

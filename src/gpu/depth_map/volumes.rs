@@ -9,7 +9,7 @@ use super::jitter::{jitters, reach};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
-use super::view::{Placing, depth_map_view, world_step};
+use super::view::{Placing, depth_map_view, is_turned, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -249,7 +249,7 @@ impl DepthMapVolumes {
         let format = check_texture(map.texture.texture(), self.shape.size)?;
         let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
         let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
-        self.record(encoder, [Some(map.texture), objects], &map.light, &views, timer)
+        self.record(encoder, [Some(map.texture), objects], [&map.light, camera], &views, timer)
     }
 
     /// The view of a map for a camera, moved by parts of a texel.
@@ -275,7 +275,7 @@ impl DepthMapVolumes {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         [texture, objects]: [Option<&wgpu::TextureView>; 2],
-        light: &ShadowCamera,
+        [light, eye]: [&ShadowCamera; 2],
         views: &[Vec<DepthMapView>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
@@ -301,6 +301,7 @@ impl DepthMapVolumes {
             groups: bound.draws,
             draws: self.draws.clone(),
             depth: self.eye.1,
+            is_turned: is_turned(light, eye),
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
             encodes: Arc::clone(&self.encodes),
         })
