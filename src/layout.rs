@@ -678,6 +678,8 @@ shared_structs! {
         used_lights: u32,
         /// 1: views may have receivers. Then volumes may end behind all of them.
         has_receivers: u32,
+        /// The largest count that the bits which count hold. One bit of counts is that of darkness where there are several batches.
+        most_count: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -762,8 +764,8 @@ shared_structs! {
         ended: u32,
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
         count_bound: u32,
-        /// Lights, in each view, whose bound is above 255, or above 127 where casters are counted in several batches. 0 unless
-        /// it was asked for.
+        /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
+        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0 unless it was asked for.
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.

@@ -4,6 +4,7 @@
 mod analytic;
 mod boundary;
 mod contours;
+mod counting;
 mod cube;
 mod extremes;
 mod lookup;
@@ -29,6 +30,7 @@ fn main() {
         merge::TESTS,
         cube::TESTS,
         parity::TESTS,
+        counting::TESTS,
         analytic::TESTS,
         lookup::TESTS,
         contours::TESTS,

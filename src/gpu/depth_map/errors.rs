@@ -19,6 +19,17 @@ pub enum DepthMapPipelinesError {
     /// There are no such bits in the stencil.
     #[error("the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them", .0.start, .0.end)]
     Bits(std::ops::Range<u32>),
+    /// Volumes of meshes count in the bit.
+    #[error(
+        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one for parity, or \
+         fewer for counts"
+    )]
+    Counted {
+        /// The lowest bit given.
+        bit: u32,
+        /// Low bits that counts own.
+        count_bits: u32,
+    },
 }
 
 impl From<DeviceError> for DepthMapPipelinesError {

@@ -63,6 +63,14 @@ fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, Dept
     Ok(Some(depth))
 }
 
+/// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit side. All go round
+/// alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
+pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
+    let mirrors =
+        |camera: &ShadowCamera| (matrix(camera).determinant() < 0.0) != (camera.depth == DepthDirection::Reversed);
+    mirrors(light) == mirrors(eye)
+}
+
 /// What decides about a step in world units: bits of the threshold in device depth, of the ratio, and of the depth at infinity.
 pub(super) fn world_step(light: &ShadowCamera, threshold: f32) -> Result<[u32; 3], DepthMapEncodeError> {
     light.check().map_err(DepthMapEncodeError::Light)?;

@@ -10,7 +10,7 @@ use super::jitter::{jitters, reach};
 use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout, wall_group};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
-use super::view::{Placing, depth_map_view, world_step};
+use super::view::{Placing, depth_map_view, is_turned, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -261,7 +261,7 @@ impl DepthMapVolumes {
         let format = check_texture(map.texture.texture(), self.shape.size)?;
         let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
         let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
-        self.record(encoder, [Some(map.texture), objects], &map.light, &views, timer)
+        self.record(encoder, [Some(map.texture), objects], [&map.light, camera], &views, timer)
     }
 
     /// The view of a map for a camera, moved by parts of a texel.
@@ -287,7 +287,7 @@ impl DepthMapVolumes {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         [texture, objects]: [Option<&wgpu::TextureView>; 2],
-        light: &ShadowCamera,
+        [light, eye]: [&ShadowCamera; 2],
         views: &[Vec<DepthMapView>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
@@ -316,6 +316,7 @@ impl DepthMapVolumes {
             has_walls: self.contours.is_some(),
             draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
             depth: self.eye.1,
+            is_turned: is_turned(light, eye),
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
             encodes: Arc::clone(&self.encodes),
         })

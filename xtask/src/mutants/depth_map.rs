@@ -7,6 +7,7 @@ const MERGES: &[&str] = &["--test depth_map_gpu merge"];
 const CUBES: &[&str] = &["--test depth_map_gpu cube"];
 const OBJECTS: &[&str] = &["--test depth_map_gpu objects"];
 const WORLD: &[&str] = &["--test depth_map_gpu world"];
+const MIXED: &[&str] = &["--test shadow_gpu counts_"];
 const PICTURES: &[&str] = &["--test depth_map_gpu parity", "--test depth_map_gpu shadows"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -223,5 +224,37 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             "positions[word + 2u]) - 0.0 * views[0].origin.xyz;",
         )],
         tests: &["--test depth_map_gpu the_depth_of_a_mesh"],
+    },
+    Mutation {
+        name: "bits of counts: volumes of meshes write every bit",
+        changes: &[(
+            "src/gpu/shadow/pipelines.rs",
+            "stencil(count, turned, casters.most_count(format.count_bits))",
+            "stencil(count, turned, casters.most_count(8))",
+        )],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "bits of counts: the bound is that of eight",
+        changes: &[(
+            "src/gpu/shadow/sizes.rs",
+            "casters.most_count(self.count_bits)",
+            "casters.most_count(self.count_bits.max(8))",
+        )],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "bits of counts: batches are resolved into every bit",
+        changes: &[("src/gpu/shadow/scene_pipelines.rs", "write_mask: format.count_mask() }", "write_mask: 0xff }")],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "depth maps in counts: mirrored cameras do not matter",
+        changes: &[(
+            "src/gpu/depth_map/view.rs",
+            "(matrix(camera).determinant() < 0.0) != (",
+            "(matrix(camera).determinant().abs() < 0.0) != (",
+        )],
+        tests: &["--test depth_map_gpu the_surface_counts"],
     },
 ];
