@@ -4,6 +4,7 @@
 mod analytic;
 mod boundary;
 mod cube;
+mod detectors;
 mod extremes;
 mod lookup;
 mod maps;
@@ -27,6 +28,7 @@ fn main() {
         stages::TESTS,
         merge::TESTS,
         cube::TESTS,
+        detectors::TESTS,
         parity::TESTS,
         analytic::TESTS,
         lookup::TESTS,

@@ -2,9 +2,12 @@
 
 pub(crate) mod depth_cells;
 pub(crate) mod depth_cube;
+pub(crate) mod depth_edges;
 pub(crate) mod depth_merge;
 pub(crate) mod depth_surface;
 pub(crate) mod edge_code;
+pub(crate) mod edge_marks;
+pub(crate) mod edge_rule;
 pub(crate) mod mesh_depth;
 pub(crate) mod samples;
 pub(crate) mod world_step;

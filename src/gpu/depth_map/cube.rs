@@ -160,7 +160,7 @@ impl DepthMapCube {
             pass.set_bind_group(0, &group, &[0]);
             pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
         }
-        self.volumes.record(encoder, [Some(&self.view), None], &self.cameras[0], &[views], timer)
+        self.volumes.record(encoder, [Some(&self.view), None], (&self.cameras[0], &formats), &[views], timer)
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the map before.

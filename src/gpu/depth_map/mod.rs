@@ -1,6 +1,7 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
 mod cube;
+mod edges;
 mod errors;
 mod frame;
 mod jitter;
@@ -21,6 +22,6 @@ pub use errors::{
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
-pub use options::{DepthEdges, DepthMap, DepthMapOptions};
+pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions};
 pub use pipelines::DepthMapPipelines;
 pub use volumes::DepthMapVolumes;

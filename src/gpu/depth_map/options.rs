@@ -46,6 +46,32 @@ pub enum DepthEdges {
     /// Those between a depth and nothing. Fewer triangles still. What casts must then hang freely before nothing, or the edges of objects must be
     /// taken, too ([`DepthMapOptions::objects`]).
     Outlines,
+    /// Those between depths that differ by more than `high`, those that differ by more than `low` and by more than both differences beside them, along the
+    /// same row or column, and those between a depth and nothing. TODO
+    SecondDifferences {
+        /// In device depth, from 0 to `high`.
+        low: f32,
+        /// In device depth, from `low` to 1.
+        high: f32,
+    },
+    /// Those between depths that differ by more than the slopes beside them tell. TODO
+    Automatic,
+}
+
+/// How edges are continued that end between cells without one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DanglingEdges {
+    /// Part of the detector's thresholds that is left there, from 0 to 1.
+    pub share: f32,
+    /// Cells by which an edge is continued at most, from 1 to 64.
+    pub cells: u32,
+}
+
+impl Default for DanglingEdges {
+    /// Half of the thresholds, and 8 cells.
+    fn default() -> Self {
+        Self { share: 0.5, cells: 8 }
+    }
 }
 
 /// Options of [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
@@ -58,6 +84,8 @@ pub struct DepthMapOptions {
     /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along rays through the gaps. Steep sides of
     /// objects are left out, so take a `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
     pub objects: bool,
+    /// Whether edges that dangle are continued. TODO
+    pub dangling: Option<DanglingEdges>,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
     /// drawn, and the vertex shader decides again: slower, never wrong.
     pub capacity: Option<u32>,
@@ -83,6 +111,7 @@ impl Default for DepthMapOptions {
         Self {
             edges: DepthEdges::EveryCell,
             objects: false,
+            dangling: None,
             capacity: None,
             slope_bias: 1.0,
             rounded_to: None,
