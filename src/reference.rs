@@ -91,7 +91,7 @@ pub mod cpu {
     pub use crate::cpu::common::filter::{RELATIVE, UNDERFLOW};
     pub use crate::cpu::common::positions::is_finite;
     pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells, depth_cells_of_objects};
-    pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube};
+    pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};
     pub use crate::cpu::depth_map::depth_edges::{EdgeDetector, depth_edges};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};

@@ -245,7 +245,18 @@ fn world() -> Result<(), String> {
             let place = glam::DVec3::new(1.0, 2.0, 3.0);
             let depth = direction(&map);
             let light = Eye { place, forward, near: 0.125, is_relative: true, depth, far, half_width: None }.camera();
-            let threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
+            let mut threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
+            // One that a step of the map nearly meets, so that floats do not tell.
+            let one = world_shape(&map, &light, 1.0);
+            let [share, infinity] = [one.ratio, one.at_infinity].map(|bits| f64::from(f32::from_bits(bits)));
+            let steps = map.depths.windows(2).map(|pair| {
+                let [a, b] = [pair[0], pair[1]].map(f64::from);
+                (share * (a - b).abs() / ((a - infinity) * (b - infinity)).abs()) as f32
+            });
+            let steps: Vec<_> = steps.filter(|step| (0.001..100.0).contains(step)).collect();
+            if round % 2 == 1 && !steps.is_empty() {
+                threshold = steps[random.below(steps.len())];
+            }
             let options =
                 DepthMapOptions { edges: DepthEdges::WorldDifferences { threshold }, ..DepthMapOptions::default() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;

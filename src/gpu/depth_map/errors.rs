@@ -142,9 +142,6 @@ pub enum DepthMapCubeError {
     /// Each map would be moved along its own axes, and leave the others.
     #[error("`bits` is {0}; a cube takes one")]
     Bits(u32),
-    /// Objects are of one map.
-    #[error("a cube has no texture of objects; set `objects` to false")]
-    Objects,
     /// A map does not meet its neighbours.
     #[error(
         "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all together"
