@@ -580,6 +580,26 @@ shared_structs! {
         constant: i32,
     }
 
+    /// How edges of a depth map are marked. Of two values, the second is that next to the end of a marked edge.
+    struct DepthEdgeRule {
+        /// Words of a row of the lattice, and rows.
+        words: [u32; 2],
+        /// Blocks of 256 words.
+        blocks: u32,
+        /// Bits of what every larger difference is marked above.
+        high: u32,
+        /// Bits of what every smaller difference is not marked below.
+        low: [u32; 2],
+        /// As `DepthMapShape::ratio`: the same for steps in world units.
+        ratio: [u32; 2],
+        /// Bits of how many times the difference beside it a difference is.
+        slopes: [u32; 2],
+        /// Bits of what two differences are off by.
+        noise: u32,
+        /// The same as a share of the depth: so many exponents less. 0: no share.
+        noise_exponents: u32,
+    }
+
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
     struct DepthMapView {
         /// Clip space for each step across.

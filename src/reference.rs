@@ -96,11 +96,13 @@ pub mod cpu {
     pub use crate::cpu::depth_map::contour_side::{contour_distance, contour_side};
     pub use crate::cpu::depth_map::contour_walls::{Wall, WallList, WallVertex, contour_walls};
     pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells, depth_cells_of_objects};
-    pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube};
+    pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};
+    pub use crate::cpu::depth_map::depth_edges::{EdgeDetector, depth_edges};
     pub use crate::cpu::depth_map::depth_merge::depth_merge;
     pub use crate::cpu::depth_map::depth_surface::{depth_near_cap, depth_surface, is_behind};
     pub use crate::cpu::depth_map::depth_walls::depth_walls;
     pub use crate::cpu::depth_map::edge_code::{CELL_MASK, Cell, FIRST_TRIANGLE, SECOND_TRIANGLE, SPLIT, exceeds};
+    pub use crate::cpu::depth_map::edge_rule::Second;
     pub use crate::cpu::depth_map::mesh_depth::mesh_depth;
     pub use crate::cpu::depth_map::samples::{Key, Samples};
     pub use crate::cpu::depth_map::world_step::world_step;

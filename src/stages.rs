@@ -463,8 +463,29 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 /// Lists the cells of a depth map that have a triangle to draw.
 pub const DEPTH_CELLS: Stage = Stage {
     name: "depth_cells",
-    files: files!["depth_map/samples", "depth_map/world_step", "depth_map/edge_code", "depth_map/depth_cells"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cell_words",
+        "depth_map/depth_cells"
+    ],
     entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
+};
+
+/// Marks edges of a depth map by a rule that looks at more than their ends, and decides about cells from the marks.
+pub const DEPTH_EDGES: Stage = Stage {
+    name: "depth_edges",
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cell_words",
+        "depth_map/edge_rule",
+        "depth_map/edge_marks",
+        "depth_map/depth_edges"
+    ],
+    entry_points: &["depth_edges_mark", "depth_edges_continue", "depth_edges_count"],
 };
 
 /// Marks the edges of a depth map that a contour crosses.
@@ -509,7 +530,7 @@ pub const DEPTH_CUBE: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 45] = [
+pub const STAGES: [Stage; 46] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -551,6 +572,7 @@ pub const STAGES: [Stage; 45] = [
     EXACT_SHADOW_DEPTH,
     DEPTH_MERGE,
     DEPTH_CUBE,
+    DEPTH_EDGES,
     DEPTH_CELLS,
     CONTOUR_MARKS,
     CONTOUR_PLACES,

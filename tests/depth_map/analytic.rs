@@ -79,7 +79,9 @@ fn trial(
         tally.at_folds += usize::from(near == Near::Fold);
         if near == Near::Nothing {
             tally.wrong += 1;
-            if std::env::var("DEBUG").is_ok() && tally.wrong % 8 == 1 { crate::contours::debug(&view, &map, seen, pixel); }
+            if std::env::var("DEBUG").is_ok() && tally.wrong % 8 == 1 {
+                crate::contours::debug(&view, &map, seen, pixel);
+            }
             if tally.wrong < 10 {
                 let (point, normal) = seen;
                 println!("pixel {pixel}: {point} {normal}, lit {is_lit}, {format:?} {}", view.sun.is_parallel);

@@ -143,8 +143,19 @@ pub(crate) fn debug(view: &View<'_>, map: &Map, seen: (glam::DVec3, glam::DVec3)
     let threshold = (0.0005 * (1 << 29) as f64) as i32;
     let tolerance = 0.002 * (1 << 29) as f64;
     let shift = (tolerance.log2().floor() as i32 - 3).max(0) as u32;
-    let contour = ContourShape { tiles: [tiles, tiles * tiles], words: (SIDE + 2).div_ceil(16), capacity: u32::MAX, threshold, sure: 16 * threshold, sideways: 64,
-        tolerance: (tolerance as i32) >> shift, shift, slope_bias: 128, share: 0, constant: 128 };
+    let contour = ContourShape {
+        tiles: [tiles, tiles * tiles],
+        words: (SIDE + 2).div_ceil(16),
+        capacity: u32::MAX,
+        threshold,
+        sure: 16 * threshold,
+        sideways: 64,
+        tolerance: (tolerance as i32) >> shift,
+        shift,
+        slope_bias: 128,
+        share: 0,
+        constant: 128,
+    };
     let own = ContourMap { samples: &samples, shape: &contour };
     let marks = contour_marks(&own);
     let raw = contour_places(&own, &marks);
@@ -153,34 +164,64 @@ pub(crate) fn debug(view: &View<'_>, map: &Map, seen: (glam::DVec3, glam::DVec3)
     let eye = crate::scene::Rays::new(&view.eye, SIDE).at(at).0;
     let mut last = None;
     println!("DEBUG to {} lit {}", seen.0, view.is_lit(seen));
-    let steps = 4000; let mut last_truth = None;
+    let steps = 4000;
+    let mut last_truth = None;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps);
         let point = eye + (seen.0 - eye) * t;
         let place = view.sun.in_map(point);
         let lattice = glam::DVec2::new(place.x, place.y) * f64::from(SIDE) + 0.5;
         let is_in = |at: f64| at >= 0.0 && at < f64::from(SIDE) + 1.0;
-        if !is_in(lattice.x) || !is_in(lattice.y) { continue; }
+        if !is_in(lattice.x) || !is_in(lattice.y) {
+            continue;
+        }
         let cell = lattice.floor();
         let part = (lattice - cell).as_vec2();
         let cell = [cell.x as i32, cell.y as i32];
         let depth = if map.is_reversed { 1.0 - place.z } else { place.z } as f32;
         let code: u32 = (0..4).map(|bit| u32::from(own_is_marked(&own, cell, bit)) << bit).sum();
-        let dark = if code > 0 { let d = contour_distance(&own, &marks, &list.places, cell, part); d != i32::MAX && depth > d as f32 / (1 << 29) as f32 }
-        else {
-            let d = |x, y| { let v = own.moved([cell[0] + x, cell[1] + y]); if v == i32::MAX { 9.0 } else { v as f32 / (1 << 29) as f32 } };
+        let dark = if code > 0 {
+            let d = contour_distance(&own, &marks, &list.places, cell, part);
+            d != i32::MAX && depth > d as f32 / (1 << 29) as f32
+        } else {
+            let d = |x, y| {
+                let v = own.moved([cell[0] + x, cell[1] + y]);
+                if v == i32::MAX { 9.0 } else { v as f32 / (1 << 29) as f32 }
+            };
             let Vec2 { x, y } = part;
-            depth > d(0,0) * (1.0 - x) * (1.0 - y) + d(1,0) * x * (1.0 - y) + d(0,1) * (1.0 - x) * y + d(1,1) * x * y
+            depth
+                > d(0, 0) * (1.0 - x) * (1.0 - y) + d(1, 0) * x * (1.0 - y) + d(0, 1) * (1.0 - x) * y + d(1, 1) * x * y
         };
         let truth = !view.sun.is_lit(view.world, point, glam::DVec3::ZERO);
-        if last_truth != Some(truth) { println!("  {i}: truth {truth} (own {dark}) {cell:?} {part} code {code:04b} depth {depth}"); }
+        if last_truth != Some(truth) {
+            println!("  {i}: truth {truth} (own {dark}) {cell:?} {part} code {code:04b} depth {depth}");
+        }
         last_truth = Some(truth);
         if last.is_none_or(|(was, _, _)| was != dark) {
             let truth = view.sun.is_lit(view.world, point, glam::DVec3::ZERO);
-            println!("  {i}: {dark} truly {} cell {cell:?} part {part} code {code:04b} depth {depth} was in {:?}", !truth, last);
+            println!(
+                "  {i}: {dark} truly {} cell {cell:?} part {part} code {code:04b} depth {depth} was in {:?}",
+                !truth, last
+            );
             for y in -2..4 {
-                let row: Vec<_> = (-2..4).map(|x| { let v = own.distance([cell[0] + x, cell[1] + y]); let m = |axis| if own.is_marked(rimline::reference::cpu::Edge { at: [cell[0] + x, cell[1] + y], axis }) { ["|", "_"][axis] } else { " " };
-                    format!("{:.4}{}{}", if v == i32::MAX { 9.0 } else { f64::from(v) / (1 << 29) as f64 }, m(0), m(1)) }).collect();
+                let row: Vec<_> = (-2..4)
+                    .map(|x| {
+                        let v = own.distance([cell[0] + x, cell[1] + y]);
+                        let m = |axis| {
+                            if own.is_marked(rimline::reference::cpu::Edge { at: [cell[0] + x, cell[1] + y], axis }) {
+                                ["|", "_"][axis]
+                            } else {
+                                " "
+                            }
+                        };
+                        format!(
+                            "{:.4}{}{}",
+                            if v == i32::MAX { 9.0 } else { f64::from(v) / (1 << 29) as f64 },
+                            m(0),
+                            m(1)
+                        )
+                    })
+                    .collect();
                 println!("      {}", row.join(" "));
             }
         }

@@ -6,6 +6,7 @@ mod boundary;
 mod contours;
 mod counting;
 mod cube;
+mod detectors;
 mod extremes;
 mod lookup;
 mod maps;
@@ -29,6 +30,7 @@ fn main() {
         stages::TESTS,
         merge::TESTS,
         cube::TESTS,
+        detectors::TESTS,
         parity::TESTS,
         counting::TESTS,
         analytic::TESTS,

@@ -72,6 +72,24 @@ pub enum DepthMapVolumesError {
     /// The threshold is no distance.
     #[error("the threshold of `DepthEdges::WorldDifferences` is {0}; take a finite distance that is not negative")]
     WorldThreshold(f32),
+    /// The thresholds of second differences are no depths.
+    #[error(
+        "the thresholds of `DepthEdges::SecondDifferences` are {low} and {high}; device depth differs by 0 to 1, and `low` is at most `high`"
+    )]
+    SecondThresholds {
+        /// The lower threshold.
+        low: f32,
+        /// The higher one.
+        high: f32,
+    },
+    /// Edges would be continued by no threshold, or by too many cells.
+    #[error("`dangling` is a share of {share} and {cells} cells; take a share from 0 to 1, and 1 to 64 cells")]
+    Dangling {
+        /// Part of the thresholds that is left.
+        share: f32,
+        /// Cells by which edges are continued.
+        cells: u32,
+    },
     /// The stencil has not as many bits.
     #[error("`bits` is {0}; the stencil has 8, so take 1 to 8")]
     Bits(u32),
@@ -150,9 +168,6 @@ pub enum DepthMapCubeError {
     /// Each map would be moved along its own axes, and leave the others.
     #[error("`bits` is {0}; a cube takes one")]
     Bits(u32),
-    /// Objects are of one map.
-    #[error("a cube has no texture of objects; set `objects` to false")]
-    Objects,
     /// A map does not meet its neighbours.
     #[error(
         "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all together"

@@ -2,6 +2,7 @@
 
 mod contours;
 mod cube;
+mod edges;
 mod errors;
 mod frame;
 mod jitter;
@@ -22,6 +23,6 @@ pub use errors::{
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
-pub use options::{DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
+pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 pub use pipelines::DepthMapPipelines;
 pub use volumes::DepthMapVolumes;

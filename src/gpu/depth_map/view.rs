@@ -9,7 +9,7 @@ use crate::shadow::DepthDirection;
 
 /// The distances by which depths in a format may be off: a share of the depth, and a constant. Four steps between
 /// neighbouring depths.
-fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
+pub(super) fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
     use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
     let is_float = matches!(format, Depth32Float | Depth32FloatStencil8 | R32Float);
     match (format, depth) {

@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::contours::Contours;
+use super::edges::{BoundEdges, Detector, EdgeStages, threshold_bits};
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
-use super::options::{DepthEdges, DepthMap, DepthMapOptions};
+use super::options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout, wall_group};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view, is_turned, world_step};
@@ -18,7 +19,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::{DepthMapShape, DepthMapView};
+use crate::layout::{DepthEdgeRule, DepthMapShape, DepthMapView};
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CELLS;
 
@@ -27,6 +28,11 @@ const MOST_CELLS: u64 = 1 << 29;
 
 /// Cells of a row that one word tells about.
 const WORD_CELLS: u64 = 8;
+
+/// Samples of the lattice across, and down.
+pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
+    if faces > 1 { [3 * width, 2 * height] } else { [width + 2, height + 2] }
+}
 
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
@@ -69,8 +75,9 @@ const WORD_CELLS: u64 = 8;
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     shared: Pipelines,
-    /// Count, places, list. Empty if there are contours.
+    /// Count, places, list. With `edges`, its last stage counts. Empty if there are contours.
     stages: Vec<Pipeline>,
+    edges: Option<EdgeStages>,
     contours: Option<Contours>,
     shape: DepthMapShape,
     slope_bias: f32,
@@ -108,7 +115,8 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit, .. } = options;
+        let DepthMapOptions { edges, objects, dangling, capacity, slope_bias, rounded_to, bits, memory_limit, .. } =
+            options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -116,13 +124,24 @@ impl DepthMapVolumes {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
         let (every_cell, threshold) = match edges {
-            DepthEdges::EveryCell => (1, 0.0),
             DepthEdges::Differences { threshold } => (0, threshold),
             // No difference is larger.
             DepthEdges::Outlines => (0, 1.0),
             // Each encode has its own.
             DepthEdges::WorldDifferences { .. } => (0, 0.0),
+            // With marks, a list that overflows is that of every cell.
+            DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
         };
+        if let DepthEdges::SecondDifferences { low, high } = edges
+            && !(0.0 <= low && low <= high && high <= 1.0)
+        {
+            return Err(DepthMapVolumesError::SecondThresholds { low, high });
+        }
+        if let Some(DanglingEdges { share, cells }) = dangling
+            && !((0.0..=1.0).contains(&share) && (1..=64).contains(&cells))
+        {
+            return Err(DepthMapVolumesError::Dangling { share, cells });
+        }
         if !(0.0..=1.0).contains(&threshold) {
             return Err(DepthMapVolumesError::Threshold(threshold));
         }
@@ -152,6 +171,7 @@ impl DepthMapVolumes {
         let [across, down] = size.map(cells_of);
         let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
         let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
+        let detector = Detector::new(&options, faces, size);
         let shape = DepthMapShape {
             size,
             cells,
@@ -159,9 +179,8 @@ impl DepthMapVolumes {
             capacity: contours
                 .as_ref()
                 .map_or(capacity.unwrap_or(cells).min(cells).min(fitting), |own| own.shape.capacity),
-            every_cell,
-            // A threshold that a device may flush is none.
-            threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
+            every_cell: if detector.is_some() { 1 } else { every_cell },
+            threshold: threshold_bits(threshold),
             is_reversed: 0,
             faces,
             objects: u32::from(objects),
@@ -181,7 +200,11 @@ impl DepthMapVolumes {
             Allocation { label: "draws of depth cells", bytes: 16 },
         ];
         check(&allocations[..1], limits.binding, None)?;
-        let bytes = check(&allocations, limits.buffer, memory_limit)?;
+        let further = detector.map(|detector| detector.allocations());
+        check(further.as_ref().map_or(&[], |further| &further[..]), limits.binding, None)?;
+        let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).copied().collect();
+        check(&all, limits.buffer, memory_limit)?;
+        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
         let [places, cells, draws] = guarded(shared.device(), bytes, || {
@@ -190,10 +213,12 @@ impl DepthMapVolumes {
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
         let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+        let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
         let of_cells = entry_points.iter().filter(|_| contours.is_none());
         Ok(Self {
             stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
+            edges,
             contours,
             shape,
             slope_bias,
@@ -261,7 +286,7 @@ impl DepthMapVolumes {
         let format = check_texture(map.texture.texture(), self.shape.size)?;
         let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
         let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
-        self.record(encoder, [Some(map.texture), objects], [&map.light, camera], &views, timer)
+        self.record(encoder, [Some(map.texture), objects], ([&map.light, camera], &[format]), &views, timer)
     }
 
     /// The view of a map for a camera, moved by parts of a texel.
@@ -287,7 +312,7 @@ impl DepthMapVolumes {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         [texture, objects]: [Option<&wgpu::TextureView>; 2],
-        [light, eye]: [&ShadowCamera; 2],
+        ([light, eye], formats): ([&ShadowCamera; 2], &[wgpu::TextureFormat]),
         views: &[Vec<DepthMapView>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
@@ -295,12 +320,24 @@ impl DepthMapVolumes {
         check_alive(device)?;
         let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
         let mut shape = DepthMapShape { is_reversed, ..self.shape };
-        if let Some(threshold) = self.world {
+        let mut formats = formats.iter().copied().chain(self.rounded_to);
+        let rule = self.edges.as_ref().map(|edges| edges.rule(light, &mut formats)).transpose()?;
+        if let Some((_, at_infinity)) = rule {
+            shape.at_infinity = at_infinity;
+        } else if let Some(threshold) = self.world {
             [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
         }
         let refused = |message| DepthMapEncodeError::Refused { message };
-        let bound = any_error(device, || self.bind([texture, objects], &shape, views)).map_err(refused)?;
-        for (stage, group, [x, y]) in &bound.stages {
+        let bound =
+            any_error(device, || self.bind([texture, objects], &shape, rule.map(|rule| rule.0).as_ref(), views))
+                .map_err(refused)?;
+        let mut own = 0;
+        if let (Some(edges), Some(bound)) = (&self.edges, &bound.edges) {
+            let most = device.limits().max_compute_workgroups_per_dimension;
+            edges.record(encoder, bound, most, timer.as_deref_mut());
+            own = 1;
+        }
+        for (stage, group, [x, y]) in bound.stages.iter().skip(own) {
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
@@ -338,12 +375,17 @@ impl DepthMapVolumes {
         &self,
         textures: [Option<&wgpu::TextureView>; 2],
         shape: &DepthMapShape,
+        rule: Option<&DepthEdgeRule>,
         views: &[Vec<DepthMapView>],
     ) -> Bound<'_> {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
         let [texture, objects] =
             textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
+        let edges = self.edges.as_ref().zip(rule).map(|(edges, rule)| {
+            let textures = [texture.clone(), objects.clone()];
+            edges.bind(&self.shared, (shape, &uniform), rule, &textures, &self.places)
+        });
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
         let every = [shape.blocks.div_ceil(rows).min(most), rows];
@@ -359,7 +401,7 @@ impl DepthMapVolumes {
                 (4, objects),
             ];
             let entries: Vec<_> = resources.into_iter().chain(contours.of_draws(&contour)).collect();
-            return Bound { stages, draws: vec![wall_group(&self.shared, entries)] };
+            return Bound { edges: None, stages, draws: vec![wall_group(&self.shared, entries)] };
         }
         let mut counts = [every, [1, 1], every].into_iter();
         let stages = self.stages.iter().map(|stage| {
@@ -387,12 +429,13 @@ impl DepthMapVolumes {
             ];
             group(device, "depth surface", &layout(&self.shared), &resources)
         };
-        Bound { stages: stages.collect(), draws: views.iter().map(draw).collect() }
+        Bound { edges, stages: stages.collect(), draws: views.iter().map(draw).collect() }
     }
 }
 
 /// The bind groups of an encode, and the workgroups of each stage.
 struct Bound<'a> {
+    edges: Option<BoundEdges>,
     stages: Vec<(&'a Pipeline, wgpu::BindGroup, [u32; 2])>,
     /// For each bit.
     draws: Vec<wgpu::BindGroup>,
