@@ -1,6 +1,7 @@
 //! `cargo xtask mutants`: whether the tests notice changes that make the code wrong. Each is made in a copy of the working
 //! tree, so nothing here is touched.
 
+mod contours;
 mod depth_map;
 mod list;
 mod occluded;
@@ -20,8 +21,14 @@ const TIME_LIMIT: Duration = Duration::from_secs(20 * 60);
 
 /// All mutations.
 fn all() -> impl Iterator<Item = &'static Mutation> {
-    let lists =
-        [list::MUTATIONS, depth_map::MUTATIONS, occluded::MUTATIONS, polygons::MUTATIONS, scene_clusters::MUTATIONS];
+    let lists = [
+        list::MUTATIONS,
+        depth_map::MUTATIONS,
+        contours::MUTATIONS,
+        occluded::MUTATIONS,
+        polygons::MUTATIONS,
+        scene_clusters::MUTATIONS,
+    ];
     lists.into_iter().flatten()
 }
 

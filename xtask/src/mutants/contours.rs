@@ -1,0 +1,148 @@
+//! Wrong changes to walls over the contours of depth maps, in shader and twin alike.
+
+use super::list::Mutation;
+
+const WALLS: &[&str] = &["--test depth_map_gpu walls_are"];
+const PICTURES: &[&str] = &["--test depth_map_gpu contours_", "--test depth_map_gpu volumes_have"];
+
+pub(super) const MUTATIONS: &[Mutation] = &[
+    Mutation {
+        name: "contours: a jump as large as the threshold is marked",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_marks.wgsl",
+                "if (abs(difference) <= contour.threshold) {",
+                "if (abs(difference) < contour.threshold) {",
+            ),
+            (
+                "wgsl/depth_map/contour_marks.wgsl",
+                "jump - slopes > contour.threshold;",
+                "jump - slopes >= contour.threshold;",
+            ),
+            ("src/cpu/depth_map/contour.rs", "if (b - a).abs() <= threshold {", "if (b - a).abs() < threshold {"),
+            ("src/cpu/depth_map/contour.rs", "jump - slopes > threshold", "jump - slopes >= threshold"),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: three samples of a plane are at a jump",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_marks.wgsl",
+                "if (min(abs(jump - before), abs(jump - after)) <= contour.threshold) {",
+                "if (min(abs(jump - before), abs(jump - after)) < 0) {",
+            ),
+            ("src/cpu/depth_map/contour.rs", "(jump - beside).abs() <= threshold)", "(jump - beside).abs() < 0)"),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: the slope of the farther surface does not explain a difference",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_marks.wgsl",
+                "max(slope_to_step(near, away), -slope_to_step(near + away, -away))",
+                "max(slope_to_step(near, away), 0)",
+            ),
+            (
+                "src/cpu/depth_map/contour.rs",
+                "self.slope(near, away).max(-self.slope(far, back))",
+                "self.slope(near, away).max(0)",
+            ),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: segments may pass a sample",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_walls.wgsl",
+                "let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);",
+                "let far = clamp(of_left + contour.sideways, LEAST, 2 * TEXEL);",
+            ),
+            (
+                "src/cpu/depth_map/contour_walls.rs",
+                "limit(of_left + sideways)];",
+                "{ let place = (of_left + sideways).clamp(LEAST, 2 * TEXEL); [left[0] * TEXEL + step[0] * place, left[1] * TEXEL + step[1] * place] }];",
+            ),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: flaps of walks to both sides end at other samples",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_walls.wgsl",
+                "own.y < own.x || (own.y == own.x && all(right == first))",
+                "own.y < own.x",
+            ),
+            (
+                "src/cpu/depth_map/contour_walls.rs",
+                "depths[1] < depths[0] || depths[1] == depths[0] && right == edge.at",
+                "depths[1] < depths[0]",
+            ),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: flaps begin at the last sample at one end",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_walls.wgsl",
+                "    sample = before;\n",
+                "    sample = select(before, sample, axis == 1u && is_right);\n",
+            ),
+            (
+                "src/cpu/depth_map/contour_walls.rs",
+                "if is_marked(self.map, self.marks, between) { sample } else { before }",
+                "if is_marked(self.map, self.marks, between) || edge.axis == 1 && side == 1 { sample } else { before }",
+            ),
+        ],
+        tests: WALLS,
+    },
+    Mutation {
+        name: "contours: a run turns to the other side",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_places.wgsl",
+                "select(3u, 0u, (out & 1u) == 1u)",
+                "select(1u, 2u, (out & 1u) == 1u)",
+            ),
+            (
+                "src/cpu/depth_map/contour_places.rs",
+                "{ [0, 2] } else { [3, 1] };\n            return",
+                "{ [2, 0] } else { [1, 3] };\n            return",
+            ),
+        ],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "contours: surfaces end at their last sample",
+        changes: &[
+            (
+                "wgsl/depth_map/contour_marked.wgsl",
+                "clamp(moved_distance(at) + way_on(at, step, place), 0,",
+                "clamp(moved_distance(at) + 0 * way_on(at, step, place), 0,",
+            ),
+            ("src/cpu/depth_map/contour_marks.rs", "(map.moved(at) + way)", "(map.moved(at) + 0 * way)"),
+        ],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "contours: no near cap",
+        changes: &[(
+            "src/gpu/depth_map/frame.rs",
+            "pass.draw(0..3, 0..1);\n            return",
+            "pass.draw(0..0, 0..1);\n            return",
+        )],
+        tests: PICTURES,
+    },
+    Mutation {
+        name: "contours: near caps take the surface on the other side",
+        changes: &[
+            ("wgsl/depth_map/contour_side.wgsl", "place - start) < 0.0;", "place - start) >= 0.0;"),
+            ("src/cpu/depth_map/contour_side.rs", ".perp_dot(place - from) < 0.0;", ".perp_dot(place - from) >= 0.0;"),
+        ],
+        tests: PICTURES,
+    },
+];
