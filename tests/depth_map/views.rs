@@ -9,6 +9,7 @@ use crate::parity::device_depth;
 use crate::scene::{Eye, Rays};
 use crate::worlds::World;
 
+/// Pixels along the side of what the eye sees, and of a map if nothing else is said.
 pub(crate) const SIDE: u32 = 96;
 /// The distance between what casts and what is next to it as the light sees it, to tell a border from a fold.
 const APART: f64 = 0.15;
@@ -87,8 +88,13 @@ pub(crate) enum Near {
 }
 
 /// What is there around what a pixel sees.
-fn what_is_near(world: &World, sun: &Sun, rays: &Rays, within: f64, (point, normal): (DVec3, DVec3)) -> Near {
-    let texels = sun.in_map(point).truncate() * f64::from(SIDE);
+fn what_is_near(
+    (world, sun): (&World, &Sun),
+    (rays, side): (&Rays, u32),
+    within: f64,
+    (point, normal): (DVec3, DVec3),
+) -> Near {
+    let texels = sun.in_map(point).truncate() * f64::from(side);
     let is_lit = sun.is_lit(world, point, normal);
     let near = (0..121).map(|number| {
         let offset = (DVec2::new(f64::from(number % 11), f64::from(number / 11)) / 5.0 - 1.0) * within;
@@ -114,6 +120,8 @@ fn what_is_near(world: &World, sun: &Sun, rays: &Rays, within: f64, (point, norm
 pub(crate) struct View<'a> {
     pub(crate) world: &'a World,
     pub(crate) sun: Sun,
+    /// Texels along the side of the map.
+    pub(crate) side: u32,
     pub(crate) light_rays: Rays,
     pub(crate) light_seen: Vec<Seen>,
     pub(crate) eye: ShadowCamera,
@@ -123,6 +131,11 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     /// `None` if the near rectangle is in a body: what is seen there is no surface.
     pub(crate) fn random(random: &mut Random, world: &'a World) -> Option<Self> {
+        Self::of_side(random, world, SIDE)
+    }
+
+    /// The same with a map of `side`² texels.
+    pub(crate) fn of_side(random: &mut Random, world: &'a World, side: u32) -> Option<Self> {
         let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
         let towards = DVec3::new(between(-0.7, 0.7), 1.0, between(-0.7, 0.7)).normalize();
         let is_parallel = between(0.0, 1.0) < 0.4;
@@ -141,10 +154,10 @@ impl<'a> View<'a> {
         if near.any(|place| world.is_inside(eye_rays.at(place).0)) {
             return None;
         }
-        let light_rays = Rays::new(&sun.camera, SIDE);
-        let light_seen = seen(world, &light_rays, [SIDE; 2]);
+        let light_rays = Rays::new(&sun.camera, side);
+        let light_seen = seen(world, &light_rays, [side; 2]);
         let eye_seen = seen(world, &eye_rays, [SIDE; 2]);
-        Some(Self { world, sun, light_rays, light_seen, eye, eye_seen })
+        Some(Self { world, sun, side, light_rays, light_seen, eye, eye_seen })
     }
 
     /// What the map and the eye's depth buffer hold.
@@ -165,6 +178,6 @@ impl<'a> View<'a> {
 
     /// What is within some texels of a place, as the light sees it.
     pub(crate) fn near(&self, seen: (DVec3, DVec3), within: f64) -> Near {
-        what_is_near(self.world, &self.sun, &self.light_rays, within, seen)
+        what_is_near((self.world, &self.sun), (&self.light_rays, self.side), within, seen)
     }
 }
