@@ -1,10 +1,11 @@
 //! Table 2 of the paper: how many triangles volumes have, and how many times more where the map's side is doubled.
 
 use glam::{DQuat, DVec3};
+use rimline::gpu::DepthMapReconstruction;
 use rimline_measure::random::Random;
 
 use crate::scenes::{PAPER, RADIUS, scene};
-use crate::stage::{Bench, DETECTORS, MAP, camera, map_of};
+use crate::stage::{Bench, DETECTORS, MAP, Way, camera, map_of};
 
 const SIDES: [u32; 2] = [256, 512];
 const DISTANCE: f64 = 8.0;
@@ -22,9 +23,12 @@ pub(crate) fn turned(random: &mut Random) -> [DVec3; 3] {
     [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis)
 }
 
-/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn.
-fn triangles(list: &[u32]) -> u64 {
+/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of walls has two for each.
+fn triangles(way: Way, list: &[u32]) -> u64 {
     let Some((&count, entries)) = list.split_first() else { return 0 };
+    if way.reconstruction != DepthMapReconstruction::Triangles {
+        return 2 * u64::from(count);
+    }
     entries.iter().take(count as usize).map(|entry| u64::from((entry >> 30).count_ones())).sum()
 }
 
@@ -43,8 +47,8 @@ pub(crate) fn measure(bench: &Bench, rotations: usize, seed: u64) -> Result<(), 
             let mut random = Random::new(seed);
             let map = bench.target(side, MAP);
             let mut volumes = Vec::new();
-            for (_, edges) in DETECTORS {
-                volumes.push(bench.volumes(side, edges)?);
+            for (_, way) in DETECTORS {
+                volumes.push(bench.volumes(side, way)?);
             }
             for _ in 0..rotations {
                 let light = camera(turned(&mut random), DISTANCE, f64::from(RADIUS), true);
@@ -57,8 +61,8 @@ pub(crate) fn measure(bench: &Bench, rotations: usize, seed: u64) -> Result<(), 
                     }
                     Ok(())
                 })?;
-                for (sums, volumes) in sums.iter_mut().zip(&volumes) {
-                    sums[size] += triangles(&bench.gpu.read(volumes.cells(), usize::MAX)?);
+                for ((sums, volumes), (_, way)) in sums.iter_mut().zip(&volumes).zip(DETECTORS) {
+                    sums[size] += triangles(way, &bench.gpu.read(volumes.cells(), usize::MAX)?);
                 }
             }
         }

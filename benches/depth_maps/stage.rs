@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use glam::{DMat4, DVec3, DVec4};
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, MeshDepth, PositionBuffer, ShadowFormat,
+    DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes, MeshDepth,
+    PositionBuffer, ShadowFormat,
 };
 use rimline::{DepthDirection, Mesh, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -17,14 +18,40 @@ pub(crate) const MAP: TextureFormat = TextureFormat::Depth24Plus;
 pub(crate) const EYE: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
 /// Detectors and their names. The threshold in world units is for scenes of a few units.
-pub(crate) const DETECTORS: [(&str, DepthEdges); 6] = [
-    ("every cell", DepthEdges::EveryCell),
-    ("differences 0.0005", DepthEdges::Differences { threshold: 0.0005 }),
-    ("differences 0.02", DepthEdges::Differences { threshold: 0.02 }),
-    ("world 0.1", DepthEdges::WorldDifferences { threshold: 0.1 }),
-    ("automatic", DepthEdges::Automatic),
-    ("second differences 0.0005, 0.05", DepthEdges::SecondDifferences { low: 0.0005, high: 0.05 }),
+pub(crate) const DETECTORS: [(&str, Way); 7] = [
+    ("every cell", Way::triangles(DepthEdges::EveryCell)),
+    ("differences 0.0005", Way::triangles(DepthEdges::Differences { threshold: 0.0005 })),
+    ("differences 0.02", Way::triangles(DepthEdges::Differences { threshold: 0.02 })),
+    ("world 0.1", Way::triangles(DepthEdges::WorldDifferences { threshold: 0.1 })),
+    ("automatic", Way::triangles(DepthEdges::Automatic)),
+    ("second differences 0.0005, 0.05", Way::triangles(DepthEdges::SecondDifferences { low: 0.0005, high: 0.05 })),
+    (
+        "contours 0.005",
+        Way {
+            edges: DepthEdges::Differences { threshold: 0.005 },
+            reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.02 },
+        },
+    ),
 ];
+
+/// Edges, and what is built at them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    edges: DepthEdges,
+    pub(crate) reconstruction: DepthMapReconstruction,
+}
+
+impl Way {
+    const fn triangles(edges: DepthEdges) -> Self {
+        Self { edges, reconstruction: DepthMapReconstruction::Triangles }
+    }
+}
+
+impl From<DepthEdges> for Way {
+    fn from(edges: DepthEdges) -> Self {
+        Self::triangles(edges)
+    }
+}
 
 /// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard depth from before
 /// the ball to behind it, eyes reversed depth without a far plane.
@@ -115,8 +142,9 @@ impl Bench {
         })
     }
 
-    pub(crate) fn volumes(&self, side: u32, edges: DepthEdges) -> Result<DepthMapVolumes, String> {
-        let options = DepthMapOptions { edges, ..Default::default() };
+    pub(crate) fn volumes(&self, side: u32, way: impl Into<Way>) -> Result<DepthMapVolumes, String> {
+        let Way { edges, reconstruction } = way.into();
+        let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
         DepthMapVolumes::new(&self.pipelines, [side; 2], options).map_err(text)
     }
 
