@@ -285,6 +285,12 @@ pub enum DepthMapDrawError {
         /// Bits of the pipelines.
         pipelines: u32,
     },
+    /// Walls are not counted.
+    #[error(
+        "the volumes have walls (`DepthMapReconstruction::Contours`), and the pipelines count; take `DepthMapPipelines::new`, or \
+         `DepthMapReconstruction::Triangles`"
+    )]
+    CountedWalls,
     /// A later encode overwrites what is drawn.
     #[error(
         "a later encode of these volumes overwrites this frame; draw a frame before the next encode, or make further volumes"

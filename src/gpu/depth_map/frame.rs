@@ -26,8 +26,9 @@ pub struct DepthMapFrame {
 
 impl DepthMapFrame {
     /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
-    /// pipeline and bind group 0 of the pass.
+    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel.
+    /// The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the pipeline and bind group
+    /// 0 of the pass.
     ///
     /// # Errors
     /// [`DepthMapDrawError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
@@ -44,6 +45,9 @@ impl DepthMapFrame {
         let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
         if volumes != other {
             return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
+        }
+        if self.has_walls && pipelines.is_counting() {
+            return Err(DepthMapDrawError::CountedWalls);
         }
         if self.encodes.load(Ordering::Relaxed) != self.encode {
             return Err(DepthMapDrawError::StaleFrame);

@@ -8,9 +8,9 @@ use super::edges::{BoundEdges, Detector, EdgeStages, threshold_bits};
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
-use super::options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions};
+use super::options::{DepthEdges, DepthMap, DepthMapOptions};
 use super::pipelines::{DepthMapPipelines, layout, wall_group};
-use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
+use super::texture::{check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view, is_turned, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
@@ -35,7 +35,8 @@ pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
 }
 
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
-/// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
+/// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads
+/// nothing back.
 ///
 /// NUMERICS.md, "Volumes from depth maps", has the method and its source.
 ///
@@ -115,8 +116,7 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, dangling, capacity, slope_bias, rounded_to, bits, memory_limit, .. } =
-            options;
+        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit, .. } = options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -132,37 +132,8 @@ impl DepthMapVolumes {
             // With marks, a list that overflows is that of every cell.
             DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
         };
-        if let DepthEdges::SecondDifferences { low, high } = edges
-            && !(0.0 <= low && low <= high && high <= 1.0)
-        {
-            return Err(DepthMapVolumesError::SecondThresholds { low, high });
-        }
-        if let Some(DanglingEdges { share, cells }) = dangling
-            && !((0.0..=1.0).contains(&share) && (1..=64).contains(&cells))
-        {
-            return Err(DepthMapVolumesError::Dangling { share, cells });
-        }
-        if !(0.0..=1.0).contains(&threshold) {
-            return Err(DepthMapVolumesError::Threshold(threshold));
-        }
-        let world = match edges {
-            DepthEdges::WorldDifferences { threshold } if !(threshold.is_finite() && threshold >= 0.0) => {
-                return Err(DepthMapVolumesError::WorldThreshold(threshold));
-            }
-            DepthEdges::WorldDifferences { threshold } => Some(threshold),
-            _ => None,
-        };
-        if !(slope_bias.is_finite() && slope_bias >= 0.0) {
-            return Err(DepthMapVolumesError::Bias(slope_bias));
-        }
-        if !(1..=8).contains(&bits) {
-            return Err(DepthMapVolumesError::Bits(bits));
-        }
-        if let Some(format) = rounded_to
-            && !MAP_FORMATS.contains(&format)
-        {
-            return Err(DepthMapVolumesError::RoundedTo(format));
-        }
+        options.check()?;
+        let world = if let DepthEdges::WorldDifferences { threshold } = edges { Some(threshold) } else { None };
         let contours = Contours::new(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
@@ -253,8 +224,9 @@ impl DepthMapVolumes {
         self.encode_map(encoder, map, None, camera, timer)
     }
 
-    /// As [`Self::encode`], with [`DepthMapOptions::objects`]: `objects` has the number of an object for each texel of the map. It is a view of one layer and
-    /// level of a texture of `R32Uint` with usage `TEXTURE_BINDING`, which has the map's size. Numbers where the map is far do not matter.
+    /// As [`Self::encode`], with [`DepthMapOptions::objects`]: `objects` has the number of an object for each texel of the map.
+    /// It is a view of one layer and level of a texture of `R32Uint` with usage `TEXTURE_BINDING`, which has the map's size.
+    /// Numbers where the map is far do not matter.
     ///
     /// # Errors
     /// [`DepthMapEncodeError`] if a texture or a camera is refused. Nothing is recorded then.
@@ -360,12 +332,13 @@ impl DepthMapVolumes {
     }
 
     /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
-    /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn.
-    /// With a number larger than the capacity the entries are not complete, and every cell was drawn.
+    /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two
+    /// triangles are drawn. With a number larger than the capacity the entries are not complete, and every cell was drawn.
     ///
-    /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number, three times 0, then twelve words for each. They are four
-    /// vertices of three words: its place across and down the lattice, whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in
-    /// units of 2⁻²⁹ of the range of depths, or 2³¹ − 1 where it is far.
+    /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number,
+    /// three times 0, then twelve words for each. They are four vertices of three words: its place across and down the lattice,
+    /// whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in units of 2⁻²⁹ of
+    /// the range of depths, or 2³¹ − 1 where it is far.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.contours.as_ref().map_or(&self.cells, |own| &own.walls)
     }
