@@ -11,6 +11,7 @@ mod merge;
 mod mesh_depth;
 mod options;
 mod pipelines;
+mod recording;
 mod texture;
 mod view;
 mod volumes;
