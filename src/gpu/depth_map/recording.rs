@@ -78,8 +78,7 @@ impl DepthMapVolumes {
         }
         let rule = rule.map(|(rule, _)| rule);
         let bind = || {
-            let textures =
-                textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
+            let textures = textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
             let uniforms = self.uniforms(&shape, eyes);
             let stages = is_listed_anew.then(|| self.bind_stages(&textures, &shape, &uniforms, rule.as_ref()));
             let draws: Vec<_> = eyes.iter().map(|(_, views)| self.bind_draws(&textures, &uniforms, views)).collect();
@@ -124,8 +123,8 @@ impl DepthMapVolumes {
             return BoundStages { edges: None, stages };
         }
         let edges = self.edges.as_ref().zip(rule);
-        let edges = edges
-            .map(|(edges, rule)| edges.bind(&self.shared, (shape, &uniforms.map), rule, textures, &self.places));
+        let edges =
+            edges.map(|(edges, rule)| edges.bind(&self.shared, (shape, &uniforms.map), rule, textures, &self.places));
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
         let every = [shape.blocks.div_ceil(rows.max(1)).min(most), rows];
@@ -174,6 +173,11 @@ impl DepthMapVolumes {
 }
 
 impl Planned<'_> {
+    /// Whether stages are recorded.
+    pub(super) fn is_listed_anew(&self) -> bool {
+        self.stages.is_some()
+    }
+
     /// Records the stages. The frames are for the cameras, in their order.
     pub(super) fn record(
         self,
