@@ -98,7 +98,9 @@ fn is_lit(light: &Light, place: DVec3) -> bool {
 
 fn look(random: &mut Random) -> Seen {
     let place = f64::from(random.between(0.5, 9.0)) * vector(random);
-    let forward = if random.below(2) == 0 { vector(random) * 3.0 - place } else { vector(random) };
+    // To the middle, or past it.
+    let to = if random.below(2) == 0 { vector(random) * 3.0 } else { place * 3.0 };
+    let forward = to - place;
     let near = f64::from(random.between(0.05, 3.0));
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(2.0))][random.below(3)];
     let depth = DepthDirection::Reversed;
@@ -108,8 +110,8 @@ fn look(random: &mut Random) -> Seen {
     let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
     let places: Vec<_> = (0..SIDE * SIDE).map(|at| seen(pixel(at)).1).collect();
     let depths = places.iter().map(|&place| device_depth(&eye, place)).collect();
-    let low = (vector(random) * 6.0).as_vec3();
-    let high = low + glam::Vec3::splat(random.between(0.5, 9.0));
+    let low = (vector(random) * 9.0).as_vec3();
+    let high = low + glam::Vec3::splat(random.between(0.5, 6.0));
     let bounds = (random.below(2) == 0).then(|| [low.to_array(), high.to_array()]);
     Seen { eye, places, depths, bounds }
 }
@@ -294,10 +296,10 @@ fn histories() -> Result<(), String> {
                 world.casters[0].encode(&mut dropped, &frame, &cameras, None).map_err(text)?;
             }
             // Nobody is told of a change.
-            let is_secret = step == 11 && !world.casts.is_empty();
+            let cast = random.below(world.casts.len().max(1));
+            let is_secret = step % 4 == 3 && !world.casts.is_empty();
             if is_secret {
                 world.encode(&eyes)?;
-                let cast = random.below(world.casts.len());
                 world.rewrite(&mut random, cast, false)?;
             }
             let frames = world.encode(&eyes)?;
@@ -324,15 +326,19 @@ fn histories() -> Result<(), String> {
                     }
                 }
             }
+            if is_secret {
+                world.rewrite(&mut random, cast, true)?;
+            }
         }
     }
     println!("{dark} dark pixels, {noticed} pictures with cells of other maps, {counts:?}");
-    let least = [counts.encoded, counts.kept, counts.skipped, counts.unlit, counts.unreached].into_iter().min();
-    if dark < 2000 || least < Some(1) || counts.kept < 20 || counts.skipped < 20 {
+    let unseen = counts.skipped - counts.unlit - counts.unreached;
+    let least = [counts.encoded, counts.kept, unseen, counts.unlit, counts.unreached].into_iter().min();
+    if dark < 2000 || least < Some(5) {
         return Err("too few of a kind".to_owned());
     }
     // Negative control: a map that changed, and a version that did not.
-    if noticed == 0 { Err("cells of other maps went unnoticed".to_owned()) } else { Ok(()) }
+    if noticed < 2 { Err("cells of other maps went unnoticed".to_owned()) } else { Ok(()) }
 }
 
 /// A lamp above the middle whose map has a square in it, and eyes to it, away from it, and with boxes.
@@ -354,6 +360,7 @@ fn lone(gpu: &Gpu) -> Result<(World<'_>, Seen, Seen), String> {
     for (casters, volumes) in world.casters.iter_mut().zip(volumes) {
         handles.push(casters.insert(volumes, caster.clone()).map_err(text)?);
     }
+    world.version = 1;
     world.lamps.push(Lamp { handle, light, camera });
     world.casts.push(Cast { texture, caster, handles: [handles[0], handles[1]] });
     let floor = |eye: ShadowCamera| {
@@ -367,14 +374,14 @@ fn lone(gpu: &Gpu) -> Result<(World<'_>, Seen, Seen), String> {
         Seen { eye, places, depths, bounds: None }
     };
     let towards = floor(eye(DVec3::new(6.0, 3.0, 0.0), DVec3::new(-2.0, -1.0, 0.0)));
-    let away = floor(eye(DVec3::new(9.0, 3.0, 0.0), DVec3::new(2.0, -1.0, 0.0)));
+    let away = floor(eye(DVec3::new(9.0, 3.0, 0.0), DVec3::new(2.0, 0.3, 0.0)));
     Ok((world, towards, away))
 }
 
 fn kept() -> Result<(), String> {
     let gpu = &*Gpu::shared()?;
     let (mut world, towards, away) = lone(gpu)?;
-    let mut encode = |world: &mut World<'_>, seen: &[Seen]| world.encode(seen).map(|[all, _]| all.counts());
+    let encode = |world: &mut World<'_>, seen: &[Seen]| world.encode(seen).map(|[all, _]| all.counts());
     let one = DepthMapCasterCounts::default();
     let (found, again) =
         (DepthMapCasterCounts { encoded: 1, draws: 1, ..one }, DepthMapCasterCounts { kept: 1, draws: 1, ..one });
@@ -400,7 +407,7 @@ fn kept() -> Result<(), String> {
     let steps = [encode(&mut world, &seen)?, encode(&mut world, &seen)?];
     same("any", &steps, &[found, found])?;
     // A box beside the shadow, and one in it.
-    let [mut beside, mut within] = [[[5.0, 0.0, 5.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]]].map(|bounds| {
+    let [mut beside, mut within] = [[[7.0, 0.0, 7.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]]].map(|bounds| {
         let Seen { eye, places, depths, .. } = &seen[0];
         [Seen { eye: *eye, places: places.clone(), depths: depths.clone(), bounds: Some(bounds) }]
     });
