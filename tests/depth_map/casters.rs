@@ -406,6 +406,23 @@ fn kept() -> Result<(), String> {
     world.casters[0].set_version(handle, None).map_err(text)?;
     let steps = [encode(&mut world, &seen)?, encode(&mut world, &seen)?];
     same("any", &steps, &[found, found])?;
+    // Another camera, another texture, or a light that moves, and the same version.
+    let mut caster = DepthMapCaster { version: Some(9), ..world.casts[0].caster.clone() };
+    let mut steps = Vec::new();
+    for change in 0..4 {
+        match change {
+            1 => caster.camera.origin[0] += 0.125,
+            2 => caster.texture = depth_view(&world.casts[0].texture),
+            _ => {}
+        }
+        let (handle, light) = (world.lamps[0].handle, world.lamps[0].light.with_range(20.0 + change as f32));
+        world.scene.set_light(handle, light).map_err(text)?;
+        world.casters[0].set(world.casts[0].handles[0], caster.clone()).map_err(text)?;
+        steps.push(encode(&mut world, &seen)?);
+    }
+    same("set", &steps, &[found, found, found, again])?;
+    world.casters[0].set(handle, world.casts[0].caster.clone()).map_err(text)?;
+    world.casters[0].set_version(handle, None).map_err(text)?;
     // A box beside the shadow, and one in it.
     let [mut beside, mut within] = [[[7.0, 0.0, 7.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]]].map(|bounds| {
         let Seen { eye, places, depths, .. } = &seen[0];
