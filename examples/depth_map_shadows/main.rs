@@ -1,5 +1,5 @@
 //! Shadows of what has no mesh: a ray-marched distance field and a tree of alpha-tested cards, from a depth map that the lamp sees.
-//! Boxes and the trunk cast by their meshes, into the same stencil. Writes `depth_map_shadows.png`. Run it with
+//! Boxes and the trunk cast by their meshes, into the same stencil. All are in one scene. Writes `depth_map_shadows.png`. Run it with
 //! `cargo run --release --example depth_map_shadows`.
 
 #[path = "../support/stage.rs"]
@@ -8,8 +8,8 @@ mod stage;
 mod support;
 
 use rimline::gpu::{
-    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Extractor, ExtractorOptions, PositionBuffer,
-    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes,
+    Caster, DepthMapCaster, DepthMapCasters, DepthMapCastersOptions, DepthMapOptions, DepthMapPipelines,
+    DepthMapVolumes, Pipelines, Scene, SceneOptions, ScenePipelines, ShadowFormat,
 };
 use rimline::mesh::Weld;
 use rimline::{Counting, DepthDirection, Light, Mesh, ShadowCamera, wgpu};
@@ -65,32 +65,37 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = Mesh::new(&boxes.0, &boxes.1, Weld::Position)?;
     let vertex_buffer = canvas.storage(bytemuck::cast_slice(&boxes.0));
     let bodies = [stage.body(&vertex_buffer, mesh.faces())];
-    let counting = ShadowPipelines::new(&canvas.device, &format, Counting::Auto)?;
-    let mut extractor = Extractor::new(&canvas.device, &mesh, ExtractorOptions::default())?;
-    let mut volumes = ShadowVolumes::new(&counting, &extractor, ShadowOptions::default())?;
+    let shared = Pipelines::new(&canvas.device);
+    let counting = ScenePipelines::new(&shared, &format, Counting::Auto)?;
+    let mut scene = Scene::new(&shared, &canvas.queue, SceneOptions { count_bits: COUNT_BITS, ..Default::default() })?;
+    let at_lamp = scene.add_light(light)?;
+    let mesh = scene.add_mesh(&mesh, &boxes.0)?;
+    scene.insert(Caster::rigid(mesh, [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]))?;
 
     // What has none: the lamp's own view of it.
-    let parity = DepthMapPipelines::new(&canvas.device, &format, COUNT_BITS)?;
-    let mut mapped = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
+    let parity = DepthMapPipelines::new(&shared, &format, COUNT_BITS)?;
     let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
     let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);
     let depths = map.create_view(&wgpu::TextureViewDescriptor {
         aspect: wgpu::TextureAspect::DepthOnly,
         ..wgpu::TextureViewDescriptor::default()
     });
+    let mut mapped = DepthMapCasters::new(&scene, DepthMapCastersOptions::default());
+    let volumes = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
+    // Leaves that move would raise the version, after each draw of the map.
+    let (camera_of_map, version) = (seen_by(&lamp_view), Some(0));
+    let caster = DepthMapCaster { light: at_lamp, texture: depths, objects: None, camera: camera_of_map, version };
+    mapped.insert(volumes, caster)?;
 
     let mut encoder = canvas.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     stage.draw_extras_into(&mut encoder, &lamp_view, &map);
-    let map = DepthMap { texture: &depths, light: seen_by(&lamp_view) };
-    let eye = seen_by(&camera);
-    let rebuilt = mapped.encode(&mut encoder, &map, &eye, None)?;
-    let vertices = PositionBuffer { buffer: &vertex_buffer, offset: 0, stride: 12 };
-    let extraction = extractor.encode(&mut encoder, vertices, &[light], None)?;
-    let extruded = volumes.encode(&mut encoder, &extraction, &eye, None)?;
+    let eye = [seen_by(&camera)];
+    let extruded = scene.encode(&mut encoder, &eye, None)?;
+    let rebuilt = mapped.encode(&mut encoder, &extruded, &eye, None)?;
     // A place is dark where either counts it.
-    stage.draw(&mut encoder, &bodies, |pass, light| {
-        extruded.draw(pass, &counting, light)?;
-        rebuilt.draw(pass, &parity).map_err(Box::<dyn std::error::Error>::from)
+    stage.draw(&mut encoder, &bodies, |pass, _| {
+        extruded.draw(pass, &counting, 0, at_lamp)?;
+        rebuilt.draw(pass, &parity, 0, at_lamp).map_err(Box::<dyn std::error::Error>::from)
     })?;
     canvas.save(encoder, "depth_map_shadows.png")
 }

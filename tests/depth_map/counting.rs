@@ -88,8 +88,10 @@ fn counts() -> Result<(), String> {
             }
             at_borders += 1;
         }
-        dark += parity.iter().filter(|&&value| value == 1).count();
-        counted.iter_mut().for_each(|value| *value = (128 - *value) % 128);
+        dark += parity.iter().map(|&value| usize::from(value)).sum::<usize>();
+        for value in &mut counted {
+            *value = (128 - *value) % 128;
+        }
         if parity.contains(&1) {
             must_fail("counts that go the other way", &same("counts", &counted, &parity))?;
         }

@@ -3,6 +3,7 @@
 
 mod analytic;
 mod boundary;
+mod casters;
 mod contours;
 mod counting;
 mod cube;
@@ -38,6 +39,7 @@ fn main() {
         contours::TESTS,
         extremes::TESTS,
         refusals::TESTS,
+        casters::TESTS,
         mesh_depth::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

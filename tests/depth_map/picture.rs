@@ -47,6 +47,18 @@ pub(crate) fn stencil_of(
     (side, depths): (u32, &[f32]),
     encode: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<DepthMapFrame, String>,
 ) -> Result<Vec<u8>, String> {
+    stencil_after(gpu, (side, depths), |encoder| {
+        let frame = encode(encoder)?;
+        Ok(move |pass: &mut wgpu::RenderPass<'_>| frame.draw(pass, pipelines).map_err(text))
+    })
+}
+
+/// The same, after any draws.
+pub(crate) fn stencil_after<F: FnOnce(&mut wgpu::RenderPass<'_>) -> Result<(), String>>(
+    gpu: &Gpu,
+    (side, depths): (u32, &[f32]),
+    encode: impl FnOnce(&mut wgpu::CommandEncoder) -> Result<F, String>,
+) -> Result<Vec<u8>, String> {
     let target = texture(gpu, [side; 2], TextureFormat::Depth24PlusStencil8, depths)?;
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let row = side.next_multiple_of(256);
@@ -57,7 +69,7 @@ pub(crate) fn stencil_of(
         mapped_at_creation: false,
     });
     gpu.submit(|encoder| {
-        let frame = encode(encoder)?;
+        let draw = encode(encoder)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("volumes"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -67,7 +79,7 @@ pub(crate) fn stencil_of(
             }),
             ..Default::default()
         });
-        frame.draw(&mut pass, pipelines).map_err(text)?;
+        draw(&mut pass)?;
         drop(pass);
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::StencilOnly, ..target.as_image_copy() },

@@ -2,7 +2,8 @@
 
 use rimline::gpu::{
     DanglingEdges, DepthEdges, DepthMap, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
-    DepthMapPipelinesError, DepthMapVolumes, DepthMapVolumesError, MemoryError, ShadowFormat, ShadowFormatError,
+    DepthMapPipelinesError, DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, MemoryError, ShadowFormat,
+    ShadowFormatError,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -132,7 +133,14 @@ fn drawing() -> Result<(), String> {
     let pipelines = pipelines(&gpu)?;
     let standard = ShadowFormat { depth: STANDARD, ..Default::default() };
     let standard = DepthMapPipelines::new(&gpu.pipelines, &standard, 0).map_err(text)?;
+    let counting = DepthMapPipelines::counting(&gpu.pipelines, &ShadowFormat::default()).map_err(text)?;
     let mut volumes = DepthMapVolumes::new(&pipelines, [8, 8], DepthMapOptions::default()).map_err(text)?;
+    let options = DepthMapOptions {
+        edges: DepthEdges::Outlines,
+        reconstruction: DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.001 },
+        ..Default::default()
+    };
+    let mut walled = DepthMapVolumes::new(&pipelines, [8, 8], options).map_err(text)?;
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
     let texture = depth_view(&attachment(&gpu, TextureFormat::Depth32Float, 8, 1, usage));
     let target = attachment(&gpu, TextureFormat::Depth24PlusStencil8, 8, 1, usage);
@@ -141,6 +149,7 @@ fn drawing() -> Result<(), String> {
         let map = DepthMap { texture: &texture, light: camera(REVERSED) };
         let first = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let second = volumes.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
+        let walls = walled.encode(encoder, &map, &camera(REVERSED), None).map_err(text)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: None,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
@@ -150,10 +159,17 @@ fn drawing() -> Result<(), String> {
             }),
             ..Default::default()
         });
-        Ok([first.draw(&mut pass, &pipelines), second.draw(&mut pass, &standard), second.draw(&mut pass, &pipelines)])
+        let drawn = [(&first, &pipelines), (&second, &standard), (&second, &pipelines), (&second, &counting)];
+        let walls = [(&walls, &counting), (&walls, &pipelines)];
+        Ok(drawn
+            .into_iter()
+            .chain(walls)
+            .map(|(frame, pipelines)| frame.draw(&mut pass, pipelines))
+            .collect::<Vec<_>>())
     })?;
     let mismatch = DepthMapDrawError::Depth { volumes: REVERSED, pipelines: STANDARD };
-    same("draws", &found, &[Err(DepthMapDrawError::StaleFrame), Err(mismatch), Ok(())])
+    let walls = Err(DepthMapDrawError::CountedWalls);
+    same("draws", &found, &[Err(DepthMapDrawError::StaleFrame), Err(mismatch), Ok(()), Ok(()), walls, Ok(())])
 }
 
 fn objects_refused() -> Result<(), String> {

@@ -141,6 +141,26 @@ fn hiding(body: &Body, mesh: &Mesh, own: &[[f32; 3]], positions: &CasterPosition
     triangles.filter(|triangle| triangle.iter().flatten().all(|c| c.is_finite())).collect()
 }
 
+/// Those of volumes alone, for a scene.
+fn scene_options(renderer: &Renderer<'_>, max_lights: usize, counting: Counting) -> SceneOptions {
+    let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
+    let mut options = SceneOptions {
+        max_lights,
+        list_capacity: renderer.list_capacity,
+        counting,
+        every_face: renderer.options.every_face,
+        skip_unseen,
+        end_at_range,
+        cap_capacity,
+        count_batches: renderer.count_batches,
+        count_bits: renderer.count_bits,
+        bound_counts: renderer.options.bound_counts,
+        ..SceneOptions::default()
+    };
+    (renderer.levels)(&mut options);
+    options
+}
+
 impl InScene {
     pub(crate) fn new(
         renderer: &Renderer<'_>,
@@ -151,21 +171,7 @@ impl InScene {
         receivers: Option<Receivers<'_>>,
     ) -> Result<Self, String> {
         let gpu = renderer.gpu;
-        let ShadowOptions { skip_unseen, end_at_range, cap_capacity, .. } = renderer.options;
-        let mut options = SceneOptions {
-            max_lights: frame.lights.len() + 3,
-            list_capacity: renderer.list_capacity,
-            counting,
-            every_face: renderer.options.every_face,
-            skip_unseen,
-            end_at_range,
-            cap_capacity,
-            count_batches: renderer.count_batches,
-            count_bits: renderer.count_bits,
-            bound_counts: renderer.options.bound_counts,
-            ..SceneOptions::default()
-        };
-        (renderer.levels)(&mut options);
+        let options = scene_options(renderer, frame.lights.len() + 3, counting);
         let mut scene = Scene::new(&renderer.pipelines, &gpu.queue, options).map_err(text)?;
         let mut camera = frame.eye.camera();
         let far = if matches!(renderer.placing, Placing::Moved(_)) { FAR } else { [0.0; 3] };

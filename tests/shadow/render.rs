@@ -247,16 +247,8 @@ impl<'a> Renderer<'a> {
             copies.push(self.copy_stencil(&mut encoder, &target, row));
         }
         gpu.queue.submit([encoder.finish()]);
-        let mut stencils = Vec::new();
-        for copy in &copies {
-            let all: Vec<u8> = read_back_vec(&gpu.device, &gpu.queue, copy).map_err(|error| text(&error))?;
-            let samples = self.samples as usize;
-            let lines = all.chunks(row as usize).map(|line| &line[..frame.size as usize * samples]);
-            let values: Vec<u8> = lines.flatten().copied().collect();
-            stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
-        }
         let mut counted = Counted {
-            stencils,
+            stencils: self.stencils(&copies, [row, frame.size])?,
             chosen: Vec::new(),
             receivers: Vec::new(),
             draws: Vec::new(),
@@ -272,6 +264,19 @@ impl<'a> Renderer<'a> {
             together.read(gpu, &mut counted)?;
         }
         Ok(counted)
+    }
+
+    /// The stencil values of copies with rows of so many bytes, for pictures with so many pixels a side.
+    fn stencils(&self, copies: &[wgpu::Buffer], [row, size]: [u32; 2]) -> Result<Vec<Vec<u8>>, String> {
+        let samples = self.samples as usize;
+        let mut stencils = Vec::new();
+        for copy in copies {
+            let all: Vec<u8> = read_back_vec(&self.gpu.device, &self.gpu.queue, copy).map_err(|e| e.to_string())?;
+            let lines = all.chunks(row as usize).map(|line| &line[..size as usize * samples]);
+            let values: Vec<u8> = lines.flatten().copied().collect();
+            stencils.extend((0..samples).map(|sample| values.iter().skip(sample).step_by(samples).copied().collect()));
+        }
+        Ok(stencils)
     }
 
     pub(crate) fn target(&self, size: u32, sample_count: u32, format: wgpu::TextureFormat) -> wgpu::Texture {

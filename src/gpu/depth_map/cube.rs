@@ -224,7 +224,7 @@ impl DepthMapCube {
             encoder,
             [Some(&self.view), self.has_objects.then_some(&self.objects)],
             ([&self.cameras[0], camera], &formats),
-            &[views],
+            vec![views],
             timer,
         )
     }

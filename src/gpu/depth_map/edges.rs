@@ -69,7 +69,7 @@ impl Detector {
             noise_exponents: 0,
         };
         // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of several bits.
-        let rings = if second > 0 { 1 } else { 0 } + u32::from(bits > 1);
+        let rings = u32::from(second > 0) + u32::from(bits > 1);
         Some(Self { rule, second, world, dangling, rings })
     }
 

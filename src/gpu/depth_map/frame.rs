@@ -26,8 +26,9 @@ pub struct DepthMapFrame {
 
 impl DepthMapFrame {
     /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
-    /// pipeline and bind group 0 of the pass.
+    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel.
+    /// The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the pipeline and bind group
+    /// 0 of the pass.
     ///
     /// # Errors
     /// [`DepthMapDrawError`] if the pipelines do not fit, or a later encode overwrites what is drawn. Nothing is drawn then.
@@ -36,18 +37,7 @@ impl DepthMapFrame {
         pass: &mut wgpu::RenderPass<'_>,
         pipelines: &DepthMapPipelines,
     ) -> Result<(), DepthMapDrawError> {
-        check_same(["the pipelines", "the volumes"], [pipelines.shared().device(), &self.device])?;
-        let (volumes, other) = (self.depth, pipelines.format().depth);
-        if volumes != other {
-            return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
-        }
-        let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
-        if volumes != other {
-            return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
-        }
-        if self.encodes.load(Ordering::Relaxed) != self.encode {
-            return Err(DepthMapDrawError::StaleFrame);
-        }
+        self.check(pipelines)?;
         if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
             let own = pipelines.walls();
             pass.set_bind_group(0, group, &[]);
@@ -66,6 +56,26 @@ impl DepthMapFrame {
             pass.draw_indirect(&self.draws, 0);
             pass.set_pipeline(&own.near_cap);
             pass.draw(0..3, 0..1);
+        }
+        Ok(())
+    }
+
+    /// Refuses pipelines that do not fit, and a frame whose list a later encode overwrites.
+    pub(super) fn check(&self, pipelines: &DepthMapPipelines) -> Result<(), DepthMapDrawError> {
+        check_same(["the pipelines", "the volumes"], [pipelines.shared().device(), &self.device])?;
+        let (volumes, other) = (self.depth, pipelines.format().depth);
+        if volumes != other {
+            return Err(DepthMapDrawError::Depth { volumes, pipelines: other });
+        }
+        let [volumes, other] = [self.groups.len(), pipelines.draws.len()].map(|bits| bits as u32);
+        if volumes != other {
+            return Err(DepthMapDrawError::Bits { volumes, pipelines: other });
+        }
+        if self.has_walls && pipelines.is_counting() {
+            return Err(DepthMapDrawError::CountedWalls);
+        }
+        if self.encodes.load(Ordering::Relaxed) != self.encode {
+            return Err(DepthMapDrawError::StaleFrame);
         }
         Ok(())
     }

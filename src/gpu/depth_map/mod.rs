@@ -1,6 +1,9 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod casters;
+mod casters_frame;
 mod contours;
+mod convex;
 mod cube;
 mod edges;
 mod errors;
@@ -11,14 +14,19 @@ mod merge;
 mod mesh_depth;
 mod options;
 mod pipelines;
+mod recording;
 mod texture;
 mod view;
 mod volumes;
 
+pub use casters::{
+    DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasters, DepthMapCastersOptions,
+};
+pub use casters_frame::DepthMapCastersFrame;
 pub use cube::DepthMapCube;
 pub use errors::{
-    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
-    DepthMapVolumesError, MeshDepthError,
+    CubeMismatch, DepthMapCastersError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
+    DepthMapPipelinesError, DepthMapVolumesError, MeshDepthError,
 };
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;

@@ -1,5 +1,7 @@
 //! What volumes are rebuilt from, and how.
 
+use super::errors::DepthMapVolumesError;
+use super::texture::MAP_FORMATS;
 use crate::ShadowCamera;
 
 /// A depth map: what a light sees.
@@ -30,21 +32,24 @@ pub enum DepthEdges {
     /// Those between depths that differ by more than `threshold`, and those between a depth and nothing. Far fewer
     /// triangles, but where two surfaces are nearer to each other than that, as seen from the light, an edge of a shadow is
     /// missed. One missed edge can turn light and shadow round along all rays through the gap, in streaks. A threshold above the
-    /// depth differences of steep surfaces has the same effect. Take it small: 0.0005 was right for scenes some ten metres across.
+    /// depth differences of steep surfaces has the same effect. Take it small: 0.0005 was right for scenes some ten metres
+    /// across.
     Differences {
         /// In device depth, from 0 to 1. It is compared exactly. In a perspective map a step in device depth is larger in the
         /// world the farther away it is.
         threshold: f32,
     },
-    /// Those between samples whose distances from the light, along the direction that the map looks in, differ by more than `threshold`, and those between a depth and
-    /// nothing. As [`Self::Differences`], but the step is the same near and far. A shadow of something that is nearer than `threshold` to what is behind it is
-    /// missed, and may turn light and shadow round. Far away from the light the map's own steps can be larger than `threshold`: then every cell there is drawn.
+    /// Those between samples whose distances from the light, along the direction that the map looks in, differ by more than
+    /// `threshold`, and those between a depth and nothing. As [`Self::Differences`], but the step is the same near and far. A
+    /// shadow of something that is nearer than `threshold` to what is behind it is missed, and may turn light and shadow round.
+    /// Far away from the light the map's own steps can be larger than `threshold`: then every cell there is drawn.
     WorldDifferences {
-        /// In units of the scene, not negative. The map's camera and this number are rounded once, to three floats; these are compared exactly.
+        /// In units of the scene, not negative. The map's camera and this number are rounded once, to three floats; these are
+        /// compared exactly.
         threshold: f32,
     },
-    /// Those between a depth and nothing. Fewer triangles still. What casts must then hang freely before nothing, or the edges of objects must be
-    /// taken, too ([`DepthMapOptions::objects`]).
+    /// Those between a depth and nothing. Fewer triangles still. What casts must then hang freely before nothing, or the edges of
+    /// objects must be taken, too ([`DepthMapOptions::objects`]).
     Outlines,
     /// Those between depths that differ by more than `high`, those that differ by more than `low` and by more than both
     /// differences beside them in the same row or column (section 3.3 of the paper), and those between a depth and nothing.
@@ -92,19 +97,23 @@ pub enum DepthMapReconstruction {
     /// Each cell by the triangles between its samples that have a marked edge.
     #[default]
     Triangles,
-    /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with segments. Far fewer
-    /// triangles, and smoother borders of shadows, which lie between the samples and not at the outer ones. After section 8.1 of the paper.
+    /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with segments.
+    /// Far fewer triangles, and smoother borders of shadows, which lie between the samples and not at the outer ones. After
+    /// section 8.1 of the paper.
     ///
-    /// It takes [`DepthEdges::Differences`], or [`DepthEdges::Outlines`] where the map is far behind what casts. Of the differences above the threshold it
-    /// takes jumps alone: those that are more than the threshold larger than the slopes to both sides tell. A jump of less than 16 thresholds does not
-    /// count beside one that is twice as large. No wall is drawn on a slope, so surfaces have no specks of their own shadow.
+    /// It takes [`DepthEdges::Differences`], or [`DepthEdges::Outlines`] where the map is far behind what casts. Of the
+    /// differences above the threshold it takes jumps alone: those that are more than the threshold larger than the slopes to
+    /// both sides tell. A jump of less than 16 thresholds does not count beside one that is twice as large. No wall is drawn on a
+    /// slope, so surfaces have no specks of their own shadow.
     ///
     /// Maps of a cube, and more than one bit, take triangles.
     Contours {
-        /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample on its own side in any case. 0.25 is a good choice.
+        /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample
+        /// on its own side in any case. 0.25 is a good choice.
         sideways: f32,
-        /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. A multiple of the edges' threshold is a good choice: with more, walls are fewer, and
-        /// rays may slip through where surfaces bend along a contour.
+        /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. A multiple of the
+        /// edges' threshold is a good choice: with more, walls are fewer, and rays may slip through where surfaces bend along a
+        /// contour.
         depth: f32,
     },
 }
@@ -115,9 +124,10 @@ pub struct DepthMapOptions {
     /// Which edges are taken.
     pub edges: DepthEdges,
     /// Whether edges between different objects are taken, besides those of `edges`. The objects are given to
-    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). This needs no threshold, and finds contacts such as a foot on the ground. With
-    /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along rays through the gaps. Steep sides of
-    /// objects are left out, so take a `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
+    /// [`DepthMapVolumes::encode_objects`](crate::gpu::DepthMapVolumes::encode_objects). This needs no threshold, and finds
+    /// contacts such as a foot on the ground. With [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed,
+    /// and light and shadow are turned round along rays through the gaps. Steep sides of objects are left out, so take a
+    /// `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
     pub objects: bool,
     /// How the boundary is rebuilt.
     pub reconstruction: DepthMapReconstruction,
@@ -127,19 +137,23 @@ pub struct DepthMapOptions {
     /// more cell. In a cube, an edge is not continued from one map into the next.
     pub dangling: Option<DanglingEdges>,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
-    /// drawn, and the vertex shader decides again: slower, never wrong. With contours, walls that the list has room for. `None`: a fourth of the cells.
+    /// drawn, and the vertex shader decides again: slower, never wrong. With contours, walls that the list has room for. `None`:
+    /// a fourth of the cells.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
     /// texel in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope
     /// is at most the one measured there. With less, steep surfaces may have specks of shadow. With more, shadows detach
     /// from what they touch.
     pub slope_bias: f32,
-    /// A format that depths were rounded to before they came into the map, if it is coarser than the map's. `None`: the map's own. The boundary moves by four
-    /// of its steps. Without it, a map of `R32Float` that was copied or merged from `Depth16Unorm` has specks of shadow.
+    /// A format that depths were rounded to before they came into the map, if it is coarser than the map's. `None`: the map's
+    /// own. The boundary moves by four of its steps. Without it, a map of `R32Float` that was copied or merged from
+    /// `Depth16Unorm` has specks of shadow.
     pub rounded_to: Option<wgpu::TextureFormat>,
-    /// Bits of the stencil that take the boundary, from 1 to 8: the pipelines' ([`DepthMapPipelines::antialiased`](crate::gpu::DepthMapPipelines::antialiased)). With more than one,
-    /// each takes the boundary moved sideways by another part of a texel, so that borders of shadows have as many levels of grey, and one more. The surface moves away from the light
-    /// by up to as much again, and volumes are drawn as often. After section 8.3 of the paper.
+    /// Bits of the stencil that take the boundary, from 1 to 8: the pipelines'
+    /// ([`DepthMapPipelines::antialiased`](crate::gpu::DepthMapPipelines::antialiased)). With more than one, each takes the
+    /// boundary moved sideways by another part of a texel, so that borders of shadows have as many levels of grey, and one more.
+    /// The surface moves away from the light by up to as much again, and volumes are drawn as often. After section 8.3 of the
+    /// paper.
     pub bits: u32,
     /// Bytes that all buffers together may take.
     pub memory_limit: Option<u64>,
@@ -158,6 +172,39 @@ impl Default for DepthMapOptions {
             rounded_to: None,
             bits: 1,
             memory_limit: None,
+        }
+    }
+}
+
+impl DepthMapOptions {
+    /// Whether volumes can be made with them.
+    pub(super) fn check(&self) -> Result<(), DepthMapVolumesError> {
+        match self.edges {
+            DepthEdges::Differences { threshold } if !(0.0..=1.0).contains(&threshold) => {
+                return Err(DepthMapVolumesError::Threshold(threshold));
+            }
+            DepthEdges::WorldDifferences { threshold } if !(threshold.is_finite() && threshold >= 0.0) => {
+                return Err(DepthMapVolumesError::WorldThreshold(threshold));
+            }
+            DepthEdges::SecondDifferences { low, high } if !(0.0 <= low && low <= high && high <= 1.0) => {
+                return Err(DepthMapVolumesError::SecondThresholds { low, high });
+            }
+            _ => {}
+        }
+        if let Some(DanglingEdges { share, cells }) = self.dangling
+            && !((0.0..=1.0).contains(&share) && (1..=64).contains(&cells))
+        {
+            return Err(DepthMapVolumesError::Dangling { share, cells });
+        }
+        if !(self.slope_bias.is_finite() && self.slope_bias >= 0.0) {
+            return Err(DepthMapVolumesError::Bias(self.slope_bias));
+        }
+        if !(1..=8).contains(&self.bits) {
+            return Err(DepthMapVolumesError::Bits(self.bits));
+        }
+        match self.rounded_to {
+            Some(format) if !MAP_FORMATS.contains(&format) => Err(DepthMapVolumesError::RoundedTo(format)),
+            _ => Ok(()),
         }
     }
 }

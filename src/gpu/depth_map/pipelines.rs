@@ -16,7 +16,8 @@ use crate::gpu::shadow::{ShadowFormat, ShadowFormatError};
 use crate::shadow::DepthDirection;
 use crate::stages::{DEPTH_SURFACE, DEPTH_WALLS, Stage};
 
-/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some, or the bits that counts own.
+/// The pipelines that draw volumes from depth maps, for one [`ShadowFormat`] and one bit of the stencil, or some, or the bits
+/// that counts own.
 #[derive(Debug)]
 pub struct DepthMapPipelines {
     shared: Pipelines,
@@ -51,9 +52,9 @@ impl DepthMapPipelines {
     /// Makes the pipelines. They count by parity in bit `bit` of the stencil, and leave the other bits as they are. A draw
     /// turns the bit round at each pixel that is in shadow.
     ///
-    /// Where volumes of meshes count in the same stencil, let counts own 7 bits ([`ShadowFormat::count_bits`]), in the format of all
-    /// pipelines, and give parity bit 7. Neither then changes the bits of the other, and a place is dark where any bit is set. With fewer than
-    /// 8 bits of counts, a bit that they own is refused. With 8, nothing is taken to count beside.
+    /// Where volumes of meshes count in the same stencil, let counts own 7 bits ([`ShadowFormat::count_bits`]), in the format of
+    /// all pipelines, and give parity bit 7. Neither then changes the bits of the other, and a place is dark where any bit is
+    /// set. With fewer than 8 bits of counts, a bit that they own is refused. With 8, nothing is taken to count beside.
     ///
     /// `format.front_face` and `format.has_far_plane` do not matter.
     ///
@@ -71,13 +72,15 @@ impl DepthMapPipelines {
         Self::of_bits(pipelines.into(), format, bit..bit + 1, false)
     }
 
-    /// Makes pipelines that count the surface as a volume, in the bits that counts own ([`ShadowFormat::count_bits`]): up where a ray enters the
-    /// shadow, down where it leaves it. So a map is one more caster among volumes of meshes, which takes no bit of its own, and several maps
-    /// of a light may lie in each other. Each adds up to 1 to a count.
+    /// Makes pipelines that count the surface as a volume, in the bits that counts own ([`ShadowFormat::count_bits`]): up where a
+    /// ray enters the shadow, down where it leaves it. So a map is one more caster among volumes of meshes, which takes no bit of
+    /// its own, and several maps of a light may lie in each other. Each adds up to 1 to a count.
     ///
-    /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it. An edge that a detector misses turns a parity bit round along rays
-    /// through the gap, and leaves the shadows of meshes alone. In a count it takes shadows of meshes away, too: 1 for a mesh and -1
-    /// for a shadow that was left and never entered are 0. NUMERICS.md, "Volumes from depth maps", compares both.
+    /// Take [`DepthEdges::EveryCell`](crate::gpu::DepthEdges::EveryCell) with it. An edge that a detector misses turns a parity
+    /// bit round along rays through the gap, and leaves the shadows of meshes alone. In a count it takes shadows of meshes away,
+    /// too: 1 for a mesh and -1 for a shadow that was left and never entered are 0. NUMERICS.md, "Volumes from depth maps",
+    /// compares both. Walls ([`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours)) are not counted: a
+    /// draw of them is refused.
     ///
     /// # Errors
     /// [`DepthMapPipelinesError`] if the device lacks what they need or cannot draw into the attachments.
@@ -85,8 +88,9 @@ impl DepthMapPipelines {
         Self::of_bits(pipelines.into(), format, 0..format.count_bits, true)
     }
 
-    /// Makes pipelines that count by parity in each of `bits`, for volumes with as many [`DepthMapOptions::bits`](crate::gpu::DepthMapOptions::bits). Each bit takes the boundary moved
-    /// sideways by another part of a texel, so borders of shadows are grey: [`Self::lit_share`] resolves them.
+    /// Makes pipelines that count by parity in each of `bits`, for volumes with as many
+    /// [`DepthMapOptions::bits`](crate::gpu::DepthMapOptions::bits). Each bit takes the boundary moved sideways by another part
+    /// of a texel, so borders of shadows are grey: [`Self::lit_share`] resolves them.
     ///
     /// Where volumes of meshes count in the same stencil, let counts own the bits below, as for [`Self::new`].
     ///
@@ -163,13 +167,19 @@ impl DepthMapPipelines {
         &self.shared
     }
 
+    /// Whether the bits are a count.
+    pub(super) fn is_counting(&self) -> bool {
+        self.is_counting
+    }
+
     /// The bits of the stencil that the pipelines draw into.
     pub fn bits(&self) -> Range<u32> {
         self.bits.clone()
     }
 
-    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel; 0 or 1 for a count. In WGSL, of a texture of the stencil aspect and with `mask` for the bits:
-    /// `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) / f32(countOneBits(mask))`.
+    /// The share of the bits that say light, from 0 to 1, in the stencil of a pixel; 0 or 1 for a count. In WGSL, of a texture of
+    /// the stencil aspect and with `mask` for the bits: `1.0 - f32(countOneBits(textureLoad(stencil, pixel, 0).x & mask)) /
+    /// f32(countOneBits(mask))`.
     pub fn lit_share(&self, stencil: u8) -> f32 {
         let dark = self.bits().filter(|bit| stencil >> bit & 1 == 1).count();
         if self.is_counting {

@@ -40,8 +40,8 @@ use crate::{Light, Matrix3x4, Mesh};
 /// No casters and no lights are legal, and so are mirrored and singular transforms.
 #[derive(Debug)]
 pub struct Scene {
-    pub(super) id: SceneId,
-    pub(super) pipelines: Pipelines,
+    pub(crate) id: SceneId,
+    pub(crate) pipelines: Pipelines,
     pub(super) queue: wgpu::Queue,
     pub(super) options: SceneOptions,
     pub(super) meshes: SlotMap<DefaultKey, MeshEntry>,

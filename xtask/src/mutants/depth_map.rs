@@ -326,4 +326,51 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         )],
         tests: &["--test depth_map_gpu the_surface_counts"],
     },
+    Mutation {
+        name: "skipped maps: shadows end at the light's near plane",
+        changes: &[(
+            "src/gpu/depth_map/convex.rs",
+            "direction.dot(along) < -SLACK * along.length()",
+            "direction.dot(along) < -2.0 * along.length()",
+        )],
+        tests: &["--lib convex", "--test depth_map_gpu by_hand"],
+    },
+    Mutation {
+        name: "skipped maps: a frustum is narrower than what is seen",
+        changes: &[("src/gpu/depth_map/convex.rs", "x * (1.0 + MARGIN + more[0])", "x * (0.8 + MARGIN + more[0])")],
+        tests: &["--lib convex"],
+    },
+    Mutation {
+        name: "skipped maps: the range is taken by half",
+        changes: &[("src/gpu/depth_map/convex.rs", "> range * (1.0 + MARGIN)", "> 0.5 * range * (1.0 + MARGIN)")],
+        tests: &["--lib convex"],
+    },
+    Mutation {
+        name: "skipped maps: a cone is its axis",
+        changes: &[("src/gpu/depth_map/convex.rs", "< -sine - SPREAD", "< -SPREAD")],
+        tests: &["--lib convex"],
+    },
+    Mutation {
+        name: "kept cells: any version is the same",
+        changes: &[(
+            "src/gpu/depth_map/casters.rs",
+            "version == Some(self.version) && ",
+            "version.is_some() && self.version < u64::MAX && ",
+        )],
+        tests: &["--test depth_map_gpu are_kept"],
+    },
+    Mutation {
+        name: "kept cells: encoders are never dropped",
+        changes: &[("src/gpu/depth_map/casters.rs", "self.is_lost.store(true,", "self.is_lost.store(false,")],
+        tests: &["--test depth_map_gpu are_kept"],
+    },
+    Mutation {
+        name: "kept cells: another camera has the same",
+        changes: &[(
+            "src/gpu/depth_map/casters.rs",
+            "if of(&entry.caster) != of(&caster) {",
+            "if of(&entry.caster).0 != of(&caster).0 {",
+        )],
+        tests: &["--test depth_map_gpu are_kept"],
+    },
 ];

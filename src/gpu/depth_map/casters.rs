@@ -1,0 +1,426 @@
+//! Depth maps that cast in a scene, beside its meshes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use slotmap::{DefaultKey, SlotMap};
+
+use super::casters_frame::{DepthMapCastersFrame, DrawnCaster};
+use super::convex::Convex;
+use super::errors::DepthMapCastersError;
+use super::jitter::jitters;
+use super::recording::{Eye, Planned};
+use super::texture::{check_objects, check_texture};
+use super::volumes::DepthMapVolumes;
+use crate::gpu::common::requirements::{check_alive, check_same, check_timer};
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::scene::handles::{LightHandle, SceneId};
+use crate::gpu::{Scene, SceneFrame};
+use crate::{Light, ShadowCamera};
+
+/// A depth map that casts in a scene. What it casts are volumes, [`DepthMapVolumes`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DepthMapCaster {
+    /// The light of the scene that sees the map.
+    pub light: LightHandle,
+    /// As [`DepthMap::texture`](crate::gpu::DepthMap::texture).
+    pub texture: wgpu::TextureView,
+    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for
+    /// [`DepthMapVolumes::encode_objects`]. Else `None`.
+    pub objects: Option<wgpu::TextureView>,
+    /// The camera that the map was made with, at the light. It moves with the light: nothing moves it by itself.
+    pub camera: ShadowCamera,
+    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their contents are
+    /// the same, and the cells that were found are kept. `None`: they may be others in each encode.
+    pub version: Option<u64>,
+}
+
+/// A caster of [`DepthMapCasters`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DepthMapCasterHandle {
+    casters: SceneId,
+    key: DefaultKey,
+}
+
+/// What [`DepthMapCasters`] leave out. No switch changes a shadow that is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
+pub struct DepthMapCastersOptions {
+    /// Keep the cells of a map while its version says that it is the same.
+    pub keep_cells: bool,
+    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone.
+    pub skip_unreached: bool,
+    /// Skip a map for a camera that cannot see its shadow.
+    pub skip_unseen: bool,
+    /// Skip a map for a camera if none of what receives can be in its shadow. It takes effect where
+    /// [`DepthMapCasters::encode_for`] has a box.
+    pub skip_hidden: bool,
+}
+
+impl Default for DepthMapCastersOptions {
+    /// All of it.
+    fn default() -> Self {
+        Self { keep_cells: true, skip_unreached: true, skip_unseen: true, skip_hidden: true }
+    }
+}
+
+/// What was done with the maps in an encode. Each is one of the first three.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DepthMapCasterCounts {
+    /// Maps whose cells were found.
+    pub encoded: u32,
+    /// Maps whose cells were kept.
+    pub kept: u32,
+    /// Maps that no camera draws. Nothing is recorded of them.
+    pub skipped: u32,
+    /// Of those skipped: their light was removed from the scene.
+    pub unlit: u32,
+    /// Of those skipped: their light does not reach what they may darken.
+    pub unreached: u32,
+    /// Draws of a map for a camera.
+    pub draws: u32,
+}
+
+#[derive(Debug)]
+struct Entry {
+    volumes: DepthMapVolumes,
+    caster: DepthMapCaster,
+    kept: Option<Kept>,
+}
+
+/// The cells of an encode before.
+#[derive(Debug)]
+struct Kept {
+    version: u64,
+    /// The encoder was dropped, so there are none.
+    is_lost: Arc<AtomicBool>,
+}
+
+/// Goes with the commands of an encoder: it is dropped with them, or told of their submission.
+struct Submission {
+    is_lost: Arc<AtomicBool>,
+    is_submitted: bool,
+}
+
+impl Submission {
+    fn submitted(mut self) {
+        self.is_submitted = true;
+    }
+}
+
+impl Drop for Submission {
+    fn drop(&mut self) {
+        if !self.is_submitted {
+            self.is_lost.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Casters of a [`Scene`] that have no mesh: depth maps of its lights. They are encoded after the scene and drawn beside its frame,
+/// into the same stencil.
+///
+/// The cells of a map that did not change are kept, and maps are skipped that cannot darken what is seen. All of this is decided on
+/// the CPU, from cameras and lights.
+///
+/// ```no_run
+/// use rimline::gpu::{DepthMapCaster, DepthMapCasters, DepthMapCastersOptions, DepthMapOptions, DepthMapVolumes};
+/// # use rimline::gpu::{DepthMapPipelines, LightHandle, Scene, ScenePipelines};
+/// # use rimline::{ShadowCamera, wgpu};
+///
+/// # fn shadows(
+/// #     (counting, parity): (&ScenePipelines, &DepthMapPipelines),
+/// #     encoder: &mut wgpu::CommandEncoder,
+/// #     (scene, light): (&mut Scene, LightHandle),
+/// #     (depth, at_light, version): (wgpu::TextureView, ShadowCamera, u64),
+/// #     camera: ShadowCamera,
+/// #     mut light_pass: impl FnMut(LightHandle) -> wgpu::RenderPass<'static>,
+/// # ) -> Result<(), Box<dyn std::error::Error>> {
+/// // Once, for a map of a light of the scene:
+/// let mut maps = DepthMapCasters::new(scene, DepthMapCastersOptions::default());
+/// let volumes = DepthMapVolumes::new(parity, [512, 512], DepthMapOptions::default())?;
+/// let caster = DepthMapCaster { light, texture: depth, objects: None, camera: at_light, version: Some(version) };
+/// let tree = maps.insert(volumes, caster)?;
+/// // When it was drawn again:
+/// maps.set_version(tree, Some(version + 1))?;
+/// // Every frame:
+/// let meshes = scene.encode(encoder, &[camera], None)?;
+/// let mapped = maps.encode(encoder, &meshes, &[camera], None)?;
+/// // For each light, in its pass:
+/// let mut pass = light_pass(light);
+/// meshes.draw(&mut pass, counting, 0, light)?;
+/// mapped.draw(&mut pass, parity, 0, light)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct DepthMapCasters {
+    id: SceneId,
+    scene: SceneId,
+    device: wgpu::Device,
+    options: DepthMapCastersOptions,
+    casters: SlotMap<DefaultKey, Entry>,
+}
+
+impl DepthMapCasters {
+    /// None, for the lights of a scene.
+    pub fn new(scene: &Scene, options: DepthMapCastersOptions) -> Self {
+        let device = scene.pipelines.device().clone();
+        Self { id: SceneId::next(), scene: scene.id, device, options, casters: SlotMap::new() }
+    }
+
+    /// Adds a map, whose cells the volumes have room for.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`] if a texture does not fit the volumes, the light is of another scene, or the volumes are of another
+    /// device.
+    pub fn insert(
+        &mut self,
+        volumes: DepthMapVolumes,
+        caster: DepthMapCaster,
+    ) -> Result<DepthMapCasterHandle, DepthMapCastersError> {
+        check_same(["the volumes", "the scene"], [volumes.shared.device(), &self.device])?;
+        self.check(&volumes, &caster)?;
+        let key = self.casters.insert(Entry { volumes, caster, kept: None });
+        Ok(DepthMapCasterHandle { casters: self.id, key })
+    }
+
+    /// Changes what is cast. The handle stays. Cells are kept if nothing but the light differs.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`], as for [`Self::insert`], or of the handle. The caster stays as it was then.
+    pub fn set(&mut self, handle: DepthMapCasterHandle, caster: DepthMapCaster) -> Result<(), DepthMapCastersError> {
+        let key = self.key(handle)?;
+        let entry = self.casters.get(key).ok_or(DepthMapCastersError::Stale)?;
+        self.check(&entry.volumes, &caster)?;
+        if let Some(entry) = self.casters.get_mut(key) {
+            let of = |caster: &DepthMapCaster| (caster.texture.clone(), caster.objects.clone(), caster.camera);
+            if of(&entry.caster) != of(&caster) {
+                entry.kept = None;
+            }
+            entry.caster = caster;
+        }
+        Ok(())
+    }
+
+    /// Says which version of a map is in its textures ([`DepthMapCaster::version`]).
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`] of the handle.
+    pub fn set_version(
+        &mut self,
+        handle: DepthMapCasterHandle,
+        version: Option<u64>,
+    ) -> Result<(), DepthMapCastersError> {
+        let key = self.key(handle)?;
+        self.casters.get_mut(key).ok_or(DepthMapCastersError::Stale)?.caster.version = version;
+        Ok(())
+    }
+
+    /// Removes a map. Its volumes may be given to another.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`] of the handle.
+    pub fn remove(&mut self, handle: DepthMapCasterHandle) -> Result<DepthMapVolumes, DepthMapCastersError> {
+        let key = self.key(handle)?;
+        self.casters.remove(key).map(|entry| entry.volumes).ok_or(DepthMapCastersError::Stale)
+    }
+
+    /// Records what finds the cells of maps that are not kept or skipped. `frame` is the scene's, with the lights of this encode.
+    /// `cameras` are the views that volumes are drawn for. `timer` takes the time of each stage. What was encoded before can be drawn
+    /// as long as its cells are kept.
+    ///
+    /// **Submit encoders in the order of their encodes**: cells that are kept were found by the commands of an encode before. If its
+    /// encoder was dropped before this call, they are found again.
+    ///
+    /// # Errors
+    /// [`DepthMapCastersError`] if a camera is refused, a texture cannot be read, or the frame is of another scene. Nothing is recorded
+    /// then.
+    pub fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &SceneFrame,
+        cameras: &[ShadowCamera],
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapCastersFrame, DepthMapCastersError> {
+        self.encode_for(encoder, frame, cameras, &[], timer)
+    }
+
+    /// As [`Self::encode`], with boxes for the first cameras: all that receives shadows is in them, by their lowest and highest corners
+    /// in world space. Shadows of maps may be missing outside.
+    ///
+    /// # Errors
+    /// As [`Self::encode`], and [`DepthMapCastersError::Bounds`] or [`DepthMapCastersError::TooManyBounds`].
+    pub fn encode_for(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &SceneFrame,
+        cameras: &[ShadowCamera],
+        receivers: &[Option<[[f32; 3]; 2]>],
+        mut timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapCastersFrame, DepthMapCastersError> {
+        check_timer(timer.as_deref(), &self.device)?;
+        check_alive(&self.device)?;
+        if frame.scene != self.scene {
+            return Err(DepthMapCastersError::OtherScene { what: "frame" });
+        }
+        let seen = self.seen(cameras, receivers)?;
+        let mut counts = DepthMapCasterCounts::default();
+        let mut plans = Vec::new();
+        for (key, entry) in &self.casters {
+            let light = frame.lights.iter().find(|(handle, _)| *handle == entry.caster.light);
+            let handle = DepthMapCasterHandle { casters: self.id, key };
+            let planned = self.plan(entry, light.map(|(_, light)| light), (cameras, &seen), &mut counts);
+            let refused = |(view, error)| {
+                let light = entry.caster.light;
+                DepthMapCastersError::Map { caster: handle, light, view, error }
+            };
+            let (plan, views) = planned.map_err(refused)?;
+            plans.push((handle, plan, views));
+        }
+        let mut drawn = Vec::with_capacity(plans.len());
+        let mut found = Vec::new();
+        for (handle, plan, views) in plans {
+            let light = self.casters.get(handle.key).map(|entry| entry.caster.light);
+            if plan.as_ref().is_some_and(Planned::is_listed_anew) {
+                found.push(handle.key);
+            }
+            let frames = plan.map_or_else(Vec::new, |plan| plan.record(encoder, timer.as_deref_mut()));
+            let frames = views.into_iter().zip(frames).collect();
+            drawn.extend(light.map(|light| DrawnCaster { handle, light, frames }));
+        }
+        for key in found {
+            if let Some(entry) = self.casters.get_mut(key) {
+                entry.kept = entry.caster.version.map(|version| Kept::of(encoder, version));
+            }
+        }
+        Ok(DepthMapCastersFrame {
+            device: self.device.clone(),
+            casters: self.id,
+            scene: self.scene,
+            lights: Arc::clone(&frame.lights),
+            views: cameras.len(),
+            drawn,
+            counts,
+        })
+    }
+
+    /// What each camera sees, and the box of what receives.
+    fn seen(
+        &self,
+        cameras: &[ShadowCamera],
+        receivers: &[Option<[[f32; 3]; 2]>],
+    ) -> Result<Vec<Vec<Convex>>, DepthMapCastersError> {
+        let (given, views) = (receivers.len(), cameras.len());
+        if given > views {
+            return Err(DepthMapCastersError::TooManyBounds { given, views });
+        }
+        let boxes = receivers.iter().copied().chain(std::iter::repeat(None));
+        let of_view = |(view, (camera, bounds)): (usize, (&ShadowCamera, Option<[[f32; 3]; 2]>))| {
+            camera.check().map_err(|error| DepthMapCastersError::Camera { view, error })?;
+            let mut seen = Vec::new();
+            if self.options.skip_unseen {
+                seen.push(Convex::frustum(camera, [0.0; 2]));
+            }
+            if let Some([low, high]) = bounds {
+                if !low.iter().zip(high).all(|(low, high)| low.is_finite() && high.is_finite() && *low <= high) {
+                    return Err(DepthMapCastersError::Bounds { view, low, high });
+                }
+                if self.options.skip_hidden {
+                    seen.push(Convex::cuboid([low, high]));
+                }
+            }
+            Ok(seen)
+        };
+        cameras.iter().zip(boxes).enumerate().map(of_view).collect()
+    }
+
+    /// Binds what a caster needs, and the numbers of the cameras that draw it. All is checked, even if it is skipped.
+    #[expect(clippy::type_complexity, reason = "a plan with its views")]
+    fn plan<'a>(
+        &self,
+        Entry { volumes, caster, kept }: &'a Entry,
+        light: Option<&Light>,
+        (cameras, seen): (&'a [ShadowCamera], &[Vec<Convex>]),
+        counts: &mut DepthMapCasterCounts,
+    ) -> Result<(Option<Planned<'a>>, Vec<usize>), (usize, super::errors::DepthMapEncodeError)> {
+        let format = caster.texture.texture().format();
+        let size = volumes.shape.size;
+        let mut eyes: Vec<Eye<'_>> = Vec::new();
+        for (view, camera) in cameras.iter().enumerate() {
+            let of_bit = |jitter| volumes.view(&caster.camera, &[format], camera, 1.0, jitter).map(|view| vec![view]);
+            let views = jitters(volumes.bits).into_iter().map(of_bit).collect::<Result<Vec<_>, _>>();
+            eyes.push((camera, views.map_err(|error| (view, error))?));
+        }
+        // The border is half a texel outside, and may be moved by as much.
+        let shadow = Convex::frustum(&caster.camera, size.map(|texels| 2.0 / f64::from(texels)));
+        let is_unlit = light.is_none();
+        let is_unreached = self.options.skip_unreached && light.is_some_and(|light| shadow.is_unlit(light));
+        let is_drawn = |view: usize| {
+            !is_unlit
+                && !is_unreached
+                && seen.get(view).is_some_and(|seen| !seen.iter().any(|seen| shadow.is_apart(seen)))
+        };
+        let views: Vec<_> = (0..eyes.len()).filter(|&view| is_drawn(view)).collect();
+        let Some(&first) = views.first() else {
+            counts.skipped += 1;
+            counts.unlit += u32::from(is_unlit);
+            counts.unreached += u32::from(is_unreached);
+            return Ok((None, views));
+        };
+        let is_kept = self.options.keep_cells && kept.as_ref().is_some_and(|kept| kept.is_of(caster.version));
+        let eyes: Vec<_> = eyes.into_iter().enumerate().filter(|(view, _)| views.contains(view)).collect();
+        let eyes: Vec<_> = eyes.into_iter().map(|(_, eye)| eye).collect();
+        let textures = [Some(&caster.texture), caster.objects.as_ref()];
+        let plan = volumes.plan(textures, (&caster.camera, &[format]), &eyes, !is_kept);
+        let plan = plan.map_err(|error| (first, error))?;
+        counts.encoded += u32::from(!is_kept);
+        counts.kept += u32::from(is_kept);
+        counts.draws += views.len() as u32;
+        Ok((Some(plan), views))
+    }
+
+    fn check(&self, volumes: &DepthMapVolumes, caster: &DepthMapCaster) -> Result<(), DepthMapCastersError> {
+        use super::errors::DepthMapEncodeError::{Light, NoObjects, UnusedObjects};
+        if caster.light.scene != self.scene {
+            return Err(DepthMapCastersError::OtherScene { what: "light" });
+        }
+        check_texture(caster.texture.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
+        match (&caster.objects, volumes.shape.objects == 1) {
+            (None, true) => return Err(DepthMapCastersError::Refused(NoObjects)),
+            (Some(_), false) => return Err(DepthMapCastersError::Refused(UnusedObjects)),
+            (Some(objects), true) => {
+                check_objects(objects.texture(), volumes.shape.size).map_err(DepthMapCastersError::Refused)?;
+            }
+            (None, false) => {}
+        }
+        caster.camera.check().map_err(|error| DepthMapCastersError::Refused(Light(error)))
+    }
+
+    fn key(&self, handle: DepthMapCasterHandle) -> Result<DefaultKey, DepthMapCastersError> {
+        if handle.casters == self.id {
+            Ok(handle.key)
+        } else {
+            Err(DepthMapCastersError::OtherScene { what: "caster" })
+        }
+    }
+}
+
+impl DepthMapCasterHandle {
+    pub(super) fn is_of(self, casters: SceneId) -> bool {
+        self.casters == casters
+    }
+}
+
+impl Kept {
+    /// The cells that the commands of an encoder find.
+    fn of(encoder: &wgpu::CommandEncoder, version: u64) -> Self {
+        let is_lost = Arc::<AtomicBool>::default();
+        let submission = Submission { is_lost: Arc::clone(&is_lost), is_submitted: false };
+        encoder.on_submitted_work_done(move || submission.submitted());
+        Self { version, is_lost }
+    }
+
+    fn is_of(&self, version: Option<u64>) -> bool {
+        version == Some(self.version) && !self.is_lost.load(Ordering::Relaxed)
+    }
+}

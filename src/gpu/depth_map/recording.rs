@@ -1,0 +1,208 @@
+//! Encodes of volumes: what their stages and draws are bound to, and the passes.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use super::edges::BoundEdges;
+use super::errors::DepthMapEncodeError;
+use super::frame::DepthMapFrame;
+use super::pipelines::{layout, wall_group};
+use super::view::{is_turned, world_step};
+use super::volumes::DepthMapVolumes;
+use crate::ShadowCamera;
+use crate::gpu::common::memory::{any_error, filled};
+use crate::gpu::common::pipelines::{Pipeline, group};
+use crate::gpu::common::requirements::check_alive;
+use crate::gpu::common::timer::StageTimer;
+use crate::gpu::common::uniforms::entry;
+use crate::layout::{DepthEdgeRule, DepthMapShape, DepthMapView};
+use crate::shadow::DepthDirection;
+
+/// A camera and, for each bit, the views of the maps as it sees them.
+pub(super) type Eye<'a> = (&'a ShadowCamera, Vec<Vec<DepthMapView>>);
+
+/// An encode that is bound, and not recorded yet.
+pub(super) struct Planned<'a> {
+    volumes: &'a DepthMapVolumes,
+    /// `None`: the list of an encode before is drawn.
+    stages: Option<BoundStages<'a>>,
+    /// A frame for each camera.
+    frames: Vec<DepthMapFrame>,
+}
+
+/// The stages, and their workgroups.
+struct BoundStages<'a> {
+    edges: Option<BoundEdges>,
+    stages: Vec<(&'a Pipeline, wgpu::BindGroup, [u32; 2])>,
+}
+
+/// What stages and draws read of the map.
+struct Uniforms {
+    map: wgpu::Buffer,
+    contour: Option<wgpu::Buffer>,
+}
+
+impl DepthMapVolumes {
+    /// Records the stages for a texture and, for each bit, the views of its maps.
+    pub(super) fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        textures: [Option<&wgpu::TextureView>; 2],
+        ([light, eye], formats): ([&ShadowCamera; 2], &[wgpu::TextureFormat]),
+        views: Vec<Vec<DepthMapView>>,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        check_alive(self.shared.device())?;
+        let planned = self.plan(textures, (light, formats), &[(eye, views)], true)?;
+        let mut frames = planned.record(encoder, timer).into_iter();
+        frames.next().ok_or_else(|| DepthMapEncodeError::Refused { message: "no camera".to_owned() })
+    }
+
+    /// Binds the stages, unless the list of an encode before is drawn, and the draws for each camera. All share their uniforms, and
+    /// other encodes have others, so encodes may follow each other.
+    pub(super) fn plan(
+        &self,
+        textures: [Option<&wgpu::TextureView>; 2],
+        (light, formats): (&ShadowCamera, &[wgpu::TextureFormat]),
+        eyes: &[Eye<'_>],
+        is_listed_anew: bool,
+    ) -> Result<Planned<'_>, DepthMapEncodeError> {
+        let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
+        let mut shape = DepthMapShape { is_reversed, ..self.shape };
+        let mut formats = formats.iter().copied().chain(self.rounded_to);
+        let rule = self.edges.as_ref().map(|edges| edges.rule(light, &mut formats)).transpose()?;
+        if let Some((_, at_infinity)) = rule {
+            shape.at_infinity = at_infinity;
+        } else if let Some(threshold) = self.world {
+            [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
+        }
+        let rule = rule.map(|(rule, _)| rule);
+        let bind = || {
+            let textures = textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
+            let uniforms = self.uniforms(&shape, eyes);
+            let stages = is_listed_anew.then(|| self.bind_stages(&textures, &shape, &uniforms, rule.as_ref()));
+            let draws: Vec<_> = eyes.iter().map(|(_, views)| self.bind_draws(&textures, &uniforms, views)).collect();
+            (stages, draws)
+        };
+        let (stages, draws) =
+            any_error(self.shared.device(), bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
+        let encode = self.encodes.load(Ordering::Relaxed) + u64::from(is_listed_anew);
+        let frame = |(groups, (eye, _)): (Vec<wgpu::BindGroup>, &Eye<'_>)| DepthMapFrame {
+            device: self.shared.device().clone(),
+            groups,
+            has_walls: self.contours.is_some(),
+            draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
+            depth: self.eye.1,
+            is_turned: is_turned(light, eye),
+            encode,
+            encodes: Arc::clone(&self.encodes),
+        };
+        let frames = draws.into_iter().zip(eyes).map(frame).collect();
+        Ok(Planned { volumes: self, stages, frames })
+    }
+
+    /// What a contour's surfaces move by is the same for each camera.
+    fn uniforms(&self, shape: &DepthMapShape, eyes: &[Eye<'_>]) -> Uniforms {
+        let device = self.shared.device();
+        let map = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
+        let view = eyes.first().and_then(|(_, views)| views.first()?.first());
+        let contour = self.contours.as_ref().zip(view).map(|(own, view)| own.uniform(&self.shared, view));
+        Uniforms { map, contour }
+    }
+
+    fn bind_stages(
+        &self,
+        textures: &[wgpu::BindingResource<'_>; 2],
+        shape: &DepthMapShape,
+        uniforms: &Uniforms,
+        rule: Option<&DepthEdgeRule>,
+    ) -> BoundStages<'_> {
+        let device = self.shared.device();
+        if let (Some(contours), Some(contour)) = (&self.contours, &uniforms.contour) {
+            let stages = contours.bind(device, &uniforms.map, contour, textures.clone());
+            return BoundStages { edges: None, stages };
+        }
+        let edges = self.edges.as_ref().zip(rule);
+        let edges =
+            edges.map(|(edges, rule)| edges.bind(&self.shared, (shape, &uniforms.map), rule, textures, &self.places));
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let rows = shape.blocks.div_ceil(most).min(most);
+        let every = [shape.blocks.div_ceil(rows.max(1)).min(most), rows];
+        let mut counts = [every, [1, 1], every].into_iter();
+        let stages = self.stages.iter().map(|stage| {
+            let group = stage.bind(
+                device,
+                &[
+                    ("depth_map", entry::<DepthMapShape>(&uniforms.map)),
+                    ("depth_texture", textures[0].clone()),
+                    ("object_texture", textures[1].clone()),
+                    ("places", self.places.as_entire_binding()),
+                    ("cells", self.cells.as_entire_binding()),
+                    ("draws", self.draws.as_entire_binding()),
+                ],
+            );
+            (stage, group, counts.next().unwrap_or(every))
+        });
+        BoundStages { edges, stages: stages.collect() }
+    }
+
+    /// The draws of a camera, for each bit.
+    fn bind_draws(
+        &self,
+        [texture, objects]: &[wgpu::BindingResource<'_>; 2],
+        uniforms: &Uniforms,
+        views: &[Vec<DepthMapView>],
+    ) -> Vec<wgpu::BindGroup> {
+        let device = self.shared.device();
+        let draw = |views: &Vec<DepthMapView>| {
+            let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
+            let resources = [
+                uniforms.map.as_entire_binding(),
+                texture.clone(),
+                self.cells().as_entire_binding(),
+                view.as_entire_binding(),
+                objects.clone(),
+            ];
+            if let (Some(contours), Some(contour)) = (&self.contours, &uniforms.contour) {
+                return wall_group(&self.shared, (0..).zip(resources).chain(contours.of_draws(contour)).collect());
+            }
+            group(device, "depth surface", &layout(&self.shared), &resources)
+        };
+        views.iter().map(draw).collect()
+    }
+}
+
+impl Planned<'_> {
+    /// Whether stages are recorded.
+    pub(super) fn is_listed_anew(&self) -> bool {
+        self.stages.is_some()
+    }
+
+    /// Records the stages. The frames are for the cameras, in their order.
+    pub(super) fn record(
+        self,
+        encoder: &mut wgpu::CommandEncoder,
+        mut timer: Option<&mut StageTimer>,
+    ) -> Vec<DepthMapFrame> {
+        let Self { volumes, stages, frames } = self;
+        let Some(bound) = stages else { return frames };
+        let mut own = 0;
+        if let (Some(edges), Some(bound)) = (&volumes.edges, &bound.edges) {
+            let most = volumes.shared.device().limits().max_compute_workgroups_per_dimension;
+            edges.record(encoder, bound, most, timer.as_deref_mut());
+            own = 1;
+        }
+        for (stage, group, [x, y]) in bound.stages.iter().skip(own) {
+            let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
+            let label = Some(stage.label);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+            pass.set_pipeline(&stage.compute);
+            // Each uniform begins at its buffer's start.
+            let offsets = if volumes.contours.is_some() { &[0, 0][..] } else { &[0] };
+            pass.set_bind_group(0, group, offsets);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+        volumes.encodes.fetch_add(1, Ordering::Relaxed);
+        frames
+    }
+}

@@ -1,0 +1,582 @@
+//! Depth maps that cast in a scene: the same pictures as each map by hand, whatever is kept and skipped.
+
+use glam::{DVec2, DVec3};
+use rimline::gpu::{
+    DepthMap, DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasters, DepthMapCastersError,
+    DepthMapCastersFrame, DepthMapCastersOptions, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions,
+    DepthMapPipelines, DepthMapVolumes, DeviceError, LightHandle, Scene, SceneFrame, SceneOptions, ShadowFormat,
+};
+use rimline::{CameraError, Cone, DepthDirection, Light, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::random::Random;
+use rimline_measure::{is_long, must_fail, same};
+use wgpu::TextureFormat;
+
+use crate::maps::Map;
+use crate::parity::{device_depth, light, map, seen, vector};
+use crate::picture::stencil_after;
+use crate::scene::{Eye, Rays};
+use crate::textures::{depth_view, texture};
+
+pub(crate) const TESTS: &[Test] = &[
+    ("maps_in_a_scene_cast_as_each_by_hand", histories),
+    ("cells_of_maps_are_kept_and_found_again", kept),
+    ("casters_that_are_refused", refused),
+];
+
+const SIDE: u32 = 32;
+const SIZE: [u32; 2] = [9, 7];
+const NOTHING: DepthMapCastersOptions =
+    DepthMapCastersOptions { keep_cells: false, skip_unreached: false, skip_unseen: false, skip_hidden: false };
+
+/// A map of a light, with what is in its texture.
+struct Cast {
+    texture: wgpu::Texture,
+    caster: DepthMapCaster,
+    /// Among all casters, and among those that keep and skip nothing.
+    handles: [DepthMapCasterHandle; 2],
+}
+
+/// A light of the scene, and the camera of its maps.
+struct Lamp {
+    handle: LightHandle,
+    light: Light,
+    camera: ShadowCamera,
+}
+
+/// What an eye sees at each pixel, and the depths there.
+struct Seen {
+    eye: ShadowCamera,
+    places: Vec<DVec3>,
+    depths: Vec<f32>,
+    bounds: Option<[[f32; 3]; 2]>,
+}
+
+struct World<'a> {
+    gpu: &'a Gpu,
+    pipelines: [DepthMapPipelines; 2],
+    scene: Scene,
+    casters: [DepthMapCasters; 2],
+    lamps: Vec<Lamp>,
+    casts: Vec<Cast>,
+    version: u64,
+}
+
+fn contents(random: &mut Random, camera: &ShadowCamera) -> Vec<f32> {
+    let map = map(random, camera);
+    let texel =
+        |at: u32| map.depths[((at / SIZE[0] % map.size[1]) * map.size[0] + at % SIZE[0] % map.size[0]) as usize];
+    Map::new(SIZE, map.is_reversed, texel).depths
+}
+
+fn lamp_light(random: &mut Random) -> (Light, ShadowCamera) {
+    let (camera, at) = light(random);
+    let mut light = Light::homogeneous(at.as_vec4().to_array());
+    if at.w > 0.0 {
+        light.range = [f32::INFINITY, 0.3, 6.0, 12.0][random.below(4)];
+        let axis = if random.below(2) == 0 { -at.truncate() } else { vector(random) };
+        let cone = Cone::new(axis.as_vec3().to_array(), random.between(0.2, 1.4));
+        light.cone = (random.below(2) == 0).then_some(cone);
+    }
+    (light, camera)
+}
+
+/// Whether a light adds anything at a place.
+fn is_lit(light: &Light, place: DVec3) -> bool {
+    if light.w == 0.0 {
+        return true;
+    }
+    let from = place - DVec3::from_array(light.xyz.map(f64::from)) / f64::from(light.w);
+    let in_cone = |cone: Cone| {
+        let axis = DVec3::from_array(cone.axis.map(f64::from)).normalize();
+        from.normalize().dot(axis) >= f64::from(cone.cosine)
+    };
+    from.length() <= f64::from(light.range) && light.cone.is_none_or(in_cone)
+}
+
+fn look(random: &mut Random) -> Seen {
+    let place = f64::from(random.between(0.5, 9.0)) * vector(random);
+    // To the middle, or past it.
+    let to = if random.below(2) == 0 { vector(random) * 3.0 } else { place * 3.0 };
+    let forward = to - place;
+    let near = f64::from(random.between(0.05, 3.0));
+    let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(2.0))][random.below(3)];
+    let depth = DepthDirection::Reversed;
+    let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
+    let rays = Rays::new(&eye, SIDE);
+    let seen = seen(random, &rays);
+    let pixel = |at: u32| DVec2::new(f64::from(at % SIDE) + 0.5, f64::from(at / SIDE) + 0.5);
+    let places: Vec<_> = (0..SIDE * SIDE).map(|at| seen(pixel(at)).1).collect();
+    let depths = places.iter().map(|&place| device_depth(&eye, place)).collect();
+    let low = (vector(random) * 9.0).as_vec3();
+    let high = low + glam::Vec3::splat(random.between(0.5, 6.0));
+    let bounds = (random.below(2) == 0).then(|| [low.to_array(), high.to_array()]);
+    Seen { eye, places, depths, bounds }
+}
+
+impl<'a> World<'a> {
+    fn new(gpu: &'a Gpu) -> Result<Self, String> {
+        let format = ShadowFormat { count_bits: 7, ..Default::default() };
+        let parity = DepthMapPipelines::new(&gpu.pipelines, &format, 7).map_err(text)?;
+        let counting = DepthMapPipelines::counting(&gpu.pipelines, &format).map_err(text)?;
+        let scene = Scene::new(&gpu.pipelines, &gpu.queue, SceneOptions::default()).map_err(text)?;
+        let casters = [DepthMapCastersOptions::default(), NOTHING].map(|options| DepthMapCasters::new(&scene, options));
+        let pipelines = [parity, counting];
+        Ok(Self { gpu, pipelines, scene, casters, lamps: Vec::new(), casts: Vec::new(), version: 0 })
+    }
+
+    fn volumes(&self) -> Result<DepthMapVolumes, String> {
+        let options = DepthMapOptions { slope_bias: 0.0, ..Default::default() };
+        DepthMapVolumes::new(&self.pipelines[0], SIZE, options).map_err(text)
+    }
+
+    fn add_lamp(&mut self, random: &mut Random) -> Result<(), String> {
+        let (light, camera) = lamp_light(random);
+        let handle = self.scene.add_light(light).map_err(text)?;
+        self.lamps.push(Lamp { handle, light, camera });
+        Ok(())
+    }
+
+    fn add_cast(&mut self, random: &mut Random, lamp: usize) -> Result<(), String> {
+        let Lamp { handle, camera, .. } = self.lamps[lamp];
+        let texture = texture(self.gpu, SIZE, TextureFormat::R32Float, &contents(random, &camera))?;
+        let version = (random.below(4) > 0).then_some(self.version);
+        let caster = DepthMapCaster { light: handle, texture: depth_view(&texture), objects: None, camera, version };
+        let volumes = [self.volumes()?, self.volumes()?];
+        let mut handles = Vec::new();
+        for (casters, volumes) in self.casters.iter_mut().zip(volumes) {
+            handles.push(casters.insert(volumes, caster.clone()).map_err(text)?);
+        }
+        self.casts.push(Cast { texture, caster, handles: [handles[0], handles[1]] });
+        Ok(())
+    }
+
+    /// Other depths in the texture of a map.
+    fn rewrite(&mut self, random: &mut Random, cast: usize, is_told: bool) -> Result<(), String> {
+        let Cast { texture, caster, handles } = &mut self.casts[cast];
+        let depths = contents(random, &caster.camera);
+        let bytes = Some(4 * SIZE[0]);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: bytes, rows_per_image: None };
+        let copy = texture.as_image_copy();
+        self.gpu.queue.write_texture(copy, bytemuck::cast_slice(&depths), layout, texture.size());
+        self.version += 1;
+        if is_told && caster.version.is_some() {
+            caster.version = Some(self.version);
+            for (casters, handle) in self.casters.iter_mut().zip(handles) {
+                casters.set_version(*handle, caster.version).map_err(text)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// One change at random.
+    fn change(&mut self, random: &mut Random) -> Result<(), String> {
+        let [cast, lamp] = [random.below(self.casts.len().max(1)), random.below(self.lamps.len())];
+        match random.below(8) {
+            0..3 if !self.casts.is_empty() => self.rewrite(random, cast, true)?,
+            3 => {
+                // A lamp moves, and its maps with it.
+                let (light, camera) = lamp_light(random);
+                let own = &mut self.lamps[lamp];
+                (own.light, own.camera) = (light, camera);
+                self.scene.set_light(own.handle, light).map_err(text)?;
+                let handle = own.handle;
+                for cast in 0..self.casts.len() {
+                    if self.casts[cast].caster.light == handle {
+                        self.casts[cast].caster.camera = camera;
+                        let Cast { caster, handles, .. } = &self.casts[cast];
+                        for (casters, handle) in self.casters.iter_mut().zip(handles) {
+                            casters.set(*handle, caster.clone()).map_err(text)?;
+                        }
+                        self.rewrite(random, cast, true)?;
+                    }
+                }
+            }
+            4 if !self.casts.is_empty() => {
+                let Cast { handles, .. } = self.casts.swap_remove(cast);
+                for (casters, handle) in self.casters.iter_mut().zip(handles) {
+                    casters.remove(handle).map_err(text)?;
+                }
+            }
+            5 => self.add_cast(random, lamp)?,
+            6 if self.lamps.len() > 2 => {
+                let Lamp { handle, .. } = self.lamps.swap_remove(lamp);
+                self.scene.remove_light(handle).map_err(text)?;
+                self.add_lamp(random)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn encode(&mut self, seen: &[Seen]) -> Result<[DepthMapCastersFrame; 2], String> {
+        let cameras: Vec<_> = seen.iter().map(|seen| seen.eye).collect();
+        let boxes: Vec<_> = seen.iter().map(|seen| seen.bounds).collect();
+        let Self { gpu, scene, casters: [all, nothing], .. } = self;
+        gpu.submit(|encoder| {
+            let frame = scene.encode(encoder, &cameras, None).map_err(text)?;
+            let mut encode = |casters: &mut DepthMapCasters| {
+                casters.encode_for(encoder, &frame, &cameras, &boxes, None).map_err(text)
+            };
+            Ok([encode(all)?, encode(nothing)?])
+        })
+    }
+
+    /// The pictures of a light: kept and skipped, neither, and each map by hand.
+    fn pictures(
+        &self,
+        frames: &[DepthMapCastersFrame; 2],
+        (view, seen): (usize, &Seen),
+        lamp: &Lamp,
+    ) -> Result<[Vec<u8>; 3], String> {
+        let own: Vec<_> = self.casts.iter().filter(|cast| cast.caster.light == lamp.handle).collect();
+        let pipelines = &self.pipelines[usize::from(own.len() > 1)];
+        let target = (SIDE, &seen.depths[..]);
+        let drawn = |frame: &DepthMapCastersFrame| {
+            stencil_after(self.gpu, target, |_| {
+                Ok(|pass: &mut wgpu::RenderPass<'_>| frame.draw(pass, pipelines, view, lamp.handle).map_err(text))
+            })
+        };
+        let by_hand = stencil_after(self.gpu, target, |encoder| {
+            let mut frames = Vec::new();
+            for Cast { caster, .. } in &own {
+                let map = DepthMap { texture: &caster.texture, light: caster.camera };
+                frames.push(self.volumes()?.encode(encoder, &map, &seen.eye, None).map_err(text)?);
+            }
+            Ok(move |pass: &mut wgpu::RenderPass<'_>| {
+                frames.iter().try_for_each(|frame| frame.draw(pass, pipelines).map_err(text))
+            })
+        })?;
+        Ok([drawn(&frames[0])?, drawn(&frames[1])?, by_hand])
+    }
+}
+
+/// Compares pictures where the light adds something and, with a box, in the box.
+fn compare(what: &str, found: &[u8], expected: &[u8], seen: &Seen, light: &Light) -> Result<usize, String> {
+    let is_in = |place: DVec3| {
+        let place = place.to_array();
+        let inside = |[low, high]: [[f32; 3]; 2]| {
+            (0..3).all(|axis| (f64::from(low[axis])..=f64::from(high[axis])).contains(&place[axis]))
+        };
+        is_lit(light, DVec3::from_array(place)) && seen.bounds.is_none_or(inside)
+    };
+    let counted = |picture: &[u8]| -> Vec<u8> {
+        picture.iter().zip(&seen.places).filter(|(_, place)| is_in(**place)).map(|(value, _)| *value).collect()
+    };
+    let expected = counted(expected);
+    same(what, &counted(found), &expected)?;
+    Ok(expected.iter().filter(|&&value| value != 0).count())
+}
+
+/// Maps change, versions rise, lights move, casters and lights come and go, encoders are dropped.
+fn histories() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut dark, mut noticed, mut counts) = (0, 0, DepthMapCasterCounts::default());
+    for seed in 0..if is_long() { 40 } else { 4 } {
+        println!("seed {}", 1680 + seed);
+        let mut random = Random::new(1680 + seed);
+        let mut world = World::new(gpu)?;
+        for lamp in 0..3 {
+            world.add_lamp(&mut random)?;
+            world.add_cast(&mut random, lamp)?;
+        }
+        let mut eyes = [look(&mut random), look(&mut random)];
+        for step in 0..12 {
+            world.change(&mut random)?;
+            if random.below(2) == 0 {
+                eyes = [look(&mut random), look(&mut random)];
+            }
+            if random.below(4) == 0 {
+                // Recorded, but never submitted.
+                let mut dropped = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                let frame = world.scene.encode(&mut dropped, &[], None).map_err(text)?;
+                let cameras = [eyes[0].eye];
+                world.casters[0].encode(&mut dropped, &frame, &cameras, None).map_err(text)?;
+            }
+            // Nobody is told of a change.
+            let cast = random.below(world.casts.len().max(1));
+            let is_secret = step % 4 == 3 && !world.casts.is_empty();
+            if is_secret {
+                world.encode(&eyes)?;
+                world.rewrite(&mut random, cast, false)?;
+            }
+            let frames = world.encode(&eyes)?;
+            let [all, nothing] = frames.each_ref().map(DepthMapCastersFrame::counts);
+            if nothing.skipped != nothing.unlit || nothing.kept > 0 {
+                return Err(format!("switched off, and {nothing:?}"));
+            }
+            counts.encoded += all.encoded;
+            counts.kept += all.kept;
+            counts.skipped += all.skipped;
+            counts.unlit += all.unlit;
+            counts.unreached += all.unreached;
+            counts.draws += all.draws;
+            for (view, seen) in eyes.iter().enumerate() {
+                for lamp in &world.lamps {
+                    let [kept, anew, by_hand] = world.pictures(&frames, (view, seen), lamp)?;
+                    let what = format!("seed {}, step {step}, view {view}", 1680 + seed);
+                    dark += compare(&format!("{what}, switched off"), &anew, &by_hand, seen, &lamp.light)?;
+                    let outcome = compare(&what, &kept, &by_hand, seen, &lamp.light);
+                    if is_secret {
+                        noticed += usize::from(outcome.is_err());
+                    } else {
+                        outcome?;
+                    }
+                }
+            }
+            if is_secret {
+                world.rewrite(&mut random, cast, true)?;
+            }
+        }
+    }
+    println!("{dark} dark pixels, {noticed} pictures with cells of other maps, {counts:?}");
+    let unseen = counts.skipped - counts.unlit - counts.unreached;
+    let least = [counts.encoded, counts.kept, unseen, counts.unlit, counts.unreached].into_iter().min();
+    if dark < 2000 || least < Some(5) {
+        return Err("too few of a kind".to_owned());
+    }
+    // Negative control: a map that changed, and a version that did not.
+    if noticed < 2 { Err("cells of other maps went unnoticed".to_owned()) } else { Ok(()) }
+}
+
+/// A lamp above the middle whose map has a square in it, and eyes to it, away from it, and with boxes.
+fn lone(gpu: &Gpu) -> Result<(World<'_>, Seen, Seen), String> {
+    let mut world = World::new(gpu)?;
+    let (depth, far) = (DepthDirection::Reversed, None);
+    let eye = |place: DVec3, forward: DVec3| {
+        Eye { place, forward, near: 0.1, is_relative: false, depth, far, half_width: None }.camera()
+    };
+    let camera = eye(DVec3::new(0.0, 8.0, 0.0), DVec3::NEG_Y);
+    let place = |texel: u32| if texel % 9 > 2 && texel % 9 < 6 { 0.1 / 4.0 } else { 0.0 };
+    let texture = texture(gpu, SIZE, TextureFormat::R32Float, &Map::new(SIZE, true, place).depths)?;
+    let light = Light::point([0.0, 8.0, 0.0]).with_range(20.0);
+    let handle = world.scene.add_light(light).map_err(text)?;
+    let (view, version) = (depth_view(&texture), Some(1));
+    let caster = DepthMapCaster { light: handle, texture: view, objects: None, camera, version };
+    let volumes = [world.volumes()?, world.volumes()?];
+    let mut handles = Vec::new();
+    for (casters, volumes) in world.casters.iter_mut().zip(volumes) {
+        handles.push(casters.insert(volumes, caster.clone()).map_err(text)?);
+    }
+    world.version = 1;
+    world.lamps.push(Lamp { handle, light, camera });
+    world.casts.push(Cast { texture, caster, handles: [handles[0], handles[1]] });
+    let floor = |eye: ShadowCamera| {
+        let rays = Rays::new(&eye, SIDE);
+        let at = |pixel: u32| {
+            let (from, direction) = rays.ray(pixel % SIDE, pixel / SIDE);
+            from + direction * if direction.y < 0.0 { -from.y / direction.y } else { 50.0 }
+        };
+        let places: Vec<_> = (0..SIDE * SIDE).map(at).collect();
+        let depths = places.iter().map(|&place| device_depth(&eye, place)).collect();
+        Seen { eye, places, depths, bounds: None }
+    };
+    let towards = floor(eye(DVec3::new(6.0, 3.0, 0.0), DVec3::new(-2.0, -1.0, 0.0)));
+    let away = floor(eye(DVec3::new(9.0, 3.0, 0.0), DVec3::new(2.0, 0.3, 0.0)));
+    Ok((world, towards, away))
+}
+
+fn kept() -> Result<(), String> {
+    let gpu = &*Gpu::shared()?;
+    let (mut world, towards, away) = lone(gpu)?;
+    let encode = |world: &mut World<'_>, seen: &[Seen]| world.encode(seen).map(|[all, _]| all.counts());
+    let one = DepthMapCasterCounts::default();
+    let (found, again) =
+        (DepthMapCasterCounts { encoded: 1, draws: 1, ..one }, DepthMapCasterCounts { kept: 1, draws: 1, ..one });
+    let skipped = DepthMapCasterCounts { skipped: 1, ..one };
+    let seen = [towards];
+    let mut steps = vec![encode(&mut world, &seen)?, encode(&mut world, &seen)?];
+    // Out of sight and back.
+    let (away, mut random) = ([away], Random::new(1690));
+    steps.extend([encode(&mut world, &away)?, encode(&mut world, &seen)?]);
+    world.rewrite(&mut random, 0, true)?;
+    steps.extend([encode(&mut world, &away)?, encode(&mut world, &seen)?, encode(&mut world, &seen)?]);
+    same("steps", &steps, &[found, again, skipped, again, skipped, found, again])?;
+    // The commands that find the cells are dropped.
+    world.rewrite(&mut random, 0, true)?;
+    let mut dropped = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let frame = world.scene.encode(&mut dropped, &[], None).map_err(text)?;
+    let lost = world.casters[0].encode(&mut dropped, &frame, &[seen[0].eye], None).map_err(text)?.counts();
+    drop(dropped);
+    let steps = [lost, encode(&mut world, &seen)?, encode(&mut world, &seen)?];
+    same("dropped", &steps, &[found, found, again])?;
+    let handle = world.casts[0].handles[0];
+    world.casters[0].set_version(handle, None).map_err(text)?;
+    let steps = [encode(&mut world, &seen)?, encode(&mut world, &seen)?];
+    same("any", &steps, &[found, found])?;
+    // Another camera, another texture, or a light that moves, and the same version.
+    let mut caster = DepthMapCaster { version: Some(9), ..world.casts[0].caster.clone() };
+    let mut steps = Vec::new();
+    for change in 0..4 {
+        match change {
+            1 => caster.camera.origin[0] += 0.125,
+            2 => caster.texture = depth_view(&world.casts[0].texture),
+            _ => {}
+        }
+        let (handle, light) = (world.lamps[0].handle, world.lamps[0].light.with_range(20.0 + change as f32));
+        world.scene.set_light(handle, light).map_err(text)?;
+        world.casters[0].set(world.casts[0].handles[0], caster.clone()).map_err(text)?;
+        steps.push(encode(&mut world, &seen)?);
+    }
+    same("set", &steps, &[found, found, found, again])?;
+    world.casters[0].set(handle, world.casts[0].caster.clone()).map_err(text)?;
+    world.casters[0].set_version(handle, None).map_err(text)?;
+    // A box beside the shadow, and one in it.
+    let [mut beside, mut within] = [[[7.0, 0.0, 7.0], [9.0, 1.0, 9.0]], [[0.0; 3], [1.0; 3]]].map(|bounds| {
+        let Seen { eye, places, depths, .. } = &seen[0];
+        [Seen { eye: *eye, places: places.clone(), depths: depths.clone(), bounds: Some(bounds) }]
+    });
+    same("boxes", &[encode(&mut world, &beside)?, encode(&mut world, &within)?], &[skipped, found])?;
+    // Negative control: shadows outside of the box are missed.
+    let (light, lamp) = (world.lamps[0].light, 0);
+    for (of, is_skipped) in [(&mut beside, true), (&mut within, false)] {
+        let frames = world.encode(of)?;
+        let [found, _, by_hand] = world.pictures(&frames, (0, &of[0]), &world.lamps[lamp])?;
+        compare("in the box", &found, &by_hand, &of[0], &light)?;
+        of[0].bounds = None;
+        let outcome = compare("everywhere", &found, &by_hand, &of[0], &light);
+        if is_skipped { must_fail("a box that is too small", &outcome)? } else { outcome.map(drop)? }
+    }
+    // The light ends before the map begins, and is removed.
+    let handle = world.lamps[0].handle;
+    world.scene.set_light(handle, light.with_range(0.09)).map_err(text)?;
+    let unreached = encode(&mut world, &seen)?;
+    world.scene.remove_light(handle).map_err(text)?;
+    let unlit = encode(&mut world, &seen)?;
+    let [of_range, of_light] =
+        [[1, 0], [0, 1]].map(|[unreached, unlit]| DepthMapCasterCounts { unreached, unlit, ..skipped });
+    same("without light", &[unreached, unlit], &[of_range, of_light])
+}
+
+fn refused() -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = &*Gpu::shared()?;
+    let (mut world, seen, _) = lone(gpu)?;
+    let (mut other, ..) = lone(gpu)?;
+    let caster = world.casts[0].caster.clone();
+    let [own, foreign] = [&world, &other].map(|world| world.casts[0].handles[0]);
+    let stale = world.casts[0].handles[1];
+    world.casters[1].remove(stale).map_err(text)?;
+    let [small, objects] = [(TextureFormat::R32Float, [4, 4]), (TextureFormat::R32Float, SIZE)]
+        .map(|(format, size)| texture(gpu, size, format, &[0.0; 63]).map(|texture| depth_view(&texture)));
+    let (small, objects) = (small?, objects?);
+    let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..caster.camera };
+    let elsewhere = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
+    let pipelines = DepthMapPipelines::new(&elsewhere.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let volumes = DepthMapVolumes::new(&pipelines, SIZE, DepthMapOptions::default()).map_err(text)?;
+    let spare = world.volumes()?;
+    let [casters, removed] = &mut world.casters;
+    let found = [
+        casters.insert(volumes, caster.clone()).err(),
+        casters.insert(spare, DepthMapCaster { light: other.lamps[0].handle, ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { texture: small, ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { objects: Some(objects), ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { camera: singular, ..caster.clone() }).err(),
+        casters.set_version(foreign, None).err(),
+        casters.remove(foreign).err(),
+        removed.set_version(stale, None).err(),
+        removed.remove(stale).err(),
+        removed.set(stale, caster.clone()).err(),
+    ];
+    let of_other = |what| Some(Error::OtherScene { what });
+    let map = |error| Some(Error::Refused(error));
+    let device = DeviceError::OtherDevice { what: "the volumes", with: "the scene" };
+    let expected = [
+        Some(device.into()),
+        of_other("light"),
+        map(DepthMapEncodeError::Size { given: [4, 4], made: SIZE }),
+        map(DepthMapEncodeError::UnusedObjects),
+        map(DepthMapEncodeError::Light(CameraError::Singular)),
+        of_other("caster"),
+        of_other("caster"),
+        Some(Error::Stale),
+        Some(Error::Stale),
+        Some(Error::Stale),
+    ];
+    same("changes", &found, &expected)?;
+    encodes_and_draws_refused((&mut world, &mut other), (seen.eye, singular), own)
+}
+
+fn encodes_and_draws_refused(
+    (world, other): (&mut World<'_>, &mut World<'_>),
+    (eye, singular): (ShadowCamera, ShadowCamera),
+    own: DepthMapCasterHandle,
+) -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = world.gpu;
+    let [frame, foreign] = [&mut world.scene, &mut other.scene]
+        .map(|scene| gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text)));
+    let (frame, foreign) = (frame?, foreign?);
+    let [low, high] = [[0.0; 3], [1.0, -1.0, 1.0]];
+    let standard = ShadowCamera { depth: DepthDirection::Standard, ..eye };
+    let depth = Eye {
+        place: DVec3::ZERO,
+        forward: DVec3::X,
+        near: 0.1,
+        is_relative: false,
+        depth: standard.depth,
+        far: None,
+        half_width: None,
+    };
+    let mut encode = |frame: &SceneFrame, camera: ShadowCamera, boxes: &[_]| {
+        gpu.submit(|encoder| Ok(world.casters[0].encode_for(encoder, frame, &[camera], boxes, None)))
+    };
+    let found = [
+        encode(&foreign, eye, &[])?.err(),
+        encode(&frame, singular, &[])?.err(),
+        encode(&frame, depth.camera(), &[])?.err(),
+        encode(&frame, eye, &[None, None])?.err(),
+        encode(&frame, eye, &[Some([low, high])])?.err(),
+    ];
+    let [camera, pipelines] = [DepthDirection::Standard, DepthDirection::Reversed];
+    let error = DepthMapEncodeError::Depth { camera, pipelines };
+    let expected = [
+        Some(Error::OtherScene { what: "frame" }),
+        Some(Error::Camera { view: 0, error: CameraError::Singular }),
+        Some(Error::Map { caster: own, light: world.lamps[0].handle, view: 0, error }),
+        Some(Error::TooManyBounds { given: 2, views: 1 }),
+        Some(Error::Bounds { view: 0, low, high }),
+    ];
+    same("encodes", &found, &expected)?;
+    // Two maps of one light, encoded twice without a version.
+    let (caster, volumes) = (world.casts[0].caster.clone(), world.volumes()?);
+    let second = world.casters[0].insert(volumes, DepthMapCaster { version: None, ..caster }).map_err(text)?;
+    let late = world.scene.add_light(Light::point([1.0; 3])).map_err(text)?;
+    let mut encode = || gpu.submit(|encoder| world.casters[0].encode(encoder, &frame, &[eye], None).map_err(text));
+    let (before, now) = (encode()?, encode()?);
+    let (light, [parity, counting]) = (world.lamps[0].handle, &world.pipelines);
+    let mut found = Vec::new();
+    stencil_after(gpu, (SIDE, &vec![0.5; (SIDE * SIDE) as usize]), |_| {
+        Ok(|pass: &mut wgpu::RenderPass<'_>| {
+            found.extend([
+                now.draw(pass, parity, 0, light),
+                now.draw(pass, counting, 1, light),
+                now.draw(pass, counting, 0, other.lamps[0].handle),
+                now.draw(pass, counting, 0, late),
+                before.draw(pass, counting, 0, light),
+                now.draw(pass, counting, 0, light),
+                before.draw_caster(pass, parity, 0, own),
+                before.draw_caster(pass, parity, 0, second),
+                now.draw_caster(pass, parity, 0, second),
+                now.draw_caster(pass, parity, 0, other.casts[0].handles[0]),
+            ]);
+            Ok(())
+        })
+    })?;
+    let overwritten = || Err(DepthMapDrawError::StaleFrame.into());
+    let expected = [
+        Err(Error::OneParity { casters: 2 }),
+        Err(Error::NoSuchView { view: 1, views: 1 }),
+        Err(Error::OtherScene { what: "light" }),
+        Err(Error::NotEncoded { what: "light" }),
+        overwritten(),
+        Ok(()),
+        Ok(()),
+        overwritten(),
+        Ok(()),
+        Err(Error::OtherScene { what: "caster" }),
+    ];
+    same("draws", &found, &expected)
+}
