@@ -508,6 +508,13 @@ pub const CONTOUR_PLACES: Stage = Stage {
     entry_points: &["contour_places"],
 };
 
+/// Lists the tiles that contours cross.
+pub const CONTOUR_TILES: Stage = Stage {
+    name: "contour_tiles",
+    files: files!["depth_map/samples", "depth_map/contour", "depth_map/contour_marked", "depth_map/contour_tiles"],
+    entry_points: &["contour_tiles_find", "contour_tiles_list"],
+};
+
 /// Lists walls over segments that are fitted to the contours of a depth map.
 pub const CONTOUR_WALLS: Stage = Stage {
     name: "contour_walls",
@@ -530,7 +537,7 @@ pub const DEPTH_CUBE: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 46] = [
+pub const STAGES: [Stage; 47] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -576,6 +583,7 @@ pub const STAGES: [Stage; 46] = [
     DEPTH_CELLS,
     CONTOUR_MARKS,
     CONTOUR_PLACES,
+    CONTOUR_TILES,
     CONTOUR_WALLS,
 ];
 

@@ -1,10 +1,10 @@
 // Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three passes: count the
-// walls of each tile, turn the counts into places, list them.
+// walls of each tile that has any, turn the counts into places, list them. `contour_tiles` lists the tiles.
 
 // As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge within a tile, but
 // edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
-// For each tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile.
+// For each listed tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile; the list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 // The number of walls, 3 times 0, then 12 words for each wall: four vertices of a place on the lattice and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
@@ -332,21 +332,25 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
   }
 }
 
+// The edges of a cell at which a contour may begin: all of a star, those on the tile's border, and the right one of a cell that may be the first of a loop.
+fn begins_at(cell: vec2<i32>) -> u32 {
+  let code = code_of_cell(cell);
+  let edges = countOneBits(code);
+  let at_top = select(0u, 1u, cell.y % TILE == 0) | select(0u, 4u, (cell.y + 1) % TILE == 0);
+  let at_left = select(0u, 8u, cell.x % TILE == 0) | select(0u, 2u, (cell.x + 1) % TILE == 0);
+  let at_border = code & (at_top | at_left);
+  let of_through = select(at_border, 2u, code == 6u && at_border == 0u);
+  return select(code, of_through, edges == 2u);
+}
+
 // Takes the walls that begin in a cell at one of its edges.
 fn take(cell: vec2<i32>, bit: u32) {
   let code = code_of_cell(cell);
-  if (((code >> bit) & 1u) == 0u) {
-    return;
-  }
   let own = Step(cell, bit);
   let of_star = is_star(cell);
-  let at_border = is_border(own);
   let other = Step(cell, countTrailingZeros(code & ~(1u << bit)) & 3u);
   // A contour that goes through begins at a border, or is a loop, which its first cell takes.
-  let is_loop = !of_star && !at_border;
-  if (is_loop && (other.bit < bit || is_border(other))) {
-    return;
-  }
+  let is_loop = !of_star && !is_border(own);
   var way = other;
   if (of_star || is_loop) {
     way = own;
@@ -377,22 +381,33 @@ fn contour_walls_take(
   @builtin(local_invocation_index) local: u32,
 ) {
   let cells = vec2<i32>(depth_map.size) + 1;
-  for (var tile = group.x + groups.x * group.y; tile < contour.tiles.y; tile += groups.x * groups.y) {
+  let tiles = contour.tiles.y;
+  let list = tiles * (1u + WALKERS);
+  let count = counts[list + tiles];
+  for (var number = group.x + groups.x * group.y; number < count; number += groups.x * groups.y) {
+    let tile = counts[list + number];
     place = 0u;
-    let own = contour.tiles.y + tile * WALKERS;
+    let own = tiles + number * WALKERS;
     if (LISTS) {
-      place = counts[tile];
+      place = counts[number];
       for (var walker = 0u; walker < local; walker++) {
         place += counts[own + walker];
       }
     }
     let corner = vec2<i32>(vec2<u32>(tile % contour.tiles.x, tile / contour.tiles.x)) * TILE;
-    for (var number = 0u; number < 4u * WALKER_CELLS; number++) {
-      let at = local * WALKER_CELLS + number / 4u;
-      let cell = corner + vec2<i32>(vec2<u32>(at % u32(TILE), at / u32(TILE)));
+    // Cells of a row.
+    let first = local * WALKER_CELLS;
+    let start = corner + vec2<i32>(vec2<u32>(first % u32(TILE), first / u32(TILE)));
+    var begins = 0u;
+    for (var at = 0; at < i32(WALKER_CELLS); at++) {
+      let cell = start + vec2<i32>(at, 0);
       if (all(cell < cells)) {
-        take(cell, number & 3u);
+        begins |= begins_at(cell) << u32(4 * at);
       }
+    }
+    for (; begins != 0u; begins &= begins - 1u) {
+      let at = countTrailingZeros(begins);
+      take(start + vec2<i32>(i32(at / 4u), 0), at & 3u);
     }
     if (!LISTS) {
       counts[own + local] = place;
@@ -407,9 +422,10 @@ var<workgroup> sums: array<u32, SCANNERS>;
 @compute @workgroup_size(SCANNERS)
 fn contour_walls_places(@builtin(local_invocation_index) local: u32) {
   let tiles = contour.tiles.y;
-  let run = (tiles + SCANNERS - 1u) / SCANNERS;
-  let begin = min(local * run, tiles);
-  let end = min(begin + run, tiles);
+  let count = counts[tiles * (2u + WALKERS)];
+  let run = (count + SCANNERS - 1u) / SCANNERS;
+  let begin = min(local * run, count);
+  let end = min(begin + run, count);
   var total = 0u;
   for (var tile = begin; tile < end; tile++) {
     var own = 0u;

@@ -8,11 +8,13 @@ use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded};
 use crate::gpu::common::pipelines::{Pipeline, Pipelines};
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{ContourShape, DepthMapShape, DepthMapView};
-use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_WALLS};
+use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_TILES, CONTOUR_WALLS};
 
 /// Cells along the side of a tile, and invocations that walk in it.
 const TILE: u32 = 16;
 const WALKERS: u64 = 64;
+/// Tiles for each workgroup that walks, if contours cross all.
+const TILES_OF_EACH: u64 = 8;
 /// Samples that a word has marks for.
 const WORD_SAMPLES: u32 = 16;
 /// Words before the list of walls, and of a wall.
@@ -31,8 +33,8 @@ const MOST_SHARE: f64 = 4095.0;
 /// Stages and buffers for the contours of a map.
 #[derive(Debug)]
 pub(super) struct Contours {
-    /// Marks, places, count, scan, list.
-    stages: [Pipeline; 5],
+    /// Marks, places, find tiles, list them, count, scan, list.
+    stages: [Pipeline; 7],
     pub(super) shape: ContourShape,
     marks: wgpu::Buffer,
     places: wgpu::Buffer,
@@ -96,7 +98,7 @@ impl Contours {
         let allocations = [
             Allocation { label: "marks of contours", bytes: 4 * u64::from(words) * lattice[1] },
             Allocation { label: "places of contours", bytes: 4 * lattice[0] * lattice[1] },
-            Allocation { label: "counts of walls", bytes: 4 * all * (1 + WALKERS) },
+            Allocation { label: "counts of walls", bytes: 4 * (all * (2 + WALKERS) + 1) },
             Allocation { label: "walls", bytes: 4 * (HEAD_WORDS + WALL_WORDS * u64::from(capacity)) },
             Allocation { label: "draws of walls", bytes: 32 },
         ];
@@ -112,6 +114,8 @@ impl Contours {
         let stages = [
             shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
             shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
+            shared.compute(&CONTOUR_TILES, "contour_tiles_find", &[]),
+            shared.compute(&CONTOUR_TILES, "contour_tiles_list", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
             shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
             shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
@@ -135,7 +139,9 @@ impl Contours {
             let rows = blocks.div_ceil(most).min(most);
             [blocks.div_ceil(rows.max(1)).min(most), rows]
         };
-        let tiles = workgroups(u64::from(self.shape.tiles[1]) * u64::from(WORKGROUP));
+        let tiles = u64::from(self.shape.tiles[1]);
+        // Each takes several of those that contours cross, which are few of all.
+        let taking = workgroups(tiles.div_ceil(TILES_OF_EACH) * u64::from(WORKGROUP));
         let shapes = [("depth_map", entry::<DepthMapShape>(uniform)), ("contour", entry::<ContourShape>(contour))];
         let texture = ("depth_texture", texture);
         let marks = ("marks", self.marks.as_entire_binding());
@@ -147,12 +153,15 @@ impl Contours {
             ("walls", self.walls.as_entire_binding()),
             ("draws", self.draws.as_entire_binding()),
         ];
-        let own: [(&[_], [u32; 2]); 5] = [
+        let counts = ("counts", self.counts.as_entire_binding());
+        let own: [(&[_], [u32; 2]); 7] = [
             (&[marks.clone(), ("object_texture", objects)], workgroups(words)),
-            (&[marks, places], workgroups(samples)),
-            (&walls, tiles),
+            (&[marks.clone(), places], workgroups(samples)),
+            (&[marks.clone(), counts.clone()], workgroups(tiles)),
+            (&[marks, counts], [1, 1]),
+            (&walls, taking),
             (&walls, [1, 1]),
-            (&walls, tiles),
+            (&walls, taking),
         ];
         let bound = self.stages.iter().zip(own).map(|(stage, (own, workgroups))| {
             let resources = [&shapes[..], std::slice::from_ref(&texture), own].concat();

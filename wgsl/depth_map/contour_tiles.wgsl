@@ -1,0 +1,75 @@
+// Contour tiles: lists the tiles that a contour crosses, in their order. It has two passes: find them, list them.
+
+// First whether a contour crosses each tile. `contour_walls` has counts there. The list follows the counts of its invocations, and the list's length follows it.
+@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+
+const BLOCK: u32 = 256u;
+// Invocations of a tile in `contour_walls`.
+const WALKERS: u32 = 64u;
+
+// A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its borders.
+@compute @workgroup_size(BLOCK)
+fn contour_tiles_find(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let tiles = contour.tiles.y;
+  let blocks = (tiles + BLOCK - 1u) / BLOCK;
+  for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
+    let tile = block * BLOCK + local;
+    if (tile < tiles) {
+      let column = tile % contour.tiles.x;
+      let first = tile / contour.tiles.x * u32(TILE);
+      let rows = min(u32(TILE), depth_map.size.y + 2u - first);
+      var found = 0u;
+      for (var row = 0u; row < rows; row++) {
+        let word = (first + row) * contour.words + column;
+        found |= marks[word];
+        if (column + 1u < contour.words) {
+          found |= marks[word + 1u] & 2u;
+        }
+      }
+      if (first + u32(TILE) < depth_map.size.y + 2u) {
+        found |= marks[(first + u32(TILE)) * contour.words + column] & 0x55555555u;
+      }
+      counts[tile] = select(0u, 1u, found != 0u);
+    }
+  }
+}
+
+var<workgroup> sums: array<u32, BLOCK>;
+
+// One workgroup. Each invocation takes a run of tiles. The sums of the runs are scanned, and then the list is filled in.
+@compute @workgroup_size(BLOCK)
+fn contour_tiles_list(@builtin(local_invocation_index) local: u32) {
+  let tiles = contour.tiles.y;
+  let run = (tiles + BLOCK - 1u) / BLOCK;
+  let begin = min(local * run, tiles);
+  let end = min(begin + run, tiles);
+  var total = 0u;
+  for (var tile = begin; tile < end; tile++) {
+    total += counts[tile];
+  }
+  sums[local] = total;
+  for (var reach = 1u; reach < BLOCK; reach *= 2u) {
+    workgroupBarrier();
+    var before = 0u;
+    if (local >= reach) {
+      before = sums[local - reach];
+    }
+    workgroupBarrier();
+    sums[local] += before;
+  }
+  var next = sums[local] - total;
+  let list = tiles * (1u + WALKERS);
+  for (var tile = begin; tile < end; tile++) {
+    if (counts[tile] != 0u) {
+      counts[list + next] = tile;
+      next++;
+    }
+  }
+  if (local == BLOCK - 1u) {
+    counts[list + tiles] = next;
+  }
+}
