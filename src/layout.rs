@@ -554,6 +554,52 @@ shared_structs! {
         unused: u32,
     }
 
+    /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the range of device depths.
+    struct ContourShape {
+        /// Tiles of 16 × 16 cells across, and all of them.
+        tiles: [u32; 2],
+        /// Words of a row of marks.
+        words: u32,
+        /// Walls that the list has room for.
+        capacity: u32,
+        /// The distance that an edge's samples must be apart, more than their slopes tell.
+        threshold: i32,
+        /// The distance from which on they are at a jump, whatever is behind it.
+        sure: i32,
+        /// How far a segment may be from a place of the contour, in parts of 256 of a texel.
+        sideways: i32,
+        /// How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and depths are moved down by.
+        tolerance: i32,
+        /// See `tolerance`.
+        shift: u32,
+        /// The move away from the light: parts of 256 of a texel's depth difference, parts of 2²⁹ of the depth, a distance.
+        slope_bias: i32,
+        /// See `slope_bias`.
+        share: i32,
+        /// See `slope_bias`.
+        constant: i32,
+    }
+
+    /// How edges of a depth map are marked. Of two values, the second is that next to the end of a marked edge.
+    struct DepthEdgeRule {
+        /// Words of a row of the lattice, and rows.
+        words: [u32; 2],
+        /// Blocks of 256 words.
+        blocks: u32,
+        /// Bits of what every larger difference is marked above.
+        high: u32,
+        /// Bits of what every smaller difference is not marked below.
+        low: [u32; 2],
+        /// As `DepthMapShape::ratio`: the same for steps in world units.
+        ratio: [u32; 2],
+        /// Bits of how many times the difference beside it a difference is.
+        slopes: [u32; 2],
+        /// Bits of what two differences are off by.
+        noise: u32,
+        /// The same as a share of the depth: so many exponents less. 0: no share.
+        noise_exponents: u32,
+    }
+
     /// A depth map as a camera sees it. A place on the lattice is twice the distance from its middle.
     struct DepthMapView {
         /// Clip space for each step across.
@@ -652,6 +698,8 @@ shared_structs! {
         used_lights: u32,
         /// 1: views may have receivers. Then volumes may end behind all of them.
         has_receivers: u32,
+        /// The largest count that the bits which count hold. One bit of counts is that of darkness where there are several batches.
+        most_count: u32,
     }
 
     /// The light, or the batch of lights, of a draw or dispatch.
@@ -736,8 +784,8 @@ shared_structs! {
         ended: u32,
         /// An upper bound of the stencil counts of all casters together, for any light and view. 0 unless it was asked for.
         count_bound: u32,
-        /// Lights, in each view, whose bound is above 255, or above 127 where casters are counted in several batches. 0 unless
-        /// it was asked for.
+        /// Lights, in each view, whose bound is larger than the largest count: 255, or less with fewer
+        /// [`count_bits`](crate::gpu::ShadowFormat::count_bits), and half as much where casters are counted in several batches. 0 unless it was asked for.
         may_wrap: u32,
         /// Pairs of light and view whose lists of sides and caps were kept from an earlier encode, for each group of casters of
         /// a scene. A group has one page of topology and one source of positions.

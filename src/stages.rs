@@ -463,8 +463,56 @@ pub const DEPTH_ARGUMENTS: Stage = Stage {
 /// Lists the cells of a depth map that have a triangle to draw.
 pub const DEPTH_CELLS: Stage = Stage {
     name: "depth_cells",
-    files: files!["depth_map/samples", "depth_map/world_step", "depth_map/edge_code", "depth_map/depth_cells"],
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cell_words",
+        "depth_map/depth_cells"
+    ],
     entry_points: &["depth_cells_count", "depth_cells_places", "depth_cells_list"],
+};
+
+/// Marks edges of a depth map by a rule that looks at more than their ends, and decides about cells from the marks.
+pub const DEPTH_EDGES: Stage = Stage {
+    name: "depth_edges",
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cell_words",
+        "depth_map/edge_rule",
+        "depth_map/edge_marks",
+        "depth_map/depth_edges"
+    ],
+    entry_points: &["depth_edges_mark", "depth_edges_continue", "depth_edges_count"],
+};
+
+/// Marks the edges of a depth map that a contour crosses.
+pub const CONTOUR_MARKS: Stage = Stage {
+    name: "contour_marks",
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/contour",
+        "depth_map/contour_marks"
+    ],
+    entry_points: &["contour_marks"],
+};
+
+/// Places contours on the edges that they cross.
+pub const CONTOUR_PLACES: Stage = Stage {
+    name: "contour_places",
+    files: files!["depth_map/samples", "depth_map/contour", "depth_map/contour_marked", "depth_map/contour_places"],
+    entry_points: &["contour_places"],
+};
+
+/// Lists walls over segments that are fitted to the contours of a depth map.
+pub const CONTOUR_WALLS: Stage = Stage {
+    name: "contour_walls",
+    files: files!["depth_map/samples", "depth_map/contour", "depth_map/contour_marked", "depth_map/contour_walls"],
+    entry_points: &["contour_walls_take", "contour_walls_places"],
 };
 
 /// Merges two depth maps of one light.
@@ -482,7 +530,7 @@ pub const DEPTH_CUBE: Stage = Stage {
 };
 
 /// Every stage, in the order of the data flow.
-pub const STAGES: [Stage; 42] = [
+pub const STAGES: [Stage; 46] = [
     NEEDS,
     DEFORM,
     FACING,
@@ -524,7 +572,11 @@ pub const STAGES: [Stage; 42] = [
     EXACT_SHADOW_DEPTH,
     DEPTH_MERGE,
     DEPTH_CUBE,
+    DEPTH_EDGES,
     DEPTH_CELLS,
+    CONTOUR_MARKS,
+    CONTOUR_PLACES,
+    CONTOUR_WALLS,
 ];
 
 /// Vertex shaders of the sides of shadow volumes.
@@ -590,9 +642,27 @@ pub const DEPTH_SURFACE: Stage = Stage {
         "depth_map/world_step",
         "depth_map/edge_code",
         "depth_map/cube",
+        "depth_map/surface",
         "depth_map/depth_surface"
     ],
     entry_points: &["depth_surface", "depth_near_cap"],
+};
+
+/// Vertex shader of walls over the contours of a depth map, and of the near cap between them.
+pub const DEPTH_WALLS: Stage = Stage {
+    name: "depth_walls",
+    files: files![
+        "depth_map/samples",
+        "depth_map/world_step",
+        "depth_map/edge_code",
+        "depth_map/cube",
+        "depth_map/surface",
+        "depth_map/contour",
+        "depth_map/contour_marked",
+        "depth_map/contour_side",
+        "depth_map/depth_walls"
+    ],
+    entry_points: &["depth_walls"],
 };
 
 /// The vertex shader that draws a mesh into a depth map.

@@ -17,11 +17,13 @@ pub(crate) const MAP: TextureFormat = TextureFormat::Depth24Plus;
 pub(crate) const EYE: TextureFormat = TextureFormat::Depth24PlusStencil8;
 
 /// Detectors and their names. The threshold in world units is for scenes of a few units.
-pub(crate) const DETECTORS: [(&str, DepthEdges); 4] = [
+pub(crate) const DETECTORS: [(&str, DepthEdges); 6] = [
     ("every cell", DepthEdges::EveryCell),
     ("differences 0.0005", DepthEdges::Differences { threshold: 0.0005 }),
     ("differences 0.02", DepthEdges::Differences { threshold: 0.02 }),
     ("world 0.1", DepthEdges::WorldDifferences { threshold: 0.1 }),
+    ("automatic", DepthEdges::Automatic),
+    ("second differences 0.0005, 0.05", DepthEdges::SecondDifferences { low: 0.0005, high: 0.05 }),
 ];
 
 /// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard depth from before

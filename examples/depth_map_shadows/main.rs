@@ -19,8 +19,8 @@ const CASTERS: &str = include_str!("casters.wgsl");
 const CARDS: u32 = 220;
 /// Texels of the lamp's map, each way.
 const MAP: u32 = 1024;
-/// Parity takes the highest bit of the stencil, and the counts of meshes the others: they wrap at 128.
-const PARITY_BIT: u32 = 7;
+/// The counts of meshes own the low bits of the stencil, and wrap at 128. Parity takes the bit above.
+const COUNT_BITS: u32 = 7;
 
 /// A box that leans by `lean` at its top.
 fn push_box(mesh: &mut (Vec<[f32; 3]>, Vec<[u32; 3]>), [x, y, z]: [f32; 3], [w, h, d]: [f32; 3], lean: f32) {
@@ -40,7 +40,12 @@ fn seen_by(camera: &Camera) -> ShadowCamera {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let format = ShadowFormat { depth_stencil: DEPTH_STENCIL, colors: vec![Some(COLOR)], ..ShadowFormat::default() };
+    let format = ShadowFormat {
+        depth_stencil: DEPTH_STENCIL,
+        colors: vec![Some(COLOR)],
+        count_bits: COUNT_BITS,
+        ..ShadowFormat::default()
+    };
     let canvas = support::Canvas::of_size([960, 640])?;
     let camera = Camera::new([0.5, 2.9, 6.9], [0.15, 1.05, -0.3], 34.0).wide(1.5);
     let place = [-3.2, 6.2, 3.4];
@@ -65,7 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut volumes = ShadowVolumes::new(&counting, &extractor, ShadowOptions::default())?;
 
     // What has none: the lamp's own view of it.
-    let parity = DepthMapPipelines::new(&canvas.device, &format, PARITY_BIT)?;
+    let parity = DepthMapPipelines::new(&canvas.device, &format, COUNT_BITS)?;
     let mut mapped = DepthMapVolumes::new(&parity, [MAP; 2], DepthMapOptions::default())?;
     let lamp_view = Camera::new(place, [0.1, 1.0, 0.1], 50.0);
     let map = canvas.target([MAP; 2], 1, DEPTH_STENCIL);

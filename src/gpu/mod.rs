@@ -18,9 +18,9 @@ pub use common::requirements::DeviceError;
 pub use common::timer::{StageTimer, StageTimes, TimerError};
 pub use deform::deformer::{DeformError, Deformer, DeformerOptions};
 pub use depth_map::{
-    CubeMismatch, DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
-    DepthMapFrame, DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError, DepthMapVolumes,
-    DepthMapVolumesError, MeshDepth, MeshDepthError,
+    CubeMismatch, DanglingEdges, DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapDrawError,
+    DepthMapEncodeError, DepthMapFrame, DepthMapMerge, DepthMapOptions, DepthMapPipelines, DepthMapPipelinesError,
+    DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, MeshDepth, MeshDepthError,
 };
 pub use extract::errors::{
     ExtractionDrawError, ExtractionEncodeError, ExtractionIncludeError, ExtractorError, StaleExtraction,

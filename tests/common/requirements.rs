@@ -81,7 +81,7 @@ fn presets() -> Result<(), String> {
         let watched = Watched::new(wgpu::Features::empty(), limits.clone())?;
         for subject in SUBJECTS {
             match refusal(&watched, subject)? {
-                // Depth maps need three storage buffers, and these limits have four.
+                // Depth maps need four storage buffers, as many as these limits have.
                 None if subject == Subject::DepthMap && limits.max_storage_buffers_per_shader_stage == 4 => {}
                 Some(DeviceError::Limit { limit, .. }) => same(&format!("{subject:?}"), &[limit], &[expected])?,
                 other => return Err(format!("{subject:?}: {other:?}")),

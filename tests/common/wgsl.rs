@@ -11,12 +11,12 @@ use naga::Module;
 use rimline::Displacement;
 use rimline::reference::displace::deform_wgsl;
 use rimline::reference::stages::{
-    CAP_FACES, DEFORM, DEPTH_SURFACE, INCLUDES, MESH_DEPTH, PIECES, SCENE_FACING, SIDES, STAGES, Stage,
+    CAP_FACES, DEFORM, DEPTH_SURFACE, DEPTH_WALLS, INCLUDES, MESH_DEPTH, PIECES, SCENE_FACING, SIDES, STAGES, Stage,
 };
 
 type Outcome = Result<(), String>;
 /// Modules of vertex shaders, which no compute pipeline is made of.
-const VERTEX_STAGES: [Stage; 5] = [SIDES, CAP_FACES, PIECES, DEPTH_SURFACE, MESH_DEPTH];
+const VERTEX_STAGES: [Stage; 6] = [SIDES, CAP_FACES, PIECES, DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH];
 
 /// A test's name and body.
 type Test = (&'static str, fn() -> Outcome);

@@ -2,7 +2,7 @@
 //! the border of a shadow.
 
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions};
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::random::Random;
@@ -18,6 +18,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadows_are_right_but_for_a_texel", every_cell),
     ("shadows_of_marked_cells_are_right_but_for_a_texel", marked),
     ("shadows_of_edges_of_objects_are_right_but_for_a_texel", of_objects),
+    ("shadows_of_contours_are_right_but_for_a_texel", of_contours),
     ("a_map_that_is_off_by_three_texels_is_noticed", off),
     ("borders_of_more_bits_are_nearer_to_the_truth", of_bits),
 ];
@@ -78,6 +79,9 @@ fn trial(
         tally.at_folds += usize::from(near == Near::Fold);
         if near == Near::Nothing {
             tally.wrong += 1;
+            if std::env::var("DEBUG").is_ok() && tally.wrong % 8 == 1 {
+                crate::contours::debug(&view, &map, seen, pixel);
+            }
             if tally.wrong < 10 {
                 let (point, normal) = seen;
                 println!("pixel {pixel}: {point} {normal}, lit {is_lit}, {format:?} {}", view.sun.is_parallel);
@@ -142,6 +146,21 @@ fn of_objects() -> Result<(), String> {
         1634,
         4,
         DepthMapOptions { edges: DepthEdges::Outlines, objects: true, slope_bias: 0.0, ..Default::default() },
+    )
+}
+
+fn of_contours() -> Result<(), String> {
+    let edges = DepthEdges::Differences { threshold: 0.0005 };
+    let reconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
+    trials(
+        1636,
+        4,
+        DepthMapOptions {
+            edges,
+            reconstruction,
+            slope_bias: std::env::var("BIAS").map_or(1.0, |v| v.parse().unwrap()),
+            ..Default::default()
+        },
     )
 }
 

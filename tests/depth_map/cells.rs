@@ -10,13 +10,13 @@ use rimline_measure::random::Random;
 use crate::maps::{Map, maps};
 
 /// A finite number that is not negative, in units of 2⁻¹⁴⁹.
-fn exact(value: f32) -> BigInt {
+pub(crate) fn exact(value: f32) -> BigInt {
     let (exponent, fraction) = (value.to_bits() >> 23, value.to_bits() & 0x007f_ffff);
     if exponent == 0 { BigInt::from(fraction) } else { BigInt::from(fraction + 0x0080_0000) << (exponent - 1) }
 }
 
 /// The depth of a texel as the documents tell: clamped, and nothing where it is far.
-fn cast(map: &Map, x: i64, y: i64) -> Option<f32> {
+pub(crate) fn cast(map: &Map, x: i64, y: i64) -> Option<f32> {
     let inside = (0..i64::from(map.size[0])).contains(&x) && (0..i64::from(map.size[1])).contains(&y);
     let depth = *inside.then(|| &map.depths[(y * i64::from(map.size[0]) + x) as usize])?;
     let depth = if depth < f32::MIN_POSITIVE { 0.0 } else { depth.min(1.0) };
@@ -25,7 +25,7 @@ fn cast(map: &Map, x: i64, y: i64) -> Option<f32> {
 }
 
 /// The rank of a sample among all floats from near to far, with nothing behind all.
-fn rank(map: &Map, sample: Option<f32>) -> i64 {
+pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
     let Some(depth) = sample else { return 0x7fff_ffff };
     let bits = i64::from(depth.to_bits());
     if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }

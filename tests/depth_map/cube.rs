@@ -3,10 +3,12 @@
 
 use glam::{DQuat, DVec2, DVec3, Mat4};
 use rimline::gpu::{
-    CubeMismatch, DepthEdges, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
+    CubeMismatch, DanglingEdges, DepthEdges, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
     DepthMapVolumesError, ShadowFormat,
 };
-use rimline::reference::cpu::{depth_cells, depth_cube};
+use rimline::reference::cpu::{
+    EdgeDetector, Samples, Second, depth_cells_of_objects, depth_cube_of_objects, depth_edges,
+};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -16,11 +18,11 @@ use rimline_measure::{must_fail, same};
 use wgpu::TextureFormat;
 
 use crate::boundary::Boundary;
-use crate::maps::Map;
+use crate::maps::{Map, detector};
 use crate::parity::{SIDE, device_depth, seen, vector};
 use crate::picture::stencil_of;
 use crate::scene::{Eye, Rays};
-use crate::textures::{depth_view, read, texture};
+use crate::textures::{depth_view, objects, read, texture};
 
 pub(crate) const TESTS: &[Test] = &[
     ("cube_parity_is_that_of_rays", every_cell),
@@ -307,28 +309,63 @@ fn twins() -> Result<(), String> {
     let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
     let mut random = Random::new(SEED);
     let eye = crate::stages::camera(DepthDirection::Reversed);
-    let (mut shared, mut listed) = (0, 0);
-    for round in 0..40 {
+    let (mut shared, mut listed, mut continued) = (0, 0, 0);
+    for round in 0..48 {
         let Cube { cameras, maps, side, .. } = cube(&mut random);
         let threshold = [-1.0, 0.0, 0.02][round % 3];
         let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
-        let options = DepthMapOptions { edges, ..Default::default() };
+        // Marks, in some: two thresholds, and edges that are continued.
+        let second = [None, None, Some([0.2, 1.0]), Some([0.01, 0.1])][round % 4];
+        let rings = u32::from(round % 4 == 3);
+        let edges = match second {
+            Some([low, high]) if rings == 1 => DepthEdges::SecondDifferences { low, high },
+            Some([threshold, _]) => DepthEdges::Differences { threshold },
+            None => edges,
+        };
+        let dangling = second.map(|_| DanglingEdges { share: 0.125, cells: 1 + round as u32 % 5 });
+        let options = DepthMapOptions { edges, objects: round % 3 == 1, dangling, ..Default::default() };
         let mut volumes = DepthMapCube::new(&pipelines, side, &cameras, options).map_err(text)?;
-        let mut views = Vec::new();
-        for map in &maps {
+        let numbers: Vec<_> = (0..6 * side * side).map(|_| u32::from(random.below(5) == 0) * 7).collect();
+        let numbers: Vec<_> = numbers.chunks((side * side) as usize).collect();
+        let (mut views, mut of_objects) = (Vec::new(), Vec::new());
+        for (map, numbers) in maps.iter().zip(&numbers) {
             let texture = |map: &Map| texture(&gpu, map.size, TextureFormat::R32Float, &map.depths);
             views.push(map.as_ref().map(texture).transpose()?.map(|texture| depth_view(&texture)));
+            let objects = objects(&gpu, [side; 2], numbers);
+            of_objects.push(map.is_some().then(|| objects.create_view(&wgpu::TextureViewDescriptor::default())));
         }
-        let given = [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref());
-        gpu.submit(|encoder| volumes.encode(encoder, given, &eye, None).map(drop).map_err(text))?;
+        let [given, given_objects] =
+            [&views, &of_objects].map(|views| [0, 1, 2, 3, 4, 5].map(|face: usize| views[face].as_ref()));
+        gpu.submit(|encoder| {
+            if options.objects {
+                volumes.encode_objects(encoder, given, given_objects, &eye, None).map(drop).map_err(text)
+            } else {
+                volumes.encode(encoder, given, &eye, None).map(drop).map_err(text)
+            }
+        })?;
         let is_reversed = cameras[0].depth == DepthDirection::Reversed;
         let mut shape = Map { size: [side; 2], is_reversed, depths: Vec::new() }.shape(threshold, u32::MAX);
         (shape.faces, shape.cells, shape.capacity) = (6, 6 * (side - 1) * (side - 1), 6 * (side - 1) * (side - 1));
-        let depths = depth_cube(&shape, maps.each_ref().map(|map| map.as_ref().map(|map| &map.depths[..])));
+        shape.objects = u32::from(options.objects);
+        let given = maps.each_ref().map(|map| map.as_ref().map(|map| &map.depths[..]));
+        let (depths, objects) =
+            depth_cube_of_objects(&shape, given, [0, 1, 2, 3, 4, 5].map(|face: usize| numbers[face]));
         let bits = |depths: &[f32]| depths.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>();
         let found = read(&gpu, volumes.texture().texture())?;
         same(&format!("samples of round {round}"), &bits(&found), &bits(&depths))?;
-        let expected = depth_cells(&shape, &depths);
+        let mut detector =
+            detector(if rings == 1 { Second::Both } else { Second::Nothing }, second.unwrap_or([0.0; 2]), 1.0, 0.125);
+        (detector.cells, detector.rings) = (dangling.map_or(0, |dangling| dangling.cells), rings);
+        let noise = if is_reversed { (0, 21) } else { ((4.0_f32 / 16_777_216.0).to_bits(), 0) };
+        (detector.rule.noise, detector.rule.noise_exponents) = noise;
+        let samples = Samples { shape: &shape, depths: &depths, objects: &objects };
+        let expected = match second {
+            Some(_) => depth_edges(&samples, &detector),
+            None => depth_cells_of_objects(&shape, &depths, &objects),
+        };
+        if second.is_some() {
+            continued += expected.count - depth_edges(&samples, &EdgeDetector { cells: 0, ..detector }).count;
+        }
         let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
         same(&format!("cells of round {round}"), &found, &[&[expected.count], &expected.entries[..]].concat())?;
         listed += expected.count;
@@ -339,12 +376,12 @@ fn twins() -> Result<(), String> {
         };
         shared += (0..6).map(|face| (0..side * side).filter(|&texel| own(face, texel)).count()).sum::<usize>();
         if !maps.iter().all(Option::is_none) && round == 0 {
-            let other = depth_cube(&shape, maps.each_ref().map(|_| None));
+            let (other, _) = depth_cube_of_objects(&shape, [None; 6], [&[]; 6]);
             must_fail("no maps", &same("samples", &bits(&other), &bits(&depths)))?;
         }
     }
-    println!("{listed} cells, {shared} samples are another map's");
-    if listed > 3000 && shared > 300 { Ok(()) } else { Err("too few".to_owned()) }
+    println!("{listed} cells, {continued} of them continued, {shared} samples are another map's");
+    if listed > 3000 && shared > 300 && continued > 20 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
 fn refused() -> Result<(), String> {

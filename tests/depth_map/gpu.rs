@@ -3,7 +3,10 @@
 
 mod analytic;
 mod boundary;
+mod contours;
+mod counting;
 mod cube;
+mod detectors;
 mod extremes;
 mod lookup;
 mod maps;
@@ -27,9 +30,12 @@ fn main() {
         stages::TESTS,
         merge::TESTS,
         cube::TESTS,
+        detectors::TESTS,
         parity::TESTS,
+        counting::TESTS,
         analytic::TESTS,
         lookup::TESTS,
+        contours::TESTS,
         extremes::TESTS,
         refusals::TESTS,
         mesh_depth::TESTS,

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use glam::DVec2;
 use rimline::DepthDirection;
-use rimline::gpu::{DepthEdges, DepthMapOptions};
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
 use rimline_measure::is_long;
@@ -20,7 +20,7 @@ pub(crate) const TESTS: &[Test] = &[("volumes_have_no_acne_and_lookups_have", co
 /// How a pixel's shadow is found.
 #[derive(Clone, Copy, Debug)]
 enum Way {
-    Volumes(DepthEdges),
+    Volumes(DepthEdges, DepthMapReconstruction),
     /// With a bias of a map that is drawn: steps of its format, and multiples of its slope, as `wgpu::DepthBiasState` has them.
     Lookup {
         constant: f64,
@@ -28,9 +28,13 @@ enum Way {
     },
 }
 
-const WAYS: [(&str, Way); 4] = [
-    ("volumes, every cell", Way::Volumes(DepthEdges::EveryCell)),
-    ("volumes, differences above 0.0005", Way::Volumes(DepthEdges::Differences { threshold: 0.0005 })),
+const MARKED: DepthEdges = DepthEdges::Differences { threshold: 0.0005 };
+const CONTOURS: DepthMapReconstruction = DepthMapReconstruction::Contours { sideways: 0.25, depth: 0.002 };
+
+const WAYS: [(&str, Way); 5] = [
+    ("volumes, every cell", Way::Volumes(DepthEdges::EveryCell, DepthMapReconstruction::Triangles)),
+    ("volumes, differences above 0.0005", Way::Volumes(MARKED, DepthMapReconstruction::Triangles)),
+    ("contours, differences above 0.0005", Way::Volumes(MARKED, CONTOURS)),
     ("lookup, no bias", Way::Lookup { constant: 0.0, slope_scale: 0.0 }),
     // Those of wgpu's example of shadows.
     ("lookup, bias of 2 steps and 2 slopes", Way::Lookup { constant: 2.0, slope_scale: 2.0 }),
@@ -85,9 +89,9 @@ fn dark(gpu: &Gpu, view: &View<'_>, format: TextureFormat, way: Way) -> Result<V
     let [light_depths, eye_depths] = view.depths();
     let (light, eye) = (view.sun.camera, view.eye);
     match way {
-        Way::Volumes(edges) => {
+        Way::Volumes(edges, reconstruction) => {
             let map = &texture(gpu, [SIDE; 2], format, &light_depths)?;
-            let options = DepthMapOptions { edges, ..Default::default() };
+            let options = DepthMapOptions { edges, reconstruction, ..Default::default() };
             let picture = Picture { map, objects: None, light, eye, depths: &eye_depths, side: SIDE, options, bit: 7 };
             Ok(picture.stencil(gpu)?.into_iter().map(|value| value != 0).collect())
         }
@@ -115,7 +119,7 @@ fn compare() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
     let (mut lit, mut pixels) = (0, 0);
-    let mut wrong = [Wrong::default(); 4];
+    let mut wrong = [Wrong::default(); 5];
     for format in [TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm] {
         for _ in 0..if is_long() { 8 } else { 1 } {
             for world in worlds(&mut random) {
@@ -150,7 +154,7 @@ fn compare() -> Result<(), String> {
     }
     let far = wrong.map(|wrong| wrong.acne + wrong.leaks);
     // The lookup without bias has acne, so the counts tell it.
-    if far[0] == 0 && far[1] * 100_000 <= pixels && wrong[2].acne * 50 > lit {
+    if far[0] == 0 && far[1] * 100_000 <= pixels && wrong[3].acne * 50 > lit {
         Ok(())
     } else {
         Err(format!("{far:?} of {pixels} are wrong: {wrong:?}"))

@@ -1,6 +1,7 @@
 //! Depth maps of tests: random ones, and ones that are hard to take.
 
-use rimline::reference::layout::DepthMapShape;
+use rimline::reference::cpu::{EdgeDetector, Second};
+use rimline::reference::layout::{DepthEdgeRule, DepthMapShape};
 use rimline_measure::random::Random;
 
 /// A map: texels across and down, whether near is 1, and depths.
@@ -37,6 +38,18 @@ impl Map {
     }
 }
 
+/// A detector with two thresholds, and with the part of them that is left next to dangling edges. It continues none.
+pub(crate) fn detector(second: Second, [low, high]: [f32; 2], slopes: f32, share: f32) -> EdgeDetector {
+    let bits = |value: f32| if value < f32::MIN_POSITIVE { 0 } else { value.to_bits() };
+    let rule = DepthEdgeRule {
+        high: bits(high),
+        low: [low, low * share].map(bits),
+        slopes: [slopes, slopes * share].map(bits),
+        ..bytemuck::Zeroable::zeroed()
+    };
+    EdgeDetector { rule, second, cells: 0, rings: 0 }
+}
+
 /// A depth of any size, with those that are equal, far, not finite or out of range among them.
 fn hostile(random: &mut Random) -> f32 {
     let exponent = 127 - random.below(30) as u32;
@@ -68,6 +81,24 @@ pub(crate) fn maps(random: &mut Random) -> Vec<Map> {
             maps.push(Map::new(size, is_reversed, |texel| if texel == lone { 0.25 } else { far }));
             maps.push(Map::new(size, is_reversed, |texel| 0.3 + (texel % size[0]) as f32 * 0.01));
         }
+    }
+    maps
+}
+
+/// Steep planes, a ridge that fades, and depths with steps of a precision, so that rules are met exactly.
+pub(crate) fn further(random: &mut Random) -> Vec<Map> {
+    let unit = 0.5_f32.powi(22);
+    let mut maps = Vec::new();
+    for is_reversed in [false, true] {
+        maps.push(Map::new([23, 19], is_reversed, |_| 0.5 + random.below(6) as f32 * unit));
+        maps.push(Map::new([23, 19], is_reversed, |_| 0.5 - [1, 2, 20, 21, 38, 39, 40][random.below(7)] as f32 * unit));
+        maps.push(Map::new([23, 19], is_reversed, |texel| {
+            let (x, y) = ((texel % 23) as f32, (texel / 23) as f32);
+            0.4 + 0.001 * x + if x > 11.0 { 0.001 * y } else { 0.0 }
+        }));
+        maps.push(Map::new([17, 21], is_reversed, |texel| {
+            0.5 + (texel / 17) as f32 / 64.0 + if texel % 17 > 8 { random.between(0.0, 0.05) } else { 0.0 }
+        }));
     }
     maps
 }

@@ -38,7 +38,7 @@ pub(crate) fn device_depth(camera: &ShadowCamera, place: DVec3) -> f32 {
 }
 
 /// The camera of a light near the middle of the scene, of any kind, and the light.
-fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
+pub(crate) fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
     let away = vector(random);
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
     let (far, half_width) = [(None, None), (Some(40.0), None), (Some(40.0), Some(4.0))][random.below(3)];
@@ -48,7 +48,7 @@ fn light(random: &mut Random) -> (ShadowCamera, DVec4) {
 }
 
 /// Steps, slopes, holes and lone texels.
-fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
+pub(crate) fn map(random: &mut Random, camera: &ShadowCamera) -> Map {
     let size = [1 + random.below(12) as u32, 1 + random.below(12) as u32];
     let is_reversed = camera.depth == DepthDirection::Reversed;
     let far = if is_reversed { 0.0 } else { 1.0 };

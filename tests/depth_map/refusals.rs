@@ -1,7 +1,7 @@
 //! What is refused, and how the errors tell.
 
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
+    DanglingEdges, DepthEdges, DepthMap, DepthMapDrawError, DepthMapEncodeError, DepthMapOptions, DepthMapPipelines,
     DepthMapPipelinesError, DepthMapVolumes, DepthMapVolumesError, MemoryError, ShadowFormat, ShadowFormatError,
 };
 use rimline::{CameraError, DepthDirection, ShadowCamera};
@@ -53,6 +53,16 @@ fn making() -> Result<(), String> {
         let edges = DepthEdges::WorldDifferences { threshold };
         let expected = DepthMapVolumesError::WorldThreshold(threshold);
         same("distance", &[refused([4, 4], DepthMapOptions { edges, ..Default::default() })], &[Some(expected)])?;
+    }
+    for [low, high] in [[-0.1, 0.5], [0.5, 0.4], [0.5, 1.5]] {
+        let edges = DepthEdges::SecondDifferences { low, high };
+        let expected = DepthMapVolumesError::SecondThresholds { low, high };
+        same("two", &[refused([4, 4], DepthMapOptions { edges, ..Default::default() })], &[Some(expected)])?;
+    }
+    for (share, cells) in [(-0.1, 1), (1.5, 1), (0.5, 0), (0.5, 65)] {
+        let dangling = Some(DanglingEdges { share, cells });
+        let expected = DepthMapVolumesError::Dangling { share, cells };
+        same("dangling", &[refused([4, 4], DepthMapOptions { dangling, ..Default::default() })], &[Some(expected)])?;
     }
     for slope_bias in [-1.0, f32::INFINITY] {
         let options = DepthMapOptions { slope_bias, ..Default::default() };

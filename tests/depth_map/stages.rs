@@ -1,7 +1,9 @@
 //! The lists that the GPU makes against those of the twin, for each format of a map.
 
-use rimline::gpu::{DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat};
-use rimline::reference::cpu::{depth_cells, depth_cells_of_objects};
+use rimline::gpu::{
+    DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
+};
+use rimline::reference::cpu::{EdgeDetector, Samples, Second, depth_cells, depth_cells_of_objects, depth_edges};
 use rimline::reference::layout::DepthMapShape;
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
@@ -11,7 +13,7 @@ use rimline_measure::random::Random;
 use rimline_measure::{is_long, must_fail, same};
 use wgpu::TextureFormat;
 
-use crate::maps::{Map, maps};
+use crate::maps::{Map, detector, further, maps};
 use crate::scene::Eye;
 use crate::textures::{depth_view, objects, read, texture};
 
@@ -21,6 +23,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("lists_of_the_largest_map_equal_their_twin", largest),
     ("lists_of_objects_equal_their_twin", of_objects),
     ("lists_of_steps_in_world_units_equal_their_twin", world),
+    ("lists_of_detectors_equal_their_twin", detectors),
     ("steps_in_world_units_are_those_of_distances", distances),
     ("encodes_in_one_encoder_do_not_disturb_each_other", two_encodes),
 ];
@@ -242,7 +245,18 @@ fn world() -> Result<(), String> {
             let place = glam::DVec3::new(1.0, 2.0, 3.0);
             let depth = direction(&map);
             let light = Eye { place, forward, near: 0.125, is_relative: true, depth, far, half_width: None }.camera();
-            let threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
+            let mut threshold = [0.0625, 0.125, 0.5, 2.0, 64.0, random.between(0.01, 3.0)][random.below(6)];
+            // One that a step of the map nearly meets, so that floats do not tell.
+            let one = world_shape(&map, &light, 1.0);
+            let [share, infinity] = [one.ratio, one.at_infinity].map(|bits| f64::from(f32::from_bits(bits)));
+            let steps = map.depths.windows(2).map(|pair| {
+                let [a, b] = [pair[0], pair[1]].map(f64::from);
+                (share * (a - b).abs() / ((a - infinity) * (b - infinity)).abs()) as f32
+            });
+            let steps: Vec<_> = steps.filter(|step| (0.001..100.0).contains(step)).collect();
+            if round % 2 == 1 && !steps.is_empty() {
+                threshold = steps[random.below(steps.len())];
+            }
             let options =
                 DepthMapOptions { edges: DepthEdges::WorldDifferences { threshold }, ..DepthMapOptions::default() };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
@@ -262,6 +276,100 @@ fn world() -> Result<(), String> {
     }
     println!("{listed} cells; {fewer} maps have fewer than without a threshold");
     if listed > 10_000 && fewer > 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// The detector of options and a map, for a light with this camera.
+fn detector_of(options: &DepthMapOptions, map: &Map, light: &ShadowCamera, format: TextureFormat) -> EdgeDetector {
+    let share = options.dangling.map_or(1.0, |dangling| dangling.share);
+    let (second, thresholds, slopes) = match options.edges {
+        DepthEdges::SecondDifferences { low, high } => (Second::Both, [low, high], 1.0),
+        DepthEdges::Automatic => (Second::One, [0.0, 1.0], 2.0),
+        DepthEdges::Differences { threshold } => (Second::Nothing, [threshold, 1.0], 1.0),
+        _ => (Second::Nothing, [1.0, 1.0], 1.0),
+    };
+    let mut detector = detector(second, thresholds, slopes, share);
+    detector.cells = options.dangling.map_or(0, |dangling| dangling.cells);
+    detector.rings = u32::from(second != Second::Nothing) + u32::from(options.bits > 1);
+    if let DepthEdges::WorldDifferences { threshold } = options.edges {
+        let ratio = |threshold: f32| world_shape(map, light, f64::from(threshold)).ratio;
+        detector.rule.ratio = [threshold, threshold * share].map(ratio);
+    }
+    // Four steps of the format.
+    match format {
+        TextureFormat::Depth16Unorm => detector.rule.noise = (4.0_f32 / 65_536.0).to_bits(),
+        TextureFormat::Depth32Float | TextureFormat::R32Float if map.is_reversed => detector.rule.noise_exponents = 21,
+        _ => detector.rule.noise = (4.0_f32 / 16_777_216.0).to_bits(),
+    }
+    detector
+}
+
+/// Detectors that mark edges first, with and without objects and continued edges, also where the list overflows.
+fn detectors() -> Result<(), String> {
+    const SEED: u64 = 1617;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let (mut listed, mut continued) = (0, 0);
+    for round in 0..9 {
+        let edges = [
+            DepthEdges::Automatic,
+            DepthEdges::SecondDifferences { low: 0.001, high: 0.1 },
+            DepthEdges::SecondDifferences { low: 0.0, high: 1.0 },
+            DepthEdges::Differences { threshold: 0.02 },
+            DepthEdges::WorldDifferences { threshold: 0.125 },
+            DepthEdges::Outlines,
+        ][round % 6];
+        let is_second = matches!(edges, DepthEdges::Automatic | DepthEdges::SecondDifferences { .. });
+        for map in further(&mut random).into_iter().chain(maps(&mut random)) {
+            let format = if round < 6 { TextureFormat::R32Float } else { FORMATS[random.below(FORMATS.len())] };
+            let clamped = |depth: &f32| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) };
+            let is_plain = format == TextureFormat::R32Float;
+            let depths = if is_plain { map.depths.clone() } else { map.depths.iter().map(clamped).collect() };
+            let texture = texture(&gpu, map.size, format, &depths)?;
+            let depths = read(&gpu, &texture)?;
+            let share = [0.5, 0.0, 0.25][random.below(3)];
+            let dangling = DanglingEdges { share, cells: [1, 2, 5, 32][random.below(4)] };
+            let numbers: Vec<_> = depths.iter().map(|_| u32::from(random.below(9) == 0)).collect();
+            let options = DepthMapOptions {
+                edges,
+                objects: random.below(3) == 0,
+                dangling: (!is_second || random.below(2) == 0).then_some(dangling),
+                capacity: (random.below(4) == 0).then(|| random.below(30) as u32),
+                bits: 1 + random.below(2) as u32,
+                ..Default::default()
+            };
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            let eye = camera(DepthDirection::Reversed);
+            let (place, forward) = (glam::DVec3::new(1.0, 2.0, 3.0), glam::DVec3::new(0.3, -1.0, 0.2));
+            let (near, depth, far) = (0.125, direction(&map), [None, Some(50.0)][random.below(2)]);
+            let light = Eye { place, forward, near, is_relative: true, depth, far, half_width: None }.camera();
+            let objects = objects(&gpu, map.size, &numbers).create_view(&wgpu::TextureViewDescriptor::default());
+            gpu.submit(|encoder| {
+                let map = DepthMap { texture: &depth_view(&texture), light };
+                if options.objects {
+                    volumes.encode_objects(encoder, &map, &objects, &eye, None).map(drop).map_err(text)
+                } else {
+                    volumes.encode(encoder, &map, &eye, None).map(drop).map_err(text)
+                }
+            })?;
+            let shape = DepthMapShape {
+                objects: u32::from(options.objects),
+                at_infinity: world_shape(&map, &light, 1.0).at_infinity,
+                ..map.shape(-1.0, options.capacity.unwrap_or(u32::MAX))
+            };
+            let twin = detector_of(&options, &map, &light, format);
+            let samples = Samples { shape: &shape, depths: &depths, objects: &numbers };
+            let expected = depth_edges(&samples, &twin);
+            let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
+            let what = format!("{format:?} {:?}, reversed {}, {options:?}", map.size, map.is_reversed);
+            same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
+            listed += expected.count;
+            continued += expected.count - depth_edges(&samples, &EdgeDetector { cells: 0, ..twin }).count;
+        }
+    }
+    println!("{listed} cells, {continued} of them where edges are continued");
+    if listed > 50_000 && continued > 1000 { Ok(()) } else { Err("too few".to_owned()) }
 }
 
 /// Cells against the distances of unprojected samples, where rounding cannot matter; of parallel lights too.

@@ -137,8 +137,8 @@ impl<'a> View<'a> {
         let depth = DepthDirection::Reversed;
         let eye = Eye { place, forward, near, is_relative: false, depth, far: None, half_width: None }.camera();
         let eye_rays = Rays::new(&eye, SIDE);
-        let mut corners = (0..81).map(|at| DVec2::new(f64::from(at % 9), f64::from(at / 9)) * f64::from(SIDE) / 8.0);
-        if corners.any(|corner| world.is_inside(eye_rays.at(corner).0)) {
+        let mut near = (0..=SIDE).flat_map(|y| (0..=SIDE).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
+        if near.any(|place| world.is_inside(eye_rays.at(place).0)) {
             return None;
         }
         let light_rays = Rays::new(&sun.camera, SIDE);

@@ -12,6 +12,7 @@ mod hairlines;
 mod hidden;
 mod in_scene;
 mod levels;
+mod mixed;
 mod nested;
 mod overflow;
 mod passing;
@@ -29,6 +30,9 @@ mod scene;
 mod scene_refusals;
 mod skinned;
 mod stages;
+#[path = "../depth_map/textures.rs"]
+#[allow(dead_code, reason = "only some textures are used here")]
+mod textures;
 mod thousands;
 mod trials;
 mod twisted;
@@ -60,6 +64,7 @@ fn main() {
         hidden::TESTS,
         receivers::TESTS,
         levels::TESTS,
+        mixed::TESTS,
         query::TESTS,
         cameras::TESTS,
         skinned::TESTS,

@@ -161,6 +161,7 @@ impl InScene {
             end_at_range,
             cap_capacity,
             count_batches: renderer.count_batches,
+            count_bits: renderer.count_bits,
             bound_counts: renderer.options.bound_counts,
             ..SceneOptions::default()
         };

@@ -1,8 +1,9 @@
 //! A frame on the GPU: the depth of everything, then each light's count in the stencil buffer, read back.
 
 use rimline::gpu::{
-    Extractor, ExtractorOptions, ListOptions, Pipelines, PositionBuffer, Receivers, SceneOptions, SceneStatistics,
-    ShadowFormat, ShadowOptions, ShadowPipelines, ShadowVolumes, read_back_vec,
+    DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, Extractor, ExtractorOptions, ListOptions, Pipelines,
+    PositionBuffer, Receivers, SceneOptions, SceneStatistics, ShadowFormat, ShadowOptions, ShadowPipelines,
+    ShadowVolumes, read_back_vec,
 };
 use rimline::mesh::Weld;
 use rimline::reference::layout::{ShadowDraws, ShadowLight, ShadowStatistics};
@@ -104,6 +105,19 @@ pub(crate) struct Renderer<'a> {
     pub(crate) levels: fn(&mut SceneOptions),
     /// The last bodies, which are drawn after the scene is encoded.
     pub(crate) late_bodies: usize,
+    /// Low bits of the stencil that counts own.
+    pub(crate) count_bits: u32,
+    /// The map of a light, drawn into the same stencil in each pass: by these pipelines, of so many bits, before the meshes or after them.
+    pub(crate) beside: Option<Beside<'a>>,
+}
+
+/// A depth map that casts beside meshes.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    pub(crate) map: DepthMap<'a>,
+    pub(crate) pipelines: &'a DepthMapPipelines,
+    pub(crate) options: DepthMapOptions,
+    pub(crate) is_first: bool,
 }
 
 impl<'a> Renderer<'a> {
@@ -122,6 +136,8 @@ impl<'a> Renderer<'a> {
             receivers: None,
             levels: |_| {},
             late_bodies: 0,
+            count_bits: 8,
+            beside: None,
         }
     }
 
@@ -160,6 +176,7 @@ impl<'a> Renderer<'a> {
             depth: frame.eye.depth,
             samples: self.samples,
             has_far_plane: frame.eye.far.is_some(),
+            count_bits: self.count_bits,
             ..ShadowFormat::default()
         };
         let pipelines = |front_face| {
@@ -198,6 +215,20 @@ impl<'a> Renderer<'a> {
             let shadows = volumes.encode(&mut encoder, &extraction, &camera, None).map_err(|error| text(&error))?;
             casters.push((volumes, shadows, pipelines));
         }
+        let mut mapped = None;
+        if let Some(Beside { map, pipelines, options, is_first }) = &self.beside {
+            let size = [map.texture.texture().width(), map.texture.texture().height()];
+            let mut volumes = DepthMapVolumes::new(pipelines, size, *options).map_err(|error| text(&error))?;
+            let camera = frame.eye.camera();
+            let shadows = volumes.encode(&mut encoder, map, &camera, None).map_err(|error| text(&error))?;
+            mapped = Some((shadows, *pipelines, *is_first));
+        }
+        let draw_mapped = |pass: &mut wgpu::RenderPass<'_>, is_first: bool| match &mapped {
+            Some((shadows, pipelines, first)) if *first == is_first => {
+                shadows.draw(pass, pipelines).map_err(|error| text(&error))
+            }
+            _ => Ok(()),
+        };
         if self.late_bodies > 0 {
             self.depth(&mut encoder, frame, &view);
         }
@@ -205,12 +236,14 @@ impl<'a> Renderer<'a> {
         let mut copies = Vec::new();
         for light in 0..frame.lights.len() {
             let mut pass = encoder.begin_render_pass(&attachment(&view, wgpu::LoadOp::Load));
+            draw_mapped(&mut pass, true)?;
             for (_, shadows, pipelines) in &casters {
                 shadows.draw(&mut pass, pipelines, light).map_err(|error| text(&error))?;
             }
             if let Some(together) = &together {
                 together.draw(&mut pass, light)?;
             }
+            draw_mapped(&mut pass, false)?;
             drop(pass);
             copies.push(self.copy_stencil(&mut encoder, &target, row));
         }

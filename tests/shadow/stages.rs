@@ -74,6 +74,7 @@ pub(crate) fn shape(mesh: &Mesh, lights: usize) -> ShadowShape {
         needs_boxes: 0,
         used_lights: lights as u32,
         has_receivers: 0,
+        most_count: 255,
     }
 }
 

@@ -1,29 +1,13 @@
 // Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: decide about the cells and
-// count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are one word. A
-// row's last word may have fewer. A block has 256 words.
+// count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are one word.
 
-// For each block its listed cells, then those of all blocks before it. After them the words: for each cell three bits of its entry.
-@group(0) @binding(2) var<storage, read_write> places: array<u32>;
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
 // The indirect draw.
 @group(0) @binding(5) var<storage, read_write> draws: array<u32>;
 
-const BLOCK: u32 = 256u;
-const WORD_CELLS: u32 = 8u;
-// A bit of each cell of a word.
-const EACH: u32 = 0x11111111u;
 // An entry has the three bits of a cell here.
 const ENTRY_BITS: u32 = 29u;
-
-// The first cell of a word, and how many cells it has.
-fn cells_of_word(word: u32) -> vec2<u32> {
-  let across = select(depth_map.size.x + 1u, depth_map.size.x - 1u, depth_map.faces > 1u);
-  let words = (across + WORD_CELLS - 1u) / WORD_CELLS;
-  let column = word % words * WORD_CELLS;
-  let first = word / words * across + column;
-  return vec2<u32>(first, select(0u, min(WORD_CELLS, across - column), first < depth_map.cells));
-}
 
 // The edges of `open` that are marked, of those that floats leave open: four bits for each cell of a word, of its top, right and bottom, and of the left
 // side of the first. `corner` is the first cell.
@@ -36,7 +20,7 @@ fn exactly_marked(corner: vec2<u32>, open: u32) -> u32 {
     let a = vec2<u32>(select(0u, 1u, edge == 1u), select(0u, 1u, edge == 2u));
     let b = vec2<u32>(select(1u, 0u, edge == 3u), select(1u, 0u, edge == 0u));
     let at = corner + vec2<u32>(bit / 4u, 0u);
-    let is_step = exact_world_step(depth_bits(key_at(at + a)), depth_bits(key_at(at + b)));
+    let is_step = exact_world_step(depth_bits(key_at(at + a)), depth_bits(key_at(at + b)), depth_map.ratio);
     marked |= select(0u, 1u << bit, is_step);
   }
   return marked;
@@ -99,14 +83,6 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
   return splits | (first << 1u) | (second << 2u);
 }
 
-// The lowest bit of each cell of a word that is listed.
-fn listed_cells(word: u32) -> u32 {
-  return ((word >> 1u) | (word >> 2u)) & EACH;
-}
-
-// It begins with 0.
-var<workgroup> total: atomic<u32>;
-
 // Workgroups take blocks in turn, where a dispatch may not have as many.
 @compute @workgroup_size(BLOCK)
 fn depth_cells_count(
@@ -115,14 +91,7 @@ fn depth_cells_count(
   @builtin(local_invocation_index) local: u32,
 ) {
   for (var block = group.x + groups.x * group.y; block < depth_map.blocks; block += groups.x * groups.y) {
-    let word = decided(block * BLOCK + local);
-    places[depth_map.blocks + block * BLOCK + local] = word;
-    atomicAdd(&total, countOneBits(listed_cells(word)));
-    workgroupBarrier();
-    if (local == 0u) {
-      places[block] = atomicExchange(&total, 0u);
-    }
-    workgroupBarrier();
+    write_word(block, local, decided(block * BLOCK + local));
   }
 }
 

@@ -1,5 +1,6 @@
 // Depth cube: puts six maps into one texture, three in a row. Samples of two or three maps that lie on one ray get the nearest of their depths,
-// so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing.
+// so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing. Each sample has the object of the map
+// that its depth is from, the first of those with this depth.
 
 @group(0) @binding(2) var texture_1: texture_2d<f32>;
 @group(0) @binding(3) var texture_2: texture_2d<f32>;
@@ -8,7 +9,18 @@
 @group(0) @binding(6) var texture_5: texture_2d<f32>;
 @group(0) @binding(7) var cube_texture: texture_storage_2d<r32float, write>;
 
+@group(0) @binding(8) var objects_0: texture_2d<u32>;
+@group(0) @binding(9) var objects_1: texture_2d<u32>;
+@group(0) @binding(10) var objects_2: texture_2d<u32>;
+@group(0) @binding(11) var objects_3: texture_2d<u32>;
+@group(0) @binding(12) var objects_4: texture_2d<u32>;
+@group(0) @binding(13) var objects_5: texture_2d<u32>;
+@group(0) @binding(14) var cube_objects: texture_storage_2d<r32uint, write>;
+
 const BLOCK: u32 = 256u;
+
+// Whether there are objects.
+override OBJECTS: bool = true;
 
 fn loaded(map: texture_2d<f32>, at: vec2<u32>) -> u32 {
   if (any(textureDimensions(map) != depth_map.size)) {
@@ -40,6 +52,29 @@ fn key_of_face(face: u32, at: vec2<u32>) -> u32 {
   }
 }
 
+fn object_of_face(face: u32, at: vec2<u32>) -> u32 {
+  switch face {
+    case 0u: {
+      return textureLoad(objects_0, at, 0).x;
+    }
+    case 1u: {
+      return textureLoad(objects_1, at, 0).x;
+    }
+    case 2u: {
+      return textureLoad(objects_2, at, 0).x;
+    }
+    case 3u: {
+      return textureLoad(objects_3, at, 0).x;
+    }
+    case 4u: {
+      return textureLoad(objects_4, at, 0).x;
+    }
+    default: {
+      return textureLoad(objects_5, at, 0).x;
+    }
+  }
+}
+
 // Workgroups take blocks of texels in turn, where a dispatch may not have as many.
 @compute @workgroup_size(BLOCK)
 fn depth_cube(
@@ -54,12 +89,18 @@ fn depth_cube(
     if (at.y < 2u * side) {
       let direction = direction_of(at.x / side + 3u * (at.y / side), at % side);
       var key = FAR_KEY;
+      var nearest = 6u;
       for (var face = 0u; face < 6u; face++) {
         if (has_direction(face, direction)) {
-          key = min(key, key_of_face(face, sample_of(face, direction)));
+          let own = key_of_face(face, sample_of(face, direction));
+          nearest = select(nearest, face, own < key);
+          key = min(key, own);
         }
       }
       textureStore(cube_texture, at, vec4<f32>(bitcast<f32>(bits_of_key(key)), 0.0, 0.0, 0.0));
+      if (OBJECTS && nearest < 6u) {
+        textureStore(cube_objects, at, vec4<u32>(object_of_face(nearest, sample_of(nearest, direction)), 0u, 0u, 0u));
+      }
     }
   }
 }

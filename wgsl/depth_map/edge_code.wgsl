@@ -47,7 +47,7 @@ fn is_marked(a: u32, b: u32) -> u32 {
   if (depth_map.ratio != 0u) {
     told = 1u;
     if (DECIDES) {
-      told = world_step_by_floats(depths.x, depths.y);
+      told = world_step_by_floats(depths.x, depths.y, depth_map.ratio);
     }
   }
   return select(told, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
@@ -66,9 +66,9 @@ fn key_distance(a: u32, b: u32) -> u32 {
   return max(a, b) - min(a, b);
 }
 
-// The object at a sample that is not far.
+// The object at a sample that is not far. In a cube, maps have no border.
 fn object_at(at: vec2<u32>) -> u32 {
-  return textureLoad(object_texture, vec2<i32>(at) - 1, 0).x;
+  return textureLoad(object_texture, vec2<i32>(at) - select(1, 0, depth_map.faces > 1u), 0).x;
 }
 
 // Whether objects at two samples, neither of them far, differ.
@@ -137,7 +137,7 @@ fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
     let told = is_marked(keys[first], key);
     var is_edge = told == 1u;
     if (DECIDES && told == 2u) {
-      is_edge = exact_world_step(depth_bits(keys[first]), depth_bits(key));
+      is_edge = exact_world_step(depth_bits(keys[first]), depth_bits(key), depth_map.ratio);
     }
     if (OBJECTS && depth_map.objects != 0u && keys[first] != FAR_KEY && key != FAR_KEY) {
       is_edge = is_edge || differs(at + sample_of_cell(first), there);

@@ -115,15 +115,14 @@ fn from_infinity(bits: u32) -> Wide {
   return wide_distance(own, infinity);
 }
 
-fn exact_world_step(a: u32, b: u32) -> bool {
-  let ratio = wide_of(depth_map.ratio);
-  return is_larger(wide_product(ratio, wide_distance(wide_of(a), wide_of(b))), wide_product(from_infinity(a), from_infinity(b)));
+fn exact_world_step(a: u32, b: u32, ratio: u32) -> bool {
+  return is_larger(wide_product(wide_of(ratio), wide_distance(wide_of(a), wide_of(b))), wide_product(from_infinity(a), from_infinity(b)));
 }
 
 // Whether floats tell: 0 or 1; or 2, where the terms are nearly equal, very large or very small.
-fn world_step_by_floats(a: u32, b: u32) -> u32 {
+fn world_step_by_floats(a: u32, b: u32, ratio: u32) -> u32 {
   let infinity = bitcast<f32>(depth_map.at_infinity);
-  let step = bitcast<f32>(depth_map.ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));
+  let step = bitcast<f32>(ratio) * abs(bitcast<f32>(a) - bitcast<f32>(b));
   let most = abs(bitcast<f32>(a) - infinity) * abs(bitcast<f32>(b) - infinity);
   let is_plain = (min(step, most) > 1e-30) & (max(step, most) < 1e30);
   let is_told = is_plain & ((step > 1.0001 * most) | (most > 1.0001 * step));

@@ -106,6 +106,8 @@ struct ShadowShape {
   used_lights: u32,
   // 1: views may have receivers. Then volumes may end behind all of them.
   has_receivers: u32,
+  // The largest count that the bits which count hold.
+  most_count: u32,
 }
 
 // The light, or the batch of lights, of a draw or dispatch.

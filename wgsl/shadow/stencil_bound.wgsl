@@ -1,5 +1,5 @@
-// Stencil bound: an upper bound of the stencil counts of each light in each view, so that a caller learns where 8 bits may
-// not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of casters that the axis of
+// Stencil bound: an upper bound of the stencil counts of each light in each view, so that a caller learns where the bits
+// that count may not suffice. No count exceeds half of the weights that its half plane crosses, plus the faces of casters that the axis of
 // the pencil may meet. A workgroup takes a light of a batch in a view.
 
 @group(0) @binding(0) var<uniform> shape: ShadowShape;
@@ -30,8 +30,7 @@ fn stencil_bound(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
   let bound = atomicLoad(&largest);
   if (thread == 0u && bound > 0u) {
     atomicMax(&shadow_statistics.count_bound, bound);
-    // One of eight bits is that of darkness where there are several batches.
-    if (bound > select(127u, 255u, shape.count_batches == 1u)) {
+    if (bound > shape.most_count) {
       atomicAdd(&shadow_statistics.may_wrap, 1u);
     }
   }

@@ -23,7 +23,12 @@ pub fn depth_cells(shape: &DepthMapShape, depths: &[f32]) -> CellList {
 /// Lists the cells of a map with an object for each texel.
 pub fn depth_cells_of_objects(shape: &DepthMapShape, depths: &[f32], objects: &[u32]) -> CellList {
     let samples = Samples { shape, depths, objects };
-    let cells = (0..shape.cells).map(|number| (number, Cell::of(&samples, number)));
+    list_cells(shape, |number| Cell::of(&samples, number))
+}
+
+/// Lists cells that are decided so.
+pub(super) fn list_cells(shape: &DepthMapShape, cell: impl Fn(u32) -> Cell) -> CellList {
+    let cells = (0..shape.cells).map(|number| (number, cell(number)));
     let drawn = cells.filter(|(_, cell)| cell.is_drawn() != [false; 2]);
     let mut entries: Vec<_> = drawn.map(|(number, cell)| cell.entry(number)).collect();
     let count = entries.len() as u32;

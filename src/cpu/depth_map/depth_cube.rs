@@ -50,6 +50,15 @@ impl CubeSample {
 
 /// Puts six maps into one, three in a row. `None`: the map casts nothing.
 pub fn depth_cube(shape: &DepthMapShape, maps: [Option<&[f32]>; 6]) -> Vec<f32> {
+    depth_cube_of_objects(shape, maps, [&[]; 6]).0
+}
+
+/// Puts six maps into one, and their objects. A sample has the object of the first map that has its depth, and 0 if it is far.
+pub fn depth_cube_of_objects(
+    shape: &DepthMapShape,
+    maps: [Option<&[f32]>; 6],
+    objects: [&[u32]; 6],
+) -> (Vec<f32>, Vec<u32>) {
     let side = shape.size[0];
     let one = DepthMapShape { faces: 1, ..*shape };
     let key = |CubeSample { face, at: [x, y] }| {
@@ -57,6 +66,15 @@ pub fn depth_cube(shape: &DepthMapShape, maps: [Option<&[f32]>; 6]) -> Vec<f32> 
         Samples { shape: &one, depths, objects: &[] }.at([x + 1, y + 1])
     };
     let places = (0..2 * side).flat_map(|y| (0..3 * side).map(move |x| [x, y]));
-    let nearest = places.map(|place| CubeSample::in_texture(place, side).on_ray(side).map(key).min());
-    nearest.map(|key| Samples { shape, depths: &[], objects: &[] }.depth_of(key.unwrap_or(Key::Far))).collect()
+    let object = |CubeSample { face, at: [x, y] }: CubeSample| {
+        objects[face as usize % 6].get((y * side + x) as usize).copied().unwrap_or(0)
+    };
+    let nearest = places.map(|place| {
+        // The first of several.
+        let nearest = CubeSample::in_texture(place, side).on_ray(side).min_by_key(|&sample| key(sample));
+        let key = nearest.map_or(Key::Far, key);
+        let object = if key == Key::Far { 0 } else { nearest.map_or(0, object) };
+        (Samples { shape, depths: &[], objects: &[] }.depth_of(key), object)
+    });
+    nearest.unzip()
 }

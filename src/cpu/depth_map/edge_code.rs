@@ -49,16 +49,26 @@ impl Cell {
 
     /// Reads the cell whose sample (0, 0) is there.
     pub fn at(samples: &Samples<'_>, at: [u32; 2]) -> Self {
-        let [x, y] = at;
-        let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
-        let [a, b, c, d] = corners.map(|at| samples.at(at));
-        let marked = [(0, 1), (1, 3), (2, 3), (0, 2)].map(|(p, q)| is_marked(samples, [corners[p], corners[q]]));
-        let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
+        let is_marked = |places: [[u32; 2]; 2]| is_marked(samples, places);
         let is_end = |[x, y]: [u32; 2]| {
             let beside = [[x + 1, y], [x, y + 1], [x.wrapping_sub(1), y], [x, y.wrapping_sub(1)]];
-            samples.at([x, y]) != Key::Far && beside.into_iter().any(|other| is_marked(samples, [[x, y], other]))
+            samples.at([x, y]) != Key::Far && beside.into_iter().any(|other| is_marked([[x, y], other]))
         };
-        let ends = if samples.shape.spread == 1 { corners.map(is_end) } else { [false; 4] };
+        Self::with(samples, at, is_marked, |at| samples.shape.spread == 1 && is_end(at))
+    }
+
+    /// The cell whose sample (0, 0) is there, whose edges are marked so. `is_end` tells of each corner whether triangles at it are drawn.
+    pub(super) fn with(
+        samples: &Samples<'_>,
+        at @ [x, y]: [u32; 2],
+        is_marked: impl Fn([[u32; 2]; 2]) -> bool,
+        is_end: impl Fn([u32; 2]) -> bool,
+    ) -> Self {
+        let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let [a, b, c, d] = corners.map(|at| samples.at(at));
+        let marked = [(0, 1), (1, 3), (2, 3), (0, 2)].map(|(p, q)| is_marked([corners[p], corners[q]]));
+        let distance = |p: Key, q: Key| p.code().abs_diff(q.code());
+        let ends = corners.map(is_end);
         Self { at, marked, ends, is_split: distance(a, d) > distance(b, c) }
     }
 
@@ -89,7 +99,7 @@ impl Cell {
     }
 }
 
-fn place_of_cell(samples: &Samples<'_>, number: u32) -> [u32; 2] {
+pub(super) fn place_of_cell(samples: &Samples<'_>, number: u32) -> [u32; 2] {
     let side = samples.shape.size[0];
     if samples.shape.faces > 1 {
         let (across, face) = (side - 1, number / ((side - 1) * (side - 1)));

@@ -59,6 +59,9 @@ impl Samples<'_> {
 
     /// The object at a place of the lattice that is not far.
     pub fn object(&self, [x, y]: [u32; 2]) -> u32 {
+        if self.shape.faces > 1 {
+            return self.objects.get((y * 3 * self.shape.size[0] + x) as usize).copied().unwrap_or(0);
+        }
         let texel = (y as usize).saturating_sub(1) * self.shape.size[0] as usize + (x as usize).saturating_sub(1);
         self.objects.get(texel).copied().unwrap_or(0)
     }

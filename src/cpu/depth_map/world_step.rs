@@ -3,10 +3,10 @@
 use std::cmp::Ordering;
 
 /// An integer, lowest word first, in units of 2⁻¹⁴⁹ or their square.
-type Wide = [u32; 16];
+pub(super) type Wide = [u32; 16];
 
 /// The absolute value of a float that is 0 or normal.
-fn wide(value: f32) -> Wide {
+pub(super) fn wide(value: f32) -> Wide {
     let bits = value.to_bits() & 0x7fff_ffff;
     let mut result = [0; 16];
     if bits != 0 {
@@ -18,11 +18,11 @@ fn wide(value: f32) -> Wide {
     result
 }
 
-fn order(a: &Wide, b: &Wide) -> Ordering {
+pub(super) fn order(a: &Wide, b: &Wide) -> Ordering {
     a.iter().rev().cmp(b.iter().rev())
 }
 
-fn sum(a: &Wide, b: &Wide) -> Wide {
+pub(super) fn sum(a: &Wide, b: &Wide) -> Wide {
     let mut carry = 0;
     std::array::from_fn(|at| {
         carry += u64::from(a[at]) + u64::from(b[at]);
@@ -32,7 +32,7 @@ fn sum(a: &Wide, b: &Wide) -> Wide {
     })
 }
 
-fn distance(a: &Wide, b: &Wide) -> Wide {
+pub(super) fn distance(a: &Wide, b: &Wide) -> Wide {
     let (large, small) = if order(a, b).is_lt() { (b, a) } else { (a, b) };
     let mut borrow = 0;
     std::array::from_fn(|at| {
@@ -44,7 +44,7 @@ fn distance(a: &Wide, b: &Wide) -> Wide {
 }
 
 /// Words beyond the last are 0 for what is multiplied here.
-fn product(a: &Wide, b: &Wide) -> Wide {
+pub(super) fn product(a: &Wide, b: &Wide) -> Wide {
     let mut result = [0_u32; 16];
     for (i, &x) in a.iter().enumerate() {
         let mut carry = 0;

@@ -22,7 +22,9 @@ impl Bindings {
                 naga::TypeInner::Image { class: naga::ImageClass::Sampled { multi: false, kind }, .. } => {
                     Some(if kind == naga::ScalarKind::Uint { UINT_TEXTURE } else { FLOAT_TEXTURE })
                 }
-                naga::TypeInner::Image { class: naga::ImageClass::Storage { .. }, .. } => Some(WRITTEN_TEXTURE),
+                naga::TypeInner::Image { class: naga::ImageClass::Storage { format, .. }, .. } => {
+                    Some(written_type(format))
+                }
                 _ => buffer_type(variable.space),
             };
             let Some(ty) = ty.filter(|_| place.group == 0) else { continue };
@@ -77,12 +79,15 @@ pub(crate) const UINT_TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
     multisampled: false,
 };
 
-/// A texture of two dimensions that a stage writes.
-const WRITTEN_TEXTURE: wgpu::BindingType = wgpu::BindingType::StorageTexture {
-    access: wgpu::StorageTextureAccess::WriteOnly,
-    format: wgpu::TextureFormat::R32Float,
-    view_dimension: wgpu::TextureViewDimension::D2,
-};
+/// A texture of two dimensions that a stage writes: floats, or integers.
+fn written_type(format: naga::StorageFormat) -> wgpu::BindingType {
+    let is_uint = format == naga::StorageFormat::R32Uint;
+    wgpu::BindingType::StorageTexture {
+        access: wgpu::StorageTextureAccess::WriteOnly,
+        format: if is_uint { wgpu::TextureFormat::R32Uint } else { wgpu::TextureFormat::R32Float },
+        view_dimension: wgpu::TextureViewDimension::D2,
+    }
+}
 
 /// A depth texture of two dimensions.
 fn depth_type(multisampled: bool) -> wgpu::BindingType {

@@ -5,9 +5,9 @@ use bytemuck::Zeroable;
 use super::errors::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::meeting::{cameras, check_meeting};
-use super::options::DepthMapOptions;
+use super::options::{DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
-use super::texture::{check_texture, written_texture};
+use super::texture::{check_objects, check_texture, written_texture};
 use super::volumes::DepthMapVolumes;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
@@ -36,6 +36,10 @@ pub struct DepthMapCube {
     view: wgpu::TextureView,
     /// What is bound where a map is not there.
     nothing: wgpu::TextureView,
+    has_objects: bool,
+    /// The objects of all maps.
+    objects: wgpu::TextureView,
+    no_objects: wgpu::TextureView,
 }
 
 impl DepthMapCube {
@@ -75,8 +79,8 @@ impl DepthMapCube {
         if side < 3 {
             return Err(DepthMapCubeError::Side(side));
         }
-        if options.objects {
-            return Err(DepthMapCubeError::Objects);
+        if options.reconstruction != DepthMapReconstruction::Triangles {
+            return Err(DepthMapCubeError::Contours);
         }
         if options.bits > 1 {
             return Err(DepthMapCubeError::Bits(options.bits));
@@ -91,15 +95,28 @@ impl DepthMapCube {
         }
         let volumes = DepthMapVolumes::with(pipelines, [side; 2], 6, options)?;
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        let textures = || [("cube of depth maps", size), ("no depth map", [1, 1])];
-        let made = guarded(device, 4 * texels, || textures().map(|(label, size)| written_texture(device, label, size)));
-        let [view, nothing] = made
+        let (floats, numbers) = (wgpu::TextureFormat::R32Float, wgpu::TextureFormat::R32Uint);
+        // What is not there has one texel.
+        let [one, objects] = [[1, 1], if options.objects { size } else { [1, 1] }];
+        let textures = || {
+            [
+                ("cube of depth maps", size, floats),
+                ("no depth map", one, floats),
+                ("objects of a cube", objects, numbers),
+                ("no objects", one, numbers),
+            ]
+            .map(|(label, size, format)| written_texture(device, label, size, format))
+        };
+        let bytes = texels * if options.objects { 8 } else { 4 };
+        let made = guarded(device, bytes, textures);
+        let [view, nothing, objects, no_objects] = made
             .map_err(DepthMapVolumesError::from)?
             .map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default()));
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size: [side; 2], blocks, faces: 6, ..DepthMapShape::zeroed() };
-        let stage = shared.compute(&DEPTH_CUBE, "depth_cube", &[]);
-        Ok(Self { shared, stage, volumes, cameras: *cameras, shape, view, nothing })
+        let stage = shared.compute(&DEPTH_CUBE, "depth_cube", &[("OBJECTS", f64::from(u8::from(options.objects)))]);
+        let has_objects = options.objects;
+        Ok(Self { shared, stage, volumes, cameras: *cameras, shape, has_objects, view, nothing, objects, no_objects })
     }
 
     /// Moves the light: its cameras from the next encode on.
@@ -121,6 +138,45 @@ impl DepthMapCube {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         maps: [Option<&wgpu::TextureView>; 6],
+        camera: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        if self.has_objects {
+            return Err(DepthMapEncodeError::NoObjects);
+        }
+        self.encode_maps(encoder, maps, [None; 6], camera, timer)
+    }
+
+    /// As [`Self::encode`], with [`DepthMapOptions::objects`]: for each map that is there a texture of objects, as for
+    /// [`DepthMapVolumes::encode_objects`]. A sample that maps share has the object of the map that its depth is from.
+    ///
+    /// # Errors
+    /// [`DepthMapEncodeError`] if a texture or the camera is refused. Nothing is recorded then.
+    pub fn encode_objects(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [Option<&wgpu::TextureView>; 6],
+        objects: [Option<&wgpu::TextureView>; 6],
+        camera: &ShadowCamera,
+        timer: Option<&mut StageTimer>,
+    ) -> Result<DepthMapFrame, DepthMapEncodeError> {
+        if !self.has_objects {
+            return Err(DepthMapEncodeError::UnusedObjects);
+        }
+        if maps.iter().zip(objects).any(|(map, objects)| map.is_some() && objects.is_none()) {
+            return Err(DepthMapEncodeError::NoObjects);
+        }
+        for objects in objects.into_iter().flatten() {
+            check_objects(objects.texture(), self.shape.size)?;
+        }
+        self.encode_maps(encoder, maps, objects, camera, timer)
+    }
+
+    fn encode_maps(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        maps: [Option<&wgpu::TextureView>; 6],
+        objects: [Option<&wgpu::TextureView>; 6],
         camera: &ShadowCamera,
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
@@ -147,6 +203,10 @@ impl DepthMapCube {
             let views = textures.iter().map(wgpu::BindingResource::TextureView);
             resources.extend(names.into_iter().zip(views));
             resources.push(("cube_texture", wgpu::BindingResource::TextureView(&self.view)));
+            let names = ["objects_0", "objects_1", "objects_2", "objects_3", "objects_4", "objects_5"];
+            let views = objects.map(|objects| wgpu::BindingResource::TextureView(objects.unwrap_or(&self.no_objects)));
+            resources.extend(names.into_iter().zip(views));
+            resources.push(("cube_objects", wgpu::BindingResource::TextureView(&self.objects)));
             self.stage.bind(device, &resources)
         };
         let group = any_error(device, bind).map_err(|message| DepthMapEncodeError::Refused { message })?;
@@ -160,7 +220,13 @@ impl DepthMapCube {
             pass.set_bind_group(0, &group, &[0]);
             pass.dispatch_workgroups(shape.blocks.div_ceil(rows).min(most), rows, 1);
         }
-        self.volumes.record(encoder, [Some(&self.view), None], &self.cameras[0], &[views], timer)
+        self.volumes.record(
+            encoder,
+            [Some(&self.view), self.has_objects.then_some(&self.objects)],
+            ([&self.cameras[0], camera], &formats),
+            &[views],
+            timer,
+        )
     }
 
     /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the map before.

@@ -19,6 +19,17 @@ pub enum DepthMapPipelinesError {
     /// There are no such bits in the stencil.
     #[error("the stencil has bits 0 to 7, and `bits` are from {} to {} without the latter; take at least one of them", .0.start, .0.end)]
     Bits(std::ops::Range<u32>),
+    /// Volumes of meshes count in the bit.
+    #[error(
+        "bit {bit} of the stencil is one of the {count_bits} that counts own (`ShadowFormat::count_bits`); take a higher one for parity, or \
+         fewer for counts"
+    )]
+    Counted {
+        /// The lowest bit given.
+        bit: u32,
+        /// Low bits that counts own.
+        count_bits: u32,
+    },
 }
 
 impl From<DeviceError> for DepthMapPipelinesError {
@@ -61,9 +72,39 @@ pub enum DepthMapVolumesError {
     /// The threshold is no distance.
     #[error("the threshold of `DepthEdges::WorldDifferences` is {0}; take a finite distance that is not negative")]
     WorldThreshold(f32),
+    /// The thresholds of second differences are no depths.
+    #[error(
+        "the thresholds of `DepthEdges::SecondDifferences` are {low} and {high}; device depth differs by 0 to 1, and `low` is at most `high`"
+    )]
+    SecondThresholds {
+        /// The lower threshold.
+        low: f32,
+        /// The higher one.
+        high: f32,
+    },
+    /// Edges would be continued by no threshold, or by too many cells.
+    #[error("`dangling` is a share of {share} and {cells} cells; take a share from 0 to 1, and 1 to 64 cells")]
+    Dangling {
+        /// Part of the thresholds that is left.
+        share: f32,
+        /// Cells by which edges are continued.
+        cells: u32,
+    },
     /// The stencil has not as many bits.
     #[error("`bits` is {0}; the stencil has 8, so take 1 to 8")]
     Bits(u32),
+    /// Contours need a threshold of depths.
+    #[error("`DepthMapReconstruction::Contours` with {0:?}; take `DepthEdges::Differences` or `DepthEdges::Outlines`")]
+    ContourEdges(super::options::DepthEdges),
+    /// Contours have one bit.
+    #[error("`DepthMapReconstruction::Contours` with {0} bits; take 1, or `DepthMapReconstruction::Triangles`")]
+    ContourBits(u32),
+    /// A segment cannot be as far from its contour.
+    #[error("`sideways` of `DepthMapReconstruction::Contours` is {0}; take 0 to 0.5 texels")]
+    Sideways(f32),
+    /// A wall cannot be as far from its surfaces.
+    #[error("`depth` of `DepthMapReconstruction::Contours` is {0}; device depth differs by 0 to 1")]
+    ContourDepth(f32),
     /// The bias would move the surface towards the light, or nowhere.
     #[error("`slope_bias` is {0}; take a finite number that is not negative")]
     Bias(f32),
@@ -101,6 +142,9 @@ impl std::fmt::Display for CubeMismatch {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthMapCubeError {
+    /// Maps of a cube take triangles.
+    #[error("`DepthMapReconstruction::Contours` of a cube; take `DepthMapReconstruction::Triangles`")]
+    Contours,
     /// As for volumes of one map.
     #[error(transparent)]
     Volumes(#[from] DepthMapVolumesError),
@@ -124,9 +168,6 @@ pub enum DepthMapCubeError {
     /// Each map would be moved along its own axes, and leave the others.
     #[error("`bits` is {0}; a cube takes one")]
     Bits(u32),
-    /// Objects are of one map.
-    #[error("a cube has no texture of objects; set `objects` to false")]
-    Objects,
     /// A map does not meet its neighbours.
     #[error(
         "map {face} does not meet the others: {what}; take the cameras of `DepthMapCube::cameras`, or turn them all together"

@@ -14,15 +14,19 @@ pub struct DepthMapFrame {
     pub(super) device: wgpu::Device,
     /// For each bit.
     pub(super) groups: Vec<wgpu::BindGroup>,
+    /// Whether walls are drawn. Then there is one bit.
+    pub(super) has_walls: bool,
     pub(super) draws: wgpu::Buffer,
     pub(super) depth: DepthDirection,
+    /// Triangles that show the light their front turn clockwise on the screen.
+    pub(super) is_turned: bool,
     pub(super) encodes: Arc<AtomicU64>,
     pub(super) encode: u64,
 }
 
 impl DepthMapFrame {
     /// Draws into a pass with the attachments of `pipelines`: turns their bit of the stencil round wherever the surface
-    /// that is seen is in shadow, or each of their bits for the boundary moved by its part of a texel. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
+    /// that is seen is in shadow (or counts one more there), or each of their bits for the boundary moved by its part of a texel. The depth attachment holds what is seen, and may be read-only. The stencil may not. It changes the
     /// pipeline and bind group 0 of the pass.
     ///
     /// # Errors
@@ -44,9 +48,21 @@ impl DepthMapFrame {
         if self.encodes.load(Ordering::Relaxed) != self.encode {
             return Err(DepthMapDrawError::StaleFrame);
         }
+        if let (true, [group, ..]) = (self.has_walls, &self.groups[..]) {
+            let own = pipelines.walls();
+            pass.set_bind_group(0, group, &[]);
+            pass.set_pipeline(&own.walls);
+            pass.draw_indirect(&self.draws, 0);
+            pass.set_pipeline(&own.surface);
+            pass.draw_indirect(&self.draws, 16);
+            pass.set_pipeline(&own.near_cap);
+            pass.draw(0..3, 0..1);
+            return Ok(());
+        }
         for (group, own) in self.groups.iter().zip(&pipelines.draws) {
             pass.set_bind_group(0, group, &[]);
-            pass.set_pipeline(&own.surface);
+            let [front, turned] = &own.surface;
+            pass.set_pipeline(if self.is_turned { turned } else { front });
             pass.draw_indirect(&self.draws, 0);
             pass.set_pipeline(&own.near_cap);
             pass.draw(0..3, 0..1);

@@ -48,8 +48,9 @@ impl DepthMapMerge {
             return Err(DepthMapVolumesError::Texture { size, most });
         }
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        let texture =
-            guarded(shared.device(), 4 * texels, || written_texture(shared.device(), "merged depth map", size))?;
+        let texture = guarded(shared.device(), 4 * texels, || {
+            written_texture(shared.device(), "merged depth map", size, wgpu::TextureFormat::R32Float)
+        })?;
         // Textures have at most 2²⁸ texels or so; a device with larger ones walks along the blocks all the same.
         let blocks = texels.div_ceil(u64::from(WORKGROUP)) as u32;
         let shape = DepthMapShape { size, blocks, faces: 1, ..DepthMapShape::zeroed() };

@@ -1,6 +1,8 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod contours;
 mod cube;
+mod edges;
 mod errors;
 mod frame;
 mod jitter;
@@ -21,6 +23,6 @@ pub use errors::{
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;
 pub use mesh_depth::MeshDepth;
-pub use options::{DepthEdges, DepthMap, DepthMapOptions};
+pub use options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 pub use pipelines::DepthMapPipelines;
 pub use volumes::DepthMapVolumes;

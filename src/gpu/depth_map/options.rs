@@ -46,6 +46,67 @@ pub enum DepthEdges {
     /// Those between a depth and nothing. Fewer triangles still. What casts must then hang freely before nothing, or the edges of objects must be
     /// taken, too ([`DepthMapOptions::objects`]).
     Outlines,
+    /// Those between depths that differ by more than `high`, those that differ by more than `low` and by more than both
+    /// differences beside them in the same row or column (section 3.3 of the paper), and those between a depth and nothing.
+    /// Slopes have no edges within, so steep surfaces are left out. Beside marked edges, triangles are drawn for one more
+    /// edge: moved by its slope, a steep surface then stays within its body. What is lost: of two steps side by side in one
+    /// direction, both below `high`, the smaller, and any below `low`. Bodies that are thinner than a texel may leave
+    /// streaks. 0.0005 and 0.05 had 1 wrong pixel of 125,000, and with [`DepthMapOptions::dangling`] none.
+    /// Differences count that are larger by more than the map's precision.
+    SecondDifferences {
+        /// In device depth, from 0 to `high`.
+        low: f32,
+        /// In device depth, from `low` to 1.
+        high: f32,
+    },
+    /// Those between depths that differ by more than twice either difference beside them in the same row or column, and
+    /// four steps of the map's format; and those between a depth and nothing. So it needs no threshold, in any unit: a
+    /// surface that goes on as it slopes has no edge within. Beside marked edges, triangles are drawn for one more edge, as
+    /// with [`Self::SecondDifferences`]. In the trials it was as right as [`Self::EveryCell`], with a fifth of its triangles.
+    /// What is lost: a step between slopes on both sides that are each at least half as large, such as that of equal stairs,
+    /// each one texel wide. Bodies that are thinner than a texel may leave streaks.
+    Automatic,
+}
+
+/// How edges are continued that dangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DanglingEdges {
+    /// Part of the detector's thresholds that is left there, from 0 to 1: of `threshold`, or `low`, of a difference beside an
+    /// edge where those count, and of all device depths with [`DepthEdges::Outlines`], where it has to be small.
+    pub share: f32,
+    /// Cells by which an edge is continued at most, from 1 to 64.
+    pub cells: u32,
+}
+
+impl Default for DanglingEdges {
+    /// Half of the thresholds, and 8 cells.
+    fn default() -> Self {
+        Self { share: 0.5, cells: 8 }
+    }
+}
+
+/// How the boundary is rebuilt between the samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum DepthMapReconstruction {
+    /// Each cell by the triangles between its samples that have a marked edge.
+    #[default]
+    Triangles,
+    /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with segments. Far fewer
+    /// triangles, and smoother borders of shadows, which lie between the samples and not at the outer ones. After section 8.1 of the paper.
+    ///
+    /// It takes [`DepthEdges::Differences`], or [`DepthEdges::Outlines`] where the map is far behind what casts. Of the differences above the threshold it
+    /// takes jumps alone: those that are more than the threshold larger than the slopes to both sides tell. A jump of less than 16 thresholds does not
+    /// count beside one that is twice as large. No wall is drawn on a slope, so surfaces have no specks of their own shadow.
+    ///
+    /// Maps of a cube, and more than one bit, take triangles.
+    Contours {
+        /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample on its own side in any case. 0.25 is a good choice.
+        sideways: f32,
+        /// How far the ends of a wall may be from the surfaces that it joins, in device depth, from 0 to 1. A multiple of the edges' threshold is a good choice: with more, walls are fewer, and
+        /// rays may slip through where surfaces bend along a contour.
+        depth: f32,
+    },
 }
 
 /// Options of [`DepthMapVolumes`](crate::gpu::DepthMapVolumes).
@@ -58,8 +119,15 @@ pub struct DepthMapOptions {
     /// [`DepthEdges::Outlines`], shadows that an object casts onto itself are missed, and light and shadow are turned round along rays through the gaps. Steep sides of
     /// objects are left out, so take a `slope_bias` of 0: moved by their slope, they would leave the object behind, and rays would pass through the gap.
     pub objects: bool,
+    /// How the boundary is rebuilt.
+    pub reconstruction: DepthMapReconstruction,
+    /// Whether edges that dangle are continued, and how. An edge dangles where it ends in a cell that has no other: a contact
+    /// of two surfaces, or a fold that ends. Lower thresholds hold there, cell by cell (section 3.2 of the paper). It costs two
+    /// more words for 16 texels, and a short pass for each cell. `None`, and with [`DepthEdges::EveryCell`]: they end, after one
+    /// more cell. In a cube, an edge is not continued from one map into the next.
+    pub dangling: Option<DanglingEdges>,
     /// Cells that the list has room for. `None`: every cell, or as many as fit one binding. If more are found, every cell is
-    /// drawn, and the vertex shader decides again: slower, never wrong.
+    /// drawn, and the vertex shader decides again: slower, never wrong. With contours, walls that the list has room for. `None`: a fourth of the cells.
     pub capacity: Option<u32>,
     /// How far the boundary moves away from the light where it slopes: in multiples of the depth difference over half a
     /// texel in each direction. 1 covers what a surface can deviate from the triangles between the samples while its slope
@@ -78,11 +146,13 @@ pub struct DepthMapOptions {
 }
 
 impl Default for DepthMapOptions {
-    /// Every cell, no objects, room for all, a slope bias of 1, one bit, no limit of memory.
+    /// Every cell, no objects, triangles, no edges continued, room for all, a slope bias of 1, one bit, no limit of memory.
     fn default() -> Self {
         Self {
             edges: DepthEdges::EveryCell,
             objects: false,
+            reconstruction: DepthMapReconstruction::Triangles,
+            dangling: None,
             capacity: None,
             slope_bias: 1.0,
             rounded_to: None,

@@ -63,15 +63,20 @@ pub(super) fn object_texture(device: &wgpu::Device) -> wgpu::Texture {
     })
 }
 
-/// A texture of `R32Float` that a stage writes and others read.
-pub(super) fn written_texture(device: &wgpu::Device, label: &'static str, [width, height]: [u32; 2]) -> wgpu::Texture {
+/// A texture that a stage writes and others read.
+pub(super) fn written_texture(
+    device: &wgpu::Device,
+    label: &'static str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
+        format,
         usage: wgpu::TextureUsages::STORAGE_BINDING
             | wgpu::TextureUsages::TEXTURE_BINDING
             | wgpu::TextureUsages::COPY_SRC,

@@ -9,7 +9,7 @@ use crate::shadow::DepthDirection;
 
 /// The distances by which depths in a format may be off: a share of the depth, and a constant. Four steps between
 /// neighbouring depths.
-fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
+pub(super) fn steps(format: wgpu::TextureFormat, depth: DepthDirection) -> [f64; 2] {
     use wgpu::TextureFormat::{Depth16Unorm, Depth32Float, Depth32FloatStencil8, R32Float};
     let is_float = matches!(format, Depth32Float | Depth32FloatStencil8 | R32Float);
     match (format, depth) {
@@ -61,6 +61,14 @@ fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, Dept
         return Err(DepthMapEncodeError::FarPlane);
     }
     Ok(Some(depth))
+}
+
+/// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit side. All go round
+/// alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
+pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
+    let mirrors =
+        |camera: &ShadowCamera| (matrix(camera).determinant() < 0.0) != (camera.depth == DepthDirection::Reversed);
+    mirrors(light) == mirrors(eye)
 }
 
 /// What decides about a step in world units: bits of the threshold in device depth, of the ratio, and of the depth at infinity.

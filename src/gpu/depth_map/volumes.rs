@@ -3,13 +3,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::contours::Contours;
+use super::edges::{BoundEdges, Detector, EdgeStages, threshold_bits};
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
-use super::options::{DepthEdges, DepthMap, DepthMapOptions};
-use super::pipelines::{DepthMapPipelines, layout};
+use super::options::{DanglingEdges, DepthEdges, DepthMap, DepthMapOptions};
+use super::pipelines::{DepthMapPipelines, layout, wall_group};
 use super::texture::{MAP_FORMATS, check_objects, check_texture, object_texture};
-use super::view::{Placing, depth_map_view, world_step};
+use super::view::{Placing, depth_map_view, is_turned, world_step};
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
 use crate::gpu::common::memory::{Allocation, any_error, buffer, check, filled, guarded};
@@ -17,7 +19,7 @@ use crate::gpu::common::pipelines::{Pipeline, Pipelines, group};
 use crate::gpu::common::requirements::{Subject, check_alive, check_timer};
 use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
-use crate::layout::{DepthMapShape, DepthMapView};
+use crate::layout::{DepthEdgeRule, DepthMapShape, DepthMapView};
 use crate::shadow::DepthDirection;
 use crate::stages::DEPTH_CELLS;
 
@@ -26,6 +28,11 @@ const MOST_CELLS: u64 = 1 << 29;
 
 /// Cells of a row that one word tells about.
 const WORD_CELLS: u64 = 8;
+
+/// Samples of the lattice across, and down.
+pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
+    if faces > 1 { [3 * width, 2 * height] } else { [width + 2, height + 2] }
+}
 
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads nothing back.
@@ -68,8 +75,10 @@ const WORD_CELLS: u64 = 8;
 #[derive(Debug)]
 pub struct DepthMapVolumes {
     shared: Pipelines,
-    /// Count, places, list.
-    stages: [Pipeline; 3],
+    /// Count, places, list. With `edges`, its last stage counts. Empty if there are contours.
+    stages: Vec<Pipeline>,
+    edges: Option<EdgeStages>,
+    contours: Option<Contours>,
     shape: DepthMapShape,
     slope_bias: f32,
     bits: u32,
@@ -106,7 +115,8 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit } = options;
+        let DepthMapOptions { edges, objects, dangling, capacity, slope_bias, rounded_to, bits, memory_limit, .. } =
+            options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -114,13 +124,24 @@ impl DepthMapVolumes {
             return Err(DepthMapVolumesError::Size(size[0], size[1]));
         }
         let (every_cell, threshold) = match edges {
-            DepthEdges::EveryCell => (1, 0.0),
             DepthEdges::Differences { threshold } => (0, threshold),
             // No difference is larger.
             DepthEdges::Outlines => (0, 1.0),
             // Each encode has its own.
             DepthEdges::WorldDifferences { .. } => (0, 0.0),
+            // With marks, a list that overflows is that of every cell.
+            DepthEdges::EveryCell | DepthEdges::SecondDifferences { .. } | DepthEdges::Automatic => (1, 0.0),
         };
+        if let DepthEdges::SecondDifferences { low, high } = edges
+            && !(0.0 <= low && low <= high && high <= 1.0)
+        {
+            return Err(DepthMapVolumesError::SecondThresholds { low, high });
+        }
+        if let Some(DanglingEdges { share, cells }) = dangling
+            && !((0.0..=1.0).contains(&share) && (1..=64).contains(&cells))
+        {
+            return Err(DepthMapVolumesError::Dangling { share, cells });
+        }
         if !(0.0..=1.0).contains(&threshold) {
             return Err(DepthMapVolumesError::Threshold(threshold));
         }
@@ -142,6 +163,7 @@ impl DepthMapVolumes {
         {
             return Err(DepthMapVolumesError::RoundedTo(format));
         }
+        let contours = Contours::new(pipelines, size, &options)?;
         let limits = DispatchLimits::new(&shared.device().limits());
         let cells = count as u32;
         let fitting = (limits.binding / 4 - 1).min(u64::from(u32::MAX)) as u32;
@@ -149,14 +171,16 @@ impl DepthMapVolumes {
         let [across, down] = size.map(cells_of);
         let words = across.div_ceil(WORD_CELLS) * down * u64::from(faces);
         let blocks = words.div_ceil(u64::from(WORKGROUP)) as u32;
+        let detector = Detector::new(&options, faces, size);
         let shape = DepthMapShape {
             size,
             cells,
             blocks,
-            capacity: capacity.unwrap_or(cells).min(cells).min(fitting),
-            every_cell,
-            // A threshold that a device may flush is none.
-            threshold: if threshold < f32::MIN_POSITIVE { 0 } else { threshold.to_bits() },
+            capacity: contours
+                .as_ref()
+                .map_or(capacity.unwrap_or(cells).min(cells).min(fitting), |own| own.shape.capacity),
+            every_cell: if detector.is_some() { 1 } else { every_cell },
+            threshold: threshold_bits(threshold),
             is_reversed: 0,
             faces,
             objects: u32::from(objects),
@@ -165,13 +189,22 @@ impl DepthMapVolumes {
             spread: u32::from(bits > 1),
             unused: 0,
         };
+        // Contours have lists of their own.
+        let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, blocks) };
         let allocations = [
-            Allocation { label: "places of depth cells", bytes: 4 * u64::from(blocks) * u64::from(1 + WORKGROUP) },
-            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(shape.capacity) },
+            Allocation {
+                label: "places of depth cells",
+                bytes: 4 * (u64::from(blocks) * u64::from(1 + WORKGROUP)).max(1),
+            },
+            Allocation { label: "depth cells", bytes: 4 + 4 * u64::from(listed) },
             Allocation { label: "draws of depth cells", bytes: 16 },
         ];
         check(&allocations[..1], limits.binding, None)?;
-        let bytes = check(&allocations, limits.buffer, memory_limit)?;
+        let further = detector.map(|detector| detector.allocations());
+        check(further.as_ref().map_or(&[], |further| &further[..]), limits.binding, None)?;
+        let all: Vec<_> = allocations.iter().chain(further.iter().flatten()).copied().collect();
+        check(&all, limits.buffer, memory_limit)?;
+        let bytes = allocations.iter().map(|allocation| allocation.bytes).sum();
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let usages = [storage, storage, storage | wgpu::BufferUsages::INDIRECT];
         let [places, cells, draws] = guarded(shared.device(), bytes, || {
@@ -180,9 +213,13 @@ impl DepthMapVolumes {
         let nothing = object_texture(shared.device()).create_view(&wgpu::TextureViewDescriptor::default());
         let constants = [("DECIDES", world.is_some()), ("OBJECTS", objects), ("SPREADS", bits > 1)]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
+        let edges = detector.map(|detector| EdgeStages::new(shared, detector, objects)).transpose()?;
         let entry_points = ["depth_cells_count", "depth_cells_places", "depth_cells_list"];
+        let of_cells = entry_points.iter().filter(|_| contours.is_none());
         Ok(Self {
-            stages: entry_points.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)),
+            stages: of_cells.map(|entry_point| shared.compute(&DEPTH_CELLS, entry_point, &constants)).collect(),
+            edges,
+            contours,
             shape,
             slope_bias,
             bits,
@@ -249,7 +286,7 @@ impl DepthMapVolumes {
         let format = check_texture(map.texture.texture(), self.shape.size)?;
         let view = |jitter| self.view(&map.light, &[format], camera, 1.0, jitter).map(|view| vec![view]);
         let views = jitters(self.bits).into_iter().map(view).collect::<Result<Vec<_>, _>>()?;
-        self.record(encoder, [Some(map.texture), objects], &map.light, &views, timer)
+        self.record(encoder, [Some(map.texture), objects], ([&map.light, camera], &[format]), &views, timer)
     }
 
     /// The view of a map for a camera, moved by parts of a texel.
@@ -275,7 +312,7 @@ impl DepthMapVolumes {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         [texture, objects]: [Option<&wgpu::TextureView>; 2],
-        light: &ShadowCamera,
+        ([light, eye], formats): ([&ShadowCamera; 2], &[wgpu::TextureFormat]),
         views: &[Vec<DepthMapView>],
         mut timer: Option<&mut StageTimer>,
     ) -> Result<DepthMapFrame, DepthMapEncodeError> {
@@ -283,24 +320,40 @@ impl DepthMapVolumes {
         check_alive(device)?;
         let is_reversed = u32::from(light.depth == DepthDirection::Reversed);
         let mut shape = DepthMapShape { is_reversed, ..self.shape };
-        if let Some(threshold) = self.world {
+        let mut formats = formats.iter().copied().chain(self.rounded_to);
+        let rule = self.edges.as_ref().map(|edges| edges.rule(light, &mut formats)).transpose()?;
+        if let Some((_, at_infinity)) = rule {
+            shape.at_infinity = at_infinity;
+        } else if let Some(threshold) = self.world {
             [shape.threshold, shape.ratio, shape.at_infinity] = world_step(light, threshold)?;
         }
         let refused = |message| DepthMapEncodeError::Refused { message };
-        let bound = any_error(device, || self.bind([texture, objects], &shape, views)).map_err(refused)?;
-        for (stage, (group, [x, y])) in self.stages.iter().zip(&bound.stages) {
+        let bound =
+            any_error(device, || self.bind([texture, objects], &shape, rule.map(|rule| rule.0).as_ref(), views))
+                .map_err(refused)?;
+        let mut own = 0;
+        if let (Some(edges), Some(bound)) = (&self.edges, &bound.edges) {
+            let most = device.limits().max_compute_workgroups_per_dimension;
+            edges.record(encoder, bound, most, timer.as_deref_mut());
+            own = 1;
+        }
+        for (stage, group, [x, y]) in bound.stages.iter().skip(own) {
             let timestamp_writes = timer.as_deref_mut().and_then(|timer| timer.compute_pass(stage.label));
             let label = Some(stage.label);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
             pass.set_pipeline(&stage.compute);
-            pass.set_bind_group(0, group, &[0]);
+            // Each uniform begins at its buffer's start.
+            let offsets = if self.contours.is_some() { &[0, 0][..] } else { &[0] };
+            pass.set_bind_group(0, group, offsets);
             pass.dispatch_workgroups(*x, *y, 1);
         }
         Ok(DepthMapFrame {
             device: device.clone(),
             groups: bound.draws,
-            draws: self.draws.clone(),
+            has_walls: self.contours.is_some(),
+            draws: self.contours.as_ref().map_or(&self.draws, |own| &own.draws).clone(),
             depth: self.eye.1,
+            is_turned: is_turned(light, eye),
             encode: self.encodes.fetch_add(1, Ordering::Relaxed) + 1,
             encodes: Arc::clone(&self.encodes),
         })
@@ -309,8 +362,12 @@ impl DepthMapVolumes {
     /// The listed cells, on the GPU: their number, then an entry for each, in their order. An entry has the number of its cell
     /// in 29 bits. Bit 29 tells that the cell is split from its sample (1, 0) to (0, 1), and bits 30 and 31 which of its two triangles are drawn.
     /// With a number larger than the capacity the entries are not complete, and every cell was drawn.
+    ///
+    /// With [`DepthMapReconstruction::Contours`](crate::gpu::DepthMapReconstruction::Contours), the quadrilaterals: their number, three times 0, then twelve words for each. They are four
+    /// vertices of three words: its place across and down the lattice, whose sample (1, 1) is texel (0, 0), in parts of 256 of a texel, and its distance from the near plane, in
+    /// units of 2⁻²⁹ of the range of depths, or 2³¹ − 1 where it is far.
     pub fn cells(&self) -> &wgpu::Buffer {
-        &self.cells
+        self.contours.as_ref().map_or(&self.cells, |own| &own.walls)
     }
 
     /// Binds the stages and the draws of an encode. Their uniforms are their own, so encodes may follow each other.
@@ -318,17 +375,36 @@ impl DepthMapVolumes {
         &self,
         textures: [Option<&wgpu::TextureView>; 2],
         shape: &DepthMapShape,
+        rule: Option<&DepthEdgeRule>,
         views: &[Vec<DepthMapView>],
-    ) -> Bound {
+    ) -> Bound<'_> {
         let device = self.shared.device();
         let uniform = filled(device, "depth map", bytemuck::bytes_of(shape), wgpu::BufferUsages::UNIFORM);
         let [texture, objects] =
             textures.map(|texture| wgpu::BindingResource::TextureView(texture.unwrap_or(&self.nothing)));
+        let edges = self.edges.as_ref().zip(rule).map(|(edges, rule)| {
+            let textures = [texture.clone(), objects.clone()];
+            edges.bind(&self.shared, (shape, &uniform), rule, &textures, &self.places)
+        });
         let most = device.limits().max_compute_workgroups_per_dimension;
         let rows = shape.blocks.div_ceil(most).min(most);
         let every = [shape.blocks.div_ceil(rows).min(most), rows];
+        if let (Some(contours), Some([view, ..])) = (&self.contours, views.first().map(Vec::as_slice)) {
+            let contour = contours.uniform(&self.shared, view);
+            let stages = contours.bind(device, &uniform, &contour, [texture.clone(), objects.clone()]);
+            let view = filled(device, "depth map view", bytemuck::bytes_of(view), wgpu::BufferUsages::STORAGE);
+            let resources = [
+                (0, uniform.as_entire_binding()),
+                (1, texture),
+                (2, contours.walls.as_entire_binding()),
+                (3, view.as_entire_binding()),
+                (4, objects),
+            ];
+            let entries: Vec<_> = resources.into_iter().chain(contours.of_draws(&contour)).collect();
+            return Bound { edges: None, stages, draws: vec![wall_group(&self.shared, entries)] };
+        }
         let mut counts = [every, [1, 1], every].into_iter();
-        let stages = self.stages.each_ref().map(|stage| {
+        let stages = self.stages.iter().map(|stage| {
             let group = stage.bind(
                 device,
                 &[
@@ -340,7 +416,7 @@ impl DepthMapVolumes {
                     ("draws", self.draws.as_entire_binding()),
                 ],
             );
-            (group, counts.next().unwrap_or(every))
+            (stage, group, counts.next().unwrap_or(every))
         });
         let draw = |views: &Vec<DepthMapView>| {
             let view = filled(device, "depth map view", bytemuck::cast_slice(views), wgpu::BufferUsages::STORAGE);
@@ -353,13 +429,14 @@ impl DepthMapVolumes {
             ];
             group(device, "depth surface", &layout(&self.shared), &resources)
         };
-        Bound { stages, draws: views.iter().map(draw).collect() }
+        Bound { edges, stages: stages.collect(), draws: views.iter().map(draw).collect() }
     }
 }
 
 /// The bind groups of an encode, and the workgroups of each stage.
-struct Bound {
-    stages: [(wgpu::BindGroup, [u32; 2]); 3],
+struct Bound<'a> {
+    edges: Option<BoundEdges>,
+    stages: Vec<(&'a Pipeline, wgpu::BindGroup, [u32; 2])>,
     /// For each bit.
     draws: Vec<wgpu::BindGroup>,
 }

@@ -208,7 +208,7 @@ impl Scene {
     fn convention(&self, camera: &ShadowCamera) -> Convention {
         let counting = self.options.counting;
         let is_unclipped = counting.may_fail() && camera.has_far_plane();
-        Convention { counting, depth: camera.depth, is_unclipped }
+        Convention { counting, depth: camera.depth, is_unclipped, count_bits: self.options.count_bits }
     }
 
     /// The volumes of the structure.

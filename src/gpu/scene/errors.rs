@@ -3,6 +3,7 @@
 use crate::gpu::common::memory::MemoryError;
 use crate::gpu::common::positions::PositionError;
 use crate::gpu::common::requirements::DeviceError;
+use crate::gpu::shadow::ShadowFormatError;
 use crate::gpu::shadow::errors::ShadowDrawError;
 use crate::light::LightError;
 use crate::shadow::{CameraError, Counting};
@@ -17,6 +18,9 @@ pub enum SceneError {
     /// A light is refused, or `max_lights` is impossible.
     #[error(transparent)]
     Light(#[from] LightError),
+    /// `count_bits` is impossible.
+    #[error("`SceneOptions`: {0}")]
+    Format(#[from] ShadowFormatError),
     /// All bits of lights are in use.
     #[error("the scene has room for {limit} lights; remove one first, or make the scene with a larger `max_lights`")]
     NoLightBit {

@@ -129,7 +129,7 @@ impl SceneFrame {
 
     /// Draws the shadow volumes of all casters for a light, as the camera with number `view` sees them, into a pass with
     /// the attachments of `pipelines`. Views are the cameras of the encode, counted from 0. It counts up from the current
-    /// content of the stencil, which must be 0 if casters are counted in batches. Other state of the pass does not matter.
+    /// content of the bits of the stencil that counts own, which must be 0 if casters are counted in batches. The other bits stay as they are. Other state of the pass does not matter.
     /// It changes the pipeline and bind groups 0 and 1, and sets the stencil reference to 0 if casters are counted in
     /// batches.
     ///

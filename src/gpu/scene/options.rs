@@ -44,9 +44,12 @@ pub struct SceneOptions {
     /// Volumes end beyond their light's range, instead of at infinity. See
     /// [`ShadowOptions::end_at_range`](crate::gpu::ShadowOptions::end_at_range).
     pub end_at_range: bool,
+    /// The low bits of the stencil that counts own: [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits) of the pipelines that draw the scene. 1 to 8, and
+    /// at least 2 with several [`Self::count_batches`]. The bits above are left as they are.
+    pub count_bits: u32,
     /// Casters are counted in so many batches, each of which is then one bit of darkness. 0 is taken as 1. With several, 127 casters
-    /// of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit. Each
-    /// batch takes a draw of all lists and a full-screen draw. Draw with [`ScenePipelines::in_batches`].
+    /// of a batch may lie behind each other, instead of 255 in all, before a count wraps and a shadow looks lit; with b
+    /// [`Self::count_bits`] these are 2 to the power of b − 1, and of b, less 1. Each batch takes a draw of all lists and a full-screen draw. Draw with [`ScenePipelines::in_batches`].
     ///
     /// [`ScenePipelines::in_batches`]: crate::gpu::ScenePipelines::in_batches
     pub count_batches: u32,
@@ -87,6 +90,7 @@ impl SceneOptions {
             skip_unseen,
             end_at_range,
             bound_counts,
+            count_bits,
             cap_capacity,
             memory_limit,
             ..
@@ -102,6 +106,7 @@ impl SceneOptions {
             bound_counts,
             keeps: keep_bits && keep_lists,
             count_batches,
+            count_bits,
             cap_capacity,
             memory_limit,
             has_pieces: false,
@@ -112,7 +117,7 @@ impl SceneOptions {
 impl Default for SceneOptions {
     /// Up to 32 lights, the exact predicate, capacities from the meshes, z-pass or ZP+ as the GPU chooses, averted faces
     /// where they suffice, what lights do not reach, shadows that are unseen or hidden, and figures that are not needed
-    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters, bits and lists kept, no bound on
+    /// skipped, clusters from 4,096 faces on, infinite volumes, one batch of casters that is counted in all bits of the stencil, bits and lists kept, no bound on
     /// counts, no memory limit.
     fn default() -> Self {
         Self {
@@ -129,6 +134,7 @@ impl Default for SceneOptions {
             skip_occluded: false,
             skip_hidden_faces: true,
             end_at_range: false,
+            count_bits: 8,
             count_batches: 1,
             keep_bits: true,
             keep_lists: true,

@@ -24,6 +24,8 @@ use super::volumes::Volumes;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::gpu::common::positions::PositionBuffer;
 use crate::gpu::common::requirements::Subject;
+use crate::gpu::shadow::format::Casters;
+use crate::gpu::shadow::pipelines::check_count_bits;
 use crate::layout::ShadowView;
 use crate::method::Predicate;
 use crate::{Light, Matrix3x4, Mesh};
@@ -80,7 +82,7 @@ impl Scene {
     /// queue of another one, [`Self::add_mesh`] causes a validation error on that other device.
     ///
     /// # Errors
-    /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` is impossible.
+    /// [`SceneError`] if the device lacks what extraction needs, or `max_lights` or `count_bits` is impossible.
     pub fn new(
         pipelines: impl Into<Pipelines>,
         queue: &wgpu::Queue,
@@ -88,6 +90,8 @@ impl Scene {
     ) -> Result<Self, SceneError> {
         let pipelines: Pipelines = pipelines.into();
         pipelines.construct(Subject::Extract, || Ok::<_, SceneError>(()))?;
+        let casters = if options.count_batches > 1 { Casters::Batches } else { Casters::Scene };
+        check_count_bits(options.count_bits, casters)?;
         let id = SceneId::next();
         Ok(Self {
             id,

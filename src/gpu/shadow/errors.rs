@@ -123,4 +123,15 @@ pub enum ShadowDrawError {
         "volumes made for z-fail with a far plane drawn with pipelines for none; set `ShadowFormat::has_far_plane`"
     )]
     FarPlane,
+    /// The pipelines count in other bits than the volumes were made for, so counts wrap elsewhere.
+    #[error(
+        "volumes made for counts of {volumes} bits drawn with pipelines of {pipelines}; take a `ShadowFormat` of the same \
+         `count_bits` (for a scene, `SceneOptions::count_bits`)"
+    )]
+    CountBits {
+        /// Bits of counts that the volumes were made for.
+        volumes: u32,
+        /// Bits of counts of the pipelines.
+        pipelines: u32,
+    },
 }

@@ -35,11 +35,17 @@ pub struct ShadowFormat {
     /// Whether the far plane is at a finite distance, see [`crate::ShadowCamera::has_far_plane`]. Only z-fail and ZP+
     /// as published use this. They then need `Features::DEPTH_CLIP_CONTROL`.
     pub has_far_plane: bool,
+    /// The low bits of the stencil that counts own, 1 to 8; 2 or more for [`ScenePipelines::in_batches`](crate::gpu::ScenePipelines::in_batches),
+    /// which take the highest of them for darkness. Volumes of meshes leave the other bits as they are. So the bits above hold parities of
+    /// depth maps ([`DepthMapPipelines`](crate::gpu::DepthMapPipelines)) or what the caller likes, and a surface is dark where any bit is set.
+    /// Counts wrap at 2 to the power of this: with 7 bits, a point behind 128 casting faces looks lit, see `bound_counts` of
+    /// [`ShadowOptions`](crate::gpu::ShadowOptions::bound_counts) and [`SceneOptions`](crate::gpu::SceneOptions::bound_counts).
+    pub count_bits: u32,
 }
 
 impl Default for ShadowFormat {
     /// 24-bit depth, because `Depth32FloatStencil8` is an optional feature; see [`Self::depth_stencil`] for the near
-    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane.
+    /// plane that it needs. Reversed depth, one sample, no colour attachment, no far plane, counts in all eight bits of the stencil.
     fn default() -> Self {
         Self {
             depth_stencil: wgpu::TextureFormat::Depth24PlusStencil8,
@@ -48,11 +54,17 @@ impl Default for ShadowFormat {
             colors: Vec::new(),
             front_face: wgpu::FrontFace::Ccw,
             has_far_plane: false,
+            count_bits: 8,
         }
     }
 }
 
 impl ShadowFormat {
+    /// The bits of the stencil that counts own.
+    pub(crate) fn count_mask(&self) -> u32 {
+        low_bits(self.count_bits)
+    }
+
     /// The depth-stencil state of a pipeline that adds a light, for the pass in which that light's volumes were drawn. It
     /// meets the surfaces that the depth pass left, and lights them where no volume was counted: where the stencil is 0,
     /// which is the reference that passes begin with. It writes neither depth nor stencil.
@@ -107,6 +119,14 @@ pub enum ShadowFormatError {
         /// The message of the device.
         message: String,
     },
+    /// Counts own no bit of the stencil, or more than it has.
+    #[error("`count_bits` is {given}; counts own {least} to 8 bits of the stencil here")]
+    CountBits {
+        /// Bits given.
+        given: u32,
+        /// The fewest: one, or two where casters are counted in batches.
+        least: u32,
+    },
     /// The far plane would cut off dark caps. The device needs `Features::DEPTH_CLIP_CONTROL`.
     #[error("z-fail with a far plane needs DEPTH_CLIP_CONTROL; use an infinite far plane, or `Counting::Auto`")]
     DepthClip,
@@ -130,15 +150,25 @@ pub(crate) enum Casters {
     One,
     /// Those of a scene.
     Scene,
-    /// Those of a scene, counted in batches: bit 7 tells what earlier batches darken.
+    /// Those of a scene, counted in batches: the highest bit of counts tells what earlier batches darken.
     Batches,
 }
 
 impl Casters {
-    /// The bits of the stencil that count.
-    pub(super) fn count_mask(self) -> u32 {
-        if self == Self::Batches { 0x7f } else { 0xff }
+    /// The largest count, of so many bits: the bits of the stencil that count.
+    pub(crate) fn most_count(self, count_bits: u32) -> u32 {
+        low_bits(if self == Self::Batches { count_bits.saturating_sub(1) } else { count_bits })
     }
+
+    /// The fewest bits that counts need.
+    pub(crate) fn least_bits(self) -> u32 {
+        if self == Self::Batches { 2 } else { 1 }
+    }
+}
+
+/// So many of the low bits of the stencil.
+fn low_bits(count: u32) -> u32 {
+    (1 << count.min(8)) - 1
 }
 
 /// Everything that a pipeline of volumes depends on.

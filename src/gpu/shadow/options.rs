@@ -24,8 +24,8 @@ pub struct ShadowOptions {
     /// dark caps.
     pub end_at_range: bool,
     /// Compute an upper bound of the caster's stencil counts, for [`ShadowStatistics::count_bound`] and
-    /// [`ShadowStatistics::may_wrap`]. It takes a pass over the silhouettes. Counts wrap at 256, so a point in a
-    /// multiple of 256 volumes looks lit. Add the bounds of all casters; a [`Scene`](crate::gpu::Scene) bounds their sum.
+    /// [`ShadowStatistics::may_wrap`]. It takes a pass over the silhouettes. Counts wrap at 256, or earlier with fewer
+    /// [`ShadowFormat::count_bits`](crate::gpu::ShadowFormat::count_bits), so a point in a multiple of 256 volumes looks lit. Add the bounds of all casters; a [`Scene`](crate::gpu::Scene) bounds their sum.
     ///
     /// [`ShadowStatistics::count_bound`]: crate::layout::ShadowStatistics::count_bound
     /// [`ShadowStatistics::may_wrap`]: crate::layout::ShadowStatistics::may_wrap

@@ -45,6 +45,8 @@ pub(crate) struct Convention {
     pub(crate) depth: DepthDirection,
     /// z-fail draws caps that a far plane does not clip.
     pub(crate) is_unclipped: bool,
+    /// The low bits of the stencil that counts own.
+    pub(crate) count_bits: u32,
 }
 
 impl Convention {
@@ -63,6 +65,9 @@ impl Convention {
         }
         if self.is_unclipped && !pipelines.is_unclipped {
             return Err(ShadowDrawError::FarPlane);
+        }
+        if self.count_bits != pipelines.count_bits {
+            return Err(ShadowDrawError::CountBits { volumes: self.count_bits, pipelines: pipelines.count_bits });
         }
         Ok(())
     }
@@ -113,6 +118,7 @@ impl ShadowPipelines {
     ) -> Result<Self, ShadowFormatError> {
         pipelines.clone().construct(Subject::Shadow, || {
             check(pipelines.device(), format, counting.may_fail())?;
+            check_count_bits(format.count_bits, casters)?;
             let device = pipelines.device().clone();
             any_error(&device, || Self::with(pipelines, format, counting, casters))
                 .map_err(|message| ShadowFormatError::Refused { message })
@@ -138,7 +144,12 @@ impl ShadowPipelines {
         let light = |class| caps.pipeline("seen_light_cap", FAR + class, Count::Visible, class == 1);
         let count = if is_fail { Count::Hidden } else { Count::Visible };
         Self {
-            convention: Convention { counting, depth: format.depth, is_unclipped: is_fail && format.has_far_plane },
+            convention: Convention {
+                counting,
+                depth: format.depth,
+                is_unclipped: is_fail && format.has_far_plane,
+                count_bits: format.count_bits,
+            },
             side: sides.pipeline("side", 0, count, false),
             near: match (is_clipped, is_zp_plus_2005) {
                 (true, _) => Some(near("side_clipped", "near_cap")),
@@ -234,6 +245,12 @@ pub(crate) fn check(device: &wgpu::Device, format: &ShadowFormat, is_fail: bool)
     Ok(())
 }
 
+/// Refuses numbers of bits that counts cannot own.
+pub(crate) fn check_count_bits(given: u32, casters: Casters) -> Result<(), ShadowFormatError> {
+    let least = casters.least_bits();
+    if (least..=8).contains(&given) { Ok(()) } else { Err(ShadowFormatError::CountBits { given, least }) }
+}
+
 /// The sample counts that a format may have on a device. An adapter may add some to those of every device, but wgpu
 /// tells which only for adapters.
 fn sample_counts(device: &wgpu::Device, format: wgpu::TextureFormat) -> Vec<u32> {
@@ -282,7 +299,7 @@ impl Maker<'_> {
         let is_reversed = format.depth == DepthDirection::Reversed;
         let nearer = if is_reversed { CompareFunction::Greater } else { CompareFunction::Less };
         let compare = if count == Count::Always { CompareFunction::Always } else { nearer };
-        let stencil = stencil(count, turned, casters.count_mask());
+        let stencil = stencil(count, turned, casters.most_count(format.count_bits));
         let constants = [("MANY", f64::from(u8::from(casters != Casters::One))), ("CAP_KIND", f64::from(kind))];
         let constants = if is_caps { &constants[..] } else { &constants[..1] };
         let targets: Vec<_> = format
@@ -335,7 +352,8 @@ impl Maker<'_> {
     }
 }
 
-fn stencil(count: Count, turned: bool, write_mask: u32) -> wgpu::StencilState {
+/// An operation adds to the whole byte. What it carries out of the bits of `write_mask`, which are the lowest, is not written.
+pub(crate) fn stencil(count: Count, turned: bool, write_mask: u32) -> wgpu::StencilState {
     let face = |is_front: bool| {
         let ups = is_front == (count != Count::Hidden);
         let operation = if ups == turned { StencilOperation::DecrementWrap } else { StencilOperation::IncrementWrap };

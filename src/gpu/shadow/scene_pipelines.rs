@@ -6,9 +6,6 @@ use crate::gpu::common::memory::any_error;
 use crate::gpu::common::pipelines::Pipelines;
 use crate::shadow::Counting;
 
-/// The bit of the stencil that tells what earlier batches of casters darken.
-const DARK: u32 = 0x80;
-
 /// A triangle over the whole picture.
 const WHOLE: &str = "
 @vertex fn whole(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
@@ -22,8 +19,16 @@ const WHOLE: &str = "
 #[derive(Debug)]
 pub struct ScenePipelines {
     pub(crate) volumes: ShadowPipelines,
-    /// Turns counts into the bit of darkness, if casters are counted in batches.
-    resolve: Option<wgpu::RenderPipeline>,
+    /// If casters are counted in batches.
+    resolve: Option<Resolve>,
+}
+
+/// What turns counts into the bit of darkness.
+#[derive(Debug)]
+struct Resolve {
+    pipeline: wgpu::RenderPipeline,
+    /// The bit of the stencil that tells what earlier batches of casters darken: the highest that counts own.
+    dark: u32,
 }
 
 impl ScenePipelines {
@@ -42,7 +47,8 @@ impl ScenePipelines {
     }
 
     /// Makes the pipelines for scenes whose casters are counted in several batches
-    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)).
+    /// ([`SceneOptions::count_batches`](crate::gpu::SceneOptions::count_batches)). The highest of [`ShadowFormat::count_bits`] tells what earlier
+    /// batches darken.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -70,15 +76,16 @@ impl ScenePipelines {
     /// Where a count is not 0, sets the bit of darkness and the count to 0.
     pub(crate) fn resolve(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(resolve) = &self.resolve {
-            pass.set_pipeline(resolve);
-            pass.set_stencil_reference(DARK);
+            pass.set_pipeline(&resolve.pipeline);
+            pass.set_stencil_reference(resolve.dark);
             pass.draw(0..3, 0..1);
             pass.set_stencil_reference(0);
         }
     }
 }
 
-fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> wgpu::RenderPipeline {
+fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> Resolve {
+    let counts = Casters::Batches.most_count(format.count_bits);
     let device = pipelines.device();
     let module = pipelines.module("resolve counts", WHOLE);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -101,7 +108,7 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> wgpu::RenderPipeline
             color.map(|format| wgpu::ColorTargetState { format, blend: None, write_mask })
         })
         .collect();
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("resolve counts"),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
@@ -115,7 +122,7 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> wgpu::RenderPipeline
             format: format.depth_stencil,
             depth_write_enabled: Some(false),
             depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState { front: face, back: face, read_mask: !DARK & 0xff, write_mask: 0xff },
+            stencil: wgpu::StencilState { front: face, back: face, read_mask: counts, write_mask: format.count_mask() },
             bias: wgpu::DepthBiasState::default(),
         }),
         multisample: wgpu::MultisampleState { count: format.samples, ..Default::default() },
@@ -127,5 +134,6 @@ fn resolve(pipelines: &Pipelines, format: &ShadowFormat) -> wgpu::RenderPipeline
         }),
         multiview_mask: None,
         cache: None,
-    })
+    });
+    Resolve { pipeline, dark: counts + 1 }
 }

@@ -1,5 +1,6 @@
 //! How large shadow volumes are: the room of their lists, and the shape that stages and draws read.
 
+use super::format::Casters;
 use crate::gpu::common::dispatch_limits::DispatchLimits;
 use crate::gpu::common::memory::padded;
 use crate::gpu::common::uniforms::UniformTable;
@@ -40,6 +41,8 @@ pub(crate) struct VolumeSettings {
     pub(crate) keeps: bool,
     /// Batches that casters are counted in.
     pub(crate) count_batches: u32,
+    /// The low bits of the stencil that counts own.
+    pub(crate) count_bits: u32,
     pub(crate) cap_capacity: Option<u32>,
     pub(crate) memory_limit: Option<u64>,
     /// The caster has polygons, of which pieces are drawn.
@@ -47,6 +50,12 @@ pub(crate) struct VolumeSettings {
 }
 
 impl VolumeSettings {
+    /// The largest count that does not wrap.
+    fn most_count(&self) -> u32 {
+        let casters = if self.count_batches > 1 { Casters::Batches } else { Casters::Scene };
+        casters.most_count(self.count_bits)
+    }
+
     /// Whether `choose` keeps two measures for each caster, light and view.
     fn has_measures(&self) -> bool {
         self.end_at_range || self.has_receivers || self.counting.is_zp_plus_2005()
@@ -297,6 +306,7 @@ impl VolumeSizes {
             needs_boxes: u32::from(settings.bound_counts),
             used_lights: self.used_lights() as u32,
             has_receivers: u32::from(settings.has_receivers),
+            most_count: settings.most_count(),
         }
     }
 }

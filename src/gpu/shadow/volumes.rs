@@ -137,6 +137,7 @@ impl ShadowVolumes {
             bound_counts,
             keeps: false,
             count_batches: 1,
+            count_bits: pipelines.convention.count_bits,
             cap_capacity,
             memory_limit,
             has_pieces: source.buffers.polygons.is_some(),

@@ -41,6 +41,7 @@ const CLOSED: ShadowShape = ShadowShape {
     needs_boxes: 0,
     used_lights: 0,
     has_receivers: 0,
+    most_count: 255,
 };
 
 /// A closed cube's faces with these lowest and highest corners.

@@ -6,7 +6,9 @@ const LISTS: &[&str] = &["--test depth_map_cpu"];
 const MERGES: &[&str] = &["--test depth_map_gpu merge"];
 const CUBES: &[&str] = &["--test depth_map_gpu cube"];
 const OBJECTS: &[&str] = &["--test depth_map_gpu objects"];
+const DETECTORS: &[&str] = &["--test depth_map_gpu lists_of_detectors"];
 const WORLD: &[&str] = &["--test depth_map_gpu world"];
+const MIXED: &[&str] = &["--test shadow_gpu counts_"];
 const PICTURES: &[&str] = &["--test depth_map_gpu parity", "--test depth_map_gpu shadows"];
 
 pub(super) const MUTATIONS: &[Mutation] = &[
@@ -130,6 +132,70 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: OBJECTS,
     },
     Mutation {
+        name: "depth maps of second differences: steps the other way are slopes",
+        changes: &[
+            (
+                "wgsl/depth_map/edge_rule.wgsl",
+                "(beside.x < beside.y) == (keys.y < keys.z)",
+                "(beside.x < beside.y) != (keys.y < keys.z)",
+            ),
+            ("src/cpu/depth_map/edge_rule.rs", "p.cmp(&q) == a.cmp(&b)", "p.cmp(&q) != a.cmp(&b)"),
+        ],
+        tests: LISTS,
+    },
+    Mutation {
+        name: "depth maps of second differences: one side is enough for both",
+        changes: &[
+            ("wgsl/depth_map/edge_rule.wgsl", "let stops = select(1u, 0u, SECOND == 1u);", "let stops = 1u;"),
+            ("wgsl/depth_map/edge_rule.wgsl", "select(1u, 2u, SECOND == 1u)", "1u"),
+            ("src/cpu/depth_map/edge_rule.rs", "bends(before) && bends(after)", "bends(before) || bends(after)"),
+        ],
+        tests: LISTS,
+    },
+    Mutation {
+        name: "depth maps of second differences: floats decide what is nearly met",
+        changes: &[(
+            "wgsl/depth_map/edge_rule.wgsl",
+            "return select(2u, select(0u, 1u, step > most), is_told);",
+            "return select(0u, 1u, step > most && is_told);",
+        )],
+        tests: DETECTORS,
+    },
+    Mutation {
+        name: "depth maps: thresholds are not lower next to edges that dangle",
+        changes: &[
+            (
+                "wgsl/depth_map/edge_rule.wgsl",
+                "exceeds(large, small, edge_rule.low[level])",
+                "exceeds(large, small, edge_rule.low[0])",
+            ),
+            ("src/cpu/depth_map/edge_rule.rs", "is_above(rule.low[level])", "is_above(rule.low[0])"),
+        ],
+        tests: LISTS,
+    },
+    Mutation {
+        name: "depth maps: edges that dangle are continued by one cell",
+        changes: &[
+            ("src/gpu/depth_map/edges.rs", "(1..=continued)", "(1..=continued.min(1))"),
+            ("src/gpu/depth_map/edges.rs", "1 - continued % 2", "1 - continued.min(1) % 2"),
+        ],
+        tests: DETECTORS,
+    },
+    Mutation {
+        name: "depth maps of second differences: triangles beside marked edges are left out",
+        changes: &[("src/gpu/depth_map/edges.rs", "if second > 0 { 1 } else { 0 }", "0")],
+        tests: DETECTORS,
+    },
+    Mutation {
+        name: "depth maps: shared samples of a cube have the object of the last map",
+        changes: &[(
+            "wgsl/depth_map/depth_cube.wgsl",
+            "select(nearest, face, own < key)",
+            "select(nearest, face, own != FAR_KEY)",
+        )],
+        tests: &["--test depth_map_gpu cube_samples"],
+    },
+    Mutation {
         name: "depth maps: floats decide about steps in world units that are nearly met",
         changes: &[("wgsl/depth_map/world_step.wgsl", "(most > 1.0001 * step)", "(most >= step)")],
         tests: WORLD,
@@ -223,5 +289,37 @@ pub(super) const MUTATIONS: &[Mutation] = &[
             "positions[word + 2u]) - 0.0 * views[0].origin.xyz;",
         )],
         tests: &["--test depth_map_gpu the_depth_of_a_mesh"],
+    },
+    Mutation {
+        name: "bits of counts: volumes of meshes write every bit",
+        changes: &[(
+            "src/gpu/shadow/pipelines.rs",
+            "stencil(count, turned, casters.most_count(format.count_bits))",
+            "stencil(count, turned, casters.most_count(8))",
+        )],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "bits of counts: the bound is that of eight",
+        changes: &[(
+            "src/gpu/shadow/sizes.rs",
+            "casters.most_count(self.count_bits)",
+            "casters.most_count(self.count_bits.max(8))",
+        )],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "bits of counts: batches are resolved into every bit",
+        changes: &[("src/gpu/shadow/scene_pipelines.rs", "write_mask: format.count_mask() }", "write_mask: 0xff }")],
+        tests: MIXED,
+    },
+    Mutation {
+        name: "depth maps in counts: mirrored cameras do not matter",
+        changes: &[(
+            "src/gpu/depth_map/view.rs",
+            "(matrix(camera).determinant() < 0.0) != (",
+            "(matrix(camera).determinant().abs() < 0.0) != (",
+        )],
+        tests: &["--test depth_map_gpu the_surface_counts"],
     },
 ];

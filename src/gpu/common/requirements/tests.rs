@@ -6,7 +6,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 
 use super::*;
-use crate::stages::{CAP_FACES, DEFORM, DEPTH_SURFACE, MESH_DEPTH, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl};
+use crate::stages::{
+    CAP_FACES, DEFORM, DEPTH_SURFACE, DEPTH_WALLS, MESH_DEPTH, PIECES, SIDES, STAGES, Stage, plain_deform_wgsl,
+};
 
 /// Limits by name.
 type Found = BTreeMap<&'static str, u64>;
@@ -109,8 +111,9 @@ fn needed(wanted: Subject) -> Found {
         let wgsl = if *stage == DEFORM { plain_deform_wgsl() } else { stage.wgsl() };
         reflect(&mut found, &wgsl, false);
     }
-    for stage in
-        [&SIDES, &CAP_FACES, &PIECES, &DEPTH_SURFACE, &MESH_DEPTH].into_iter().filter(|stage| subject(stage) == wanted)
+    for stage in [&SIDES, &CAP_FACES, &PIECES, &DEPTH_SURFACE, &DEPTH_WALLS, &MESH_DEPTH]
+        .into_iter()
+        .filter(|stage| subject(stage) == wanted)
     {
         reflect(&mut found, &stage.wgsl(), true);
     }

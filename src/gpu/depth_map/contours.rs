@@ -1,0 +1,180 @@
+//! The stages that rebuild a map's boundary as walls over its contours.
+
+use super::errors::DepthMapVolumesError;
+use super::options::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
+use super::pipelines::DepthMapPipelines;
+use crate::gpu::common::dispatch_limits::{DispatchLimits, WORKGROUP};
+use crate::gpu::common::memory::{Allocation, buffer, check, filled, guarded};
+use crate::gpu::common::pipelines::{Pipeline, Pipelines};
+use crate::gpu::common::uniforms::entry;
+use crate::layout::{ContourShape, DepthMapShape, DepthMapView};
+use crate::stages::{CONTOUR_MARKS, CONTOUR_PLACES, CONTOUR_WALLS};
+
+/// Cells along the side of a tile, and invocations that walk in it.
+const TILE: u32 = 16;
+const WALKERS: u64 = 64;
+/// Samples that a word has marks for.
+const WORD_SAMPLES: u32 = 16;
+/// Words before the list of walls, and of a wall.
+const HEAD_WORDS: u64 = 4;
+const WALL_WORDS: u64 = 12;
+/// The range of device depths, in the units of distances.
+const RANGE: f64 = (1_u32 << 29) as f64;
+/// A jump of as many thresholds is one, whatever is behind it.
+const SURE: f64 = 16.0;
+/// Units that a tolerance has at least, if it has as many: it and distances are moved down by what it has more.
+const TOLERANCE_BITS: u32 = 3;
+/// The largest numbers that the stages calculate with.
+const MOST_SLOPE_BIAS: f64 = 32_767.0;
+const MOST_SHARE: f64 = 4095.0;
+
+/// Stages and buffers for the contours of a map.
+#[derive(Debug)]
+pub(super) struct Contours {
+    /// Marks, places, count, scan, list.
+    stages: [Pipeline; 5],
+    pub(super) shape: ContourShape,
+    marks: wgpu::Buffer,
+    places: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    pub(super) walls: wgpu::Buffer,
+    pub(super) draws: wgpu::Buffer,
+}
+
+/// A distance in units of the range of depths.
+fn distance(depth: f64) -> i32 {
+    (depth * RANGE).round().clamp(0.0, RANGE) as i32
+}
+
+impl Contours {
+    pub(super) fn new(
+        pipelines: &DepthMapPipelines,
+        size: [u32; 2],
+        options: &DepthMapOptions,
+    ) -> Result<Option<Self>, DepthMapVolumesError> {
+        let DepthMapReconstruction::Contours { sideways, depth } = options.reconstruction else { return Ok(None) };
+        let threshold = match options.edges {
+            DepthEdges::Differences { threshold } => f64::from(threshold),
+            DepthEdges::Outlines => 1.0,
+            edges => return Err(DepthMapVolumesError::ContourEdges(edges)),
+        };
+        if !(0.0..=0.5).contains(&sideways) {
+            return Err(DepthMapVolumesError::Sideways(sideways));
+        }
+        if !(0.0..=1.0).contains(&depth) {
+            return Err(DepthMapVolumesError::ContourDepth(depth));
+        }
+        if options.bits > 1 {
+            return Err(DepthMapVolumesError::ContourBits(options.bits));
+        }
+        let shared = pipelines.shared();
+        let limits = DispatchLimits::new(&shared.device().limits());
+        let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));
+        let all = u64::from(tiles[0]) * u64::from(tiles[1]);
+        let lattice = size.map(|texels| u64::from(texels) + 2);
+        let words = (size[0] + 2).div_ceil(WORD_SAMPLES);
+        // A wall for each fourth cell. Contours of pictures have far fewer.
+        let cells = (lattice[0] - 1) * (lattice[1] - 1);
+        let default = (cells / 4).max(1024);
+        let fitting = (limits.binding / 4).saturating_sub(HEAD_WORDS) / WALL_WORDS;
+        let capacity = options.capacity.map_or(default, u64::from).min(fitting) as u32;
+        let tolerance = distance(f64::from(depth));
+        let shift = tolerance.checked_ilog2().unwrap_or(0).saturating_sub(TOLERANCE_BITS);
+        let shape = ContourShape {
+            tiles: [tiles[0], all as u32],
+            words,
+            capacity,
+            threshold: distance(threshold),
+            sure: distance(threshold * SURE),
+            sideways: (f64::from(sideways) * 256.0).round() as i32,
+            tolerance: tolerance >> shift,
+            shift,
+            slope_bias: 0,
+            share: 0,
+            constant: 0,
+        };
+        let allocations = [
+            Allocation { label: "marks of contours", bytes: 4 * u64::from(words) * lattice[1] },
+            Allocation { label: "places of contours", bytes: 4 * lattice[0] * lattice[1] },
+            Allocation { label: "counts of walls", bytes: 4 * all * (1 + WALKERS) },
+            Allocation { label: "walls", bytes: 4 * (HEAD_WORDS + WALL_WORDS * u64::from(capacity)) },
+            Allocation { label: "draws of walls", bytes: 32 },
+        ];
+        check(&allocations, limits.binding, None)?;
+        let bytes = check(&allocations, limits.buffer, options.memory_limit)?;
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let usages = [storage, storage, storage, storage, storage | wgpu::BufferUsages::INDIRECT];
+        let [marks, places, counts, walls, draws] = guarded(shared.device(), bytes, || {
+            [0, 1, 2, 3, 4].map(|at| buffer(shared.device(), allocations[at].label, allocations[at].bytes, usages[at]))
+        })?;
+        let objects = ("OBJECTS", f64::from(u8::from(options.objects)));
+        let lists = |lists: bool| [("LISTS", f64::from(u8::from(lists)))];
+        let stages = [
+            shared.compute(&CONTOUR_MARKS, "contour_marks", &[objects]),
+            shared.compute(&CONTOUR_PLACES, "contour_places", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(false)),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_places", &[]),
+            shared.compute(&CONTOUR_WALLS, "contour_walls_take", &lists(true)),
+        ];
+        Ok(Some(Self { stages, shape, marks, places, counts, walls, draws }))
+    }
+
+    /// The stages with what they are bound to, and their workgroups. `view` has the move away from the light.
+    pub(super) fn bind(
+        &self,
+        device: &wgpu::Device,
+        uniform: &wgpu::Buffer,
+        contour: &wgpu::Buffer,
+        [texture, objects]: [wgpu::BindingResource<'_>; 2],
+    ) -> Vec<(&Pipeline, wgpu::BindGroup, [u32; 2])> {
+        let most = device.limits().max_compute_workgroups_per_dimension;
+        let samples = self.places.size() / 4;
+        let words = self.marks.size() / 4;
+        let workgroups = |items: u64| {
+            let blocks = items.div_ceil(u64::from(WORKGROUP)) as u32;
+            let rows = blocks.div_ceil(most).min(most);
+            [blocks.div_ceil(rows.max(1)).min(most), rows]
+        };
+        let tiles = workgroups(u64::from(self.shape.tiles[1]) * u64::from(WORKGROUP));
+        let shapes = [("depth_map", entry::<DepthMapShape>(uniform)), ("contour", entry::<ContourShape>(contour))];
+        let texture = ("depth_texture", texture);
+        let marks = ("marks", self.marks.as_entire_binding());
+        let places = ("places", self.places.as_entire_binding());
+        let walls = [
+            marks.clone(),
+            places.clone(),
+            ("counts", self.counts.as_entire_binding()),
+            ("walls", self.walls.as_entire_binding()),
+            ("draws", self.draws.as_entire_binding()),
+        ];
+        let own: [(&[_], [u32; 2]); 5] = [
+            (&[marks.clone(), ("object_texture", objects)], workgroups(words)),
+            (&[marks, places], workgroups(samples)),
+            (&walls, tiles),
+            (&walls, [1, 1]),
+            (&walls, tiles),
+        ];
+        let bound = self.stages.iter().zip(own).map(|(stage, (own, workgroups))| {
+            let resources = [&shapes[..], std::slice::from_ref(&texture), own].concat();
+            (stage, stage.bind(device, &resources), workgroups)
+        });
+        bound.collect()
+    }
+
+    /// The uniform of an encode whose surfaces move as the view says.
+    pub(super) fn uniform(&self, shared: &Pipelines, view: &DepthMapView) -> wgpu::Buffer {
+        let [slope_bias, share, constant, _] = view.bias.map(f64::from);
+        let shape = ContourShape {
+            slope_bias: (slope_bias * 256.0).round().min(MOST_SLOPE_BIAS) as i32,
+            share: (share * RANGE).round().min(MOST_SHARE) as i32,
+            constant: (constant * RANGE).ceil().min(RANGE) as i32,
+            ..self.shape
+        };
+        filled(shared.device(), "contours", bytemuck::bytes_of(&shape), wgpu::BufferUsages::UNIFORM)
+    }
+
+    /// Bound to draws besides what all draws have: the uniform, marks and places.
+    pub(super) fn of_draws<'a>(&'a self, contour: &'a wgpu::Buffer) -> [(u32, wgpu::BindingResource<'a>); 3] {
+        [(5, self.places.as_entire_binding()), (6, contour.as_entire_binding()), (9, self.marks.as_entire_binding())]
+    }
+}

@@ -1,0 +1,116 @@
+// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md, "Contours".
+
+struct ContourShape {
+  // Tiles of 16 × 16 cells across, and all of them.
+  tiles: vec2<u32>,
+  // Words of a row of marks.
+  words: u32,
+  // Walls that the list has room for.
+  capacity: u32,
+  // The distance that the samples of an edge must be apart, more than their slopes tell.
+  threshold: i32,
+  // The distance from which on they are at a jump, whatever is behind it.
+  sure: i32,
+  // How far a segment may be from a place of the contour.
+  sideways: i32,
+  // How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and distances are moved down by.
+  tolerance: i32,
+  shift: u32,
+  // The move away from the light: parts of 256 of a texel's difference, parts of 2²⁹ of the depth, a distance.
+  slope_bias: i32,
+  share: i32,
+  constant: i32,
+}
+
+@group(0) @binding(6) var<uniform> contour: ContourShape;
+
+const TILE: i32 = 16;
+// Parts of a texel that places count.
+const TEXEL: i32 = 256;
+// The distance of the far end of the device depths from the near end.
+const RANGE: i32 = 0x20000000;
+// The distance of a sample that casts nothing.
+const FAR: i32 = 0x7fffffff;
+// The nearest that a place may be to a sample.
+const LEAST: i32 = 16;
+
+// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on the left.
+fn turn(corner: u32) -> vec2<i32> {
+  return vec2<i32>((vec2<u32>(6u, 12u) >> vec2<u32>(corner & 3u)) & vec2<u32>(1u));
+}
+
+// The step over an edge of a cell: at the top, right, bottom and left.
+fn out_of(bit: u32) -> vec2<i32> {
+  let sign = select(-1, 1, bit == 1u || bit == 2u);
+  return select(vec2<i32>(0, sign), vec2<i32>(sign, 0), (bit & 1u) == 1u);
+}
+
+fn step_along(axis: u32) -> vec2<i32> {
+  return select(vec2<i32>(1, 0), vec2<i32>(0, 1), axis == 1u);
+}
+
+// The first sample of an edge of a cell. The edge goes on from it to the right, or down if the bit is odd.
+fn edge_of_cell(cell: vec2<i32>, bit: u32) -> vec2<i32> {
+  return select(cell, cell + out_of(bit), bit == 1u || bit == 2u);
+}
+
+fn smaller(a: i32, b: i32) -> i32 {
+  return select(select(b, a, abs(a) < abs(b)), 0, (a ^ b) < 0);
+}
+
+// `a` times parts of 256, rounded down.
+fn parts(a: i32, count: i32) -> i32 {
+  return (a >> 8u) * count + (((a & 255) * count) >> 8u);
+}
+
+// The distance of a sample from the near plane.
+fn distance_at(at: vec2<i32>) -> i32 {
+  let key = key_at(vec2<u32>(at));
+  let bits = depth_bits(key);
+  let word = (bits & 0x007fffffu) | 0x00800000u;
+  let exponent = bits >> 23u;
+  let large = word << min(max(exponent, 121u) - 121u, 31u);
+  let small = word >> min(121u - min(exponent, 121u), 31u);
+  let depth = select(i32(select(small, large, exponent > 121u)), 0, exponent == 0u);
+  return select(min(select(depth, RANGE - depth, depth_map.is_reversed != 0u), RANGE - 1), FAR, key == FAR_KEY);
+}
+
+// How far the surface at a sample goes away for each step in a direction, as told by the two samples on the other side.
+fn slope_to_step(at: vec2<i32>, step: vec2<i32>) -> i32 {
+  let own = distance_at(at);
+  let first = distance_at(at - step);
+  let second = distance_at(at - 2 * step);
+  return select(smaller(own - first, first - second), 0, max(own, max(first, second)) == FAR);
+}
+
+// The slope to both sides that is smaller, 0 at a ridge or where a side is far.
+fn slope_between(at: vec2<i32>, step: vec2<i32>) -> i32 {
+  let before = distance_at(at - step);
+  let own = distance_at(at);
+  let after = distance_at(at + step);
+  return select(abs(smaller(own - before, after - own)), 0, max(own, max(before, after)) == FAR);
+}
+
+// The distance of a sample, moved away from the light.
+fn moved_distance(at: vec2<i32>) -> i32 {
+  let own = distance_at(at);
+  if (own == FAR) {
+    return FAR;
+  }
+  let slopes = slope_between(at, vec2<i32>(1, 0)) + slope_between(at, vec2<i32>(0, 1));
+  // It is cut off before it overflows.
+  let is_large = (slopes >> 8u) > (RANGE / 2) / max(contour.slope_bias, 1);
+  let of_slopes = select(parts(slopes, contour.slope_bias), RANGE / 2, is_large);
+  let depth = select(own, RANGE - own, depth_map.is_reversed != 0u);
+  let offset = of_slopes + (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
+  return own + min(offset, (RANGE - own) / 2);
+}
+
+// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step.
+fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
+  let own = distance_at(at);
+  if (own == FAR) {
+    return FAR;
+  }
+  return clamp(moved_distance(at) + parts(slope_to_step(at, step), place), 0, own + (RANGE - own) / 2);
+}

@@ -1,0 +1,72 @@
+// Contour marks: which edges of the lattice a contour crosses.
+
+// For each sample two bits, for the edges to its right and below it, 16 samples a word. A row has words of its own.
+@group(0) @binding(2) var<storage, read_write> marks: array<u32>;
+
+const BLOCK: u32 = 256u;
+const WORD_SAMPLES: i32 = 16;
+
+// Whether there is a jump between two samples, and not only a slope: a difference that is more than the threshold larger than what the slopes to both sides tell. It
+// must be twice as large as those beside it, too, if it is not sure.
+fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
+  if (a == FAR || b == FAR) {
+    return a != b;
+  }
+  if (OBJECTS && depth_map.objects != 0u && differs(vec2<u32>(at), vec2<u32>(at + step))) {
+    return true;
+  }
+  let difference = b - a;
+  if (abs(difference) <= contour.threshold) {
+    return false;
+  }
+  // From the nearer sample to the farther one.
+  let is_rising = difference > 0;
+  let away = select(-step, step, is_rising);
+  let near = select(at + step, at, is_rising);
+  let jump = abs(difference);
+  let first = distance_at(near - away);
+  let second = distance_at(near + 2 * away);
+  let before = select(min(a, b) - first, 0, first == FAR);
+  let after = select(second - max(a, b), FAR, second == FAR);
+  let is_alone = max(before, after) / 2 < jump / 4;
+  let slopes = max(slope_to_step(near, away), -slope_to_step(near + away, -away));
+  return (jump > contour.sure || is_alone) && jump - slopes > contour.threshold;
+}
+
+// Workgroups take blocks of words in turn, where a dispatch may not have as many.
+@compute @workgroup_size(BLOCK)
+fn contour_marks(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let lattice = vec2<i32>(depth_map.size) + 2;
+  let count = contour.words * u32(lattice.y);
+  let blocks = (count + BLOCK - 1u) / BLOCK;
+  for (var block = group.x + groups.x * group.y; block < blocks; block += groups.x * groups.y) {
+    let word = block * BLOCK + local;
+    if (word < count) {
+      let first = vec2<i32>(i32(word % contour.words) * WORD_SAMPLES, i32(word / contour.words));
+      var bits = 0u;
+      var own = distance_at(first);
+      // One copy of what decides: two edges of each sample in turn.
+      var right = own;
+      for (var number = 0; number < 2 * WORD_SAMPLES; number++) {
+        let at = first + vec2<i32>(number / 2, 0);
+        let axis = u32(number) & 1u;
+        let step = step_along(axis);
+        let other = distance_at(at + step);
+        if (axis == 0u) {
+          right = other;
+        }
+        if (all(at + step < lattice) && at.x < lattice.x && is_jump(at, step, own, other)) {
+          bits |= 1u << u32(number);
+        }
+        if (axis == 1u) {
+          own = right;
+        }
+      }
+      marks[word] = bits;
+    }
+  }
+}

@@ -1,0 +1,444 @@
+// Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three passes: count the
+// walls of each tile, turn the counts into places, list them.
+
+// As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge within a tile, but
+// edges of two tiles may share a word.
+@group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
+// For each tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile.
+@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+// The number of walls, 3 times 0, then 12 words for each wall: four vertices of a place on the lattice and a distance.
+@group(0) @binding(7) var<storage, read_write> walls: array<u32>;
+// The indirect draw of the walls, and that of all cells.
+@group(0) @binding(8) var<storage, read_write> draws: array<u32>;
+
+// Whether walls are listed, and not only counted.
+override LISTS: bool = false;
+
+// Invocations of a tile, and cells of each.
+const WALKERS: u32 = 64u;
+const WALKER_CELLS: u32 = 4u;
+const TILE_CELLS: u32 = 256u;
+// Nodes that a segment may have.
+const WINDOW: u32 = 32u;
+// Nodes that a segment is tried to reach beyond the last that it fits.
+const TRIES: u32 = 8u;
+
+// A step out of a cell.
+struct Step {
+  cell: vec2<i32>,
+  bit: u32,
+}
+
+// What a walk comes to.
+const NOTHING: u32 = 0u;
+// An edge that a step goes over.
+const EDGE: u32 = 1u;
+// The middle of a star, a cell in which contours end or meet: left over an edge, or entered.
+const LEFT_STAR: u32 = 2u;
+const ENTERED_STAR: u32 = 3u;
+
+// The last nodes of a walk. x and y: the place. z and w: the distances of the surfaces on the left and right.
+var<private> ends: array<vec4<i32>, WINDOW>;
+// x and y: what a segment may not pass on the left. z and w: on the right.
+var<private> limits: array<vec4<i32>, WINDOW>;
+// The sample that the nearer surface begins at, in parts of a texel, its distance, and its side: 0 for left, 1 for right. 2: none.
+var<private> inners: array<vec4<i32>, WINDOW>;
+// The first sample of an edge, and its axis. 2: the cell of a star.
+var<private> edges: array<vec3<i32>, WINDOW>;
+// The next wall's place in the list, and walls so far.
+var<private> place: u32;
+
+fn cross_product(a: vec2<i32>, b: vec2<i32>) -> i32 {
+  return a.x * b.y - a.y * b.x;
+}
+
+fn is_border(step: Step) -> bool {
+  let at = edge_of_cell(step.cell, step.bit);
+  return select(at.y, at.x, (step.bit & 1u) == 1u) % TILE == 0;
+}
+
+fn is_star(cell: vec2<i32>) -> bool {
+  let edges = countOneBits(code_of_cell(cell));
+  return edges != 0u && edges != 2u;
+}
+
+// The cell that a step leads to, and the way out of it if a contour goes through.
+fn followed(step: Step) -> Step {
+  let there = step.cell + out_of(step.bit);
+  let others = code_of_cell(there) & ~(1u << ((step.bit + 2u) & 3u));
+  return Step(there, countTrailingZeros(others) & 3u);
+}
+
+// A step or star by a number, which grows with its row, its column and its edge.
+fn number_of(cell: vec2<i32>, bit: u32, is_of_star: bool) -> u32 {
+  let local = vec2<u32>(cell) % u32(TILE);
+  return ((local.y * u32(TILE) + local.x) * 4u + bit) * 2u + select(0u, 1u, is_of_star);
+}
+
+const NO_END: u32 = 0xffffffffu;
+
+// Walks to the end, and gives its number. With `least`: 0 if the walk comes back and meets no smaller cell before, else no end.
+fn end_of(start: Step, least: bool) -> u32 {
+  var step = start;
+  for (var steps = 0u; steps <= TILE_CELLS; steps++) {
+    if (is_border(step)) {
+      return select(number_of(step.cell, step.bit, false), NO_END, least);
+    }
+    let back = (step.bit + 2u) & 3u;
+    step = followed(step);
+    if (is_star(step.cell)) {
+      return select(number_of(step.cell, back, true), NO_END, least);
+    }
+    if (all(step.cell == start.cell) && least) {
+      return 0u;
+    }
+    if (least && number_of(step.cell, 0u, false) < number_of(start.cell, 0u, false)) {
+      return NO_END;
+    }
+    if (all(step.cell == start.cell) && step.bit == start.bit) {
+      return 0u;
+    }
+  }
+  return 0u;
+}
+
+// The distance in the middle of a star, of the surface that has a corner of the cell: the mean of those of its samples.
+fn middle_distance(cell: vec2<i32>, code: u32, corner: u32) -> i32 {
+  var samples = 1u << (corner & 3u);
+  for (var number = 0u; number < 3u; number++) {
+    // Corners next to one of the surface, over an edge that is not marked.
+    let after = ((samples & ~code) << 1u) & 15u;
+    let first = select(0u, 1u, (samples & ~code & 8u) != 0u);
+    let before = ((samples >> 1u) & ~code) & 7u;
+    let last = select(0u, 8u, (samples & 1u) != 0u && (code & 8u) == 0u);
+    samples |= after | first | before | last;
+  }
+  let shift = countOneBits(samples) / 2u;
+  var total = 0;
+  for (var number = 0u; number < 4u; number++) {
+    if (((samples >> number) & 1u) == 1u) {
+      let own = moved_distance(cell + turn(number));
+      total = select(total + (own >> shift), FAR, total == FAR || own == FAR);
+    }
+  }
+  return total;
+}
+
+// The next distance at a node from one to another, where other surfaces meet in a star. Else the other.
+fn next_copy(edge: vec3<i32>, here: i32, to: i32) -> i32 {
+  var next = to;
+  if (edge.z == 2) {
+    let code = code_of_cell(edge.xy);
+    for (var corner = 0u; corner < 4u; corner++) {
+      let own = middle_distance(edge.xy, code, corner);
+      let is_between = min(here, next) < own && own < max(here, next);
+      next = select(next, own, is_between);
+    }
+  }
+  return next;
+}
+
+// Puts a node at the end of the window.
+fn add_node(count: u32, kind: u32, step: Step) {
+  let is_edge = kind == EDGE;
+  let first = edge_of_cell(step.cell, step.bit);
+  let axis = step.bit & 1u;
+  if (!is_edge) {
+    let code = code_of_cell(step.cell);
+    var own = vec2<i32>();
+    for (var side = 0u; side < 2u; side++) {
+      own[side] = middle_distance(step.cell, code, step.bit + side);
+    }
+    ends[count] = vec4<i32>(step.cell * TEXEL + TEXEL / 2, select(own, own.yx, kind == ENTERED_STAR));
+    edges[count] = vec3<i32>(step.cell, 2);
+    inners[count] = vec4<i32>(0, 0, 0, 2);
+    return;
+  }
+  let lattice = i32(depth_map.size.x) + 2;
+  let found = (atomicLoad(&places[u32(first.y * lattice + first.x)]) >> (16u * axis + 8u)) & 255u;
+  let left = step.cell + turn(step.bit);
+  let right = step.cell + turn(step.bit + 1u);
+  let along = right - left;
+  let of_left = select(TEXEL - i32(found), i32(found), all(left == first));
+  var own = vec2<i32>();
+  for (var side = 0u; side < 2u; side++) {
+    let is_right = side == 1u;
+    own[side] = surface_distance(
+      select(left, right, is_right), select(along, -along, is_right), select(of_left, TEXEL - of_left, is_right));
+  }
+  ends[count] = vec4<i32>(left * TEXEL + along * of_left, own);
+  let near = clamp(of_left - contour.sideways, LEAST, TEXEL - LEAST);
+  let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
+  limits[count] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
+  edges[count] = vec3<i32>(first, i32(axis));
+  let is_right = own.y < own.x;
+  let sample = select(left, right, is_right);
+  inners[count] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
+}
+
+// Whether the second of three distances is on the line between the others, but for the tolerance.
+fn is_near(first: i32, own: i32, last: i32, gone: i32, length: i32) -> bool {
+  if (first == FAR || own == FAR || last == FAR) {
+    return first == own && own == last;
+  }
+  let to_own = (own - first) >> contour.shift;
+  let to_last = (last - first) >> contour.shift;
+  return abs(to_own) <= 65536 && abs(to_last) <= 65536
+    && abs(to_own * length - to_last * gone) <= contour.tolerance * length;
+}
+
+// Whether a segment from the first node of the window to another is near enough to those between them.
+fn fits(last: u32) -> bool {
+  let start = ends[0];
+  let way = ends[last].xy - start.xy;
+  let axis = select(0u, 1u, abs(way.y) > abs(way.x));
+  let length = abs(way[axis]);
+  for (var node = 1u; node < last; node++) {
+    let left = limits[node].xy - start.xy;
+    let right = limits[node].zw - start.xy;
+    let passes = cross_product(left, right) > 0 && cross_product(left, way) >= 0 && cross_product(way, right) >= 0
+      && cross_product(left - way, right - way) <= 0;
+    let own = ends[node];
+    let gone = clamp((own[axis] - start[axis]) * sign(way[axis]), 0, length);
+    if (!passes || !is_near(start.z, own.z, ends[last].z, gone, length)
+      || !is_near(start.w, own.w, ends[last].w, gone, length)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
+  if (LISTS && place < contour.capacity) {
+    var vertices = array<vec3<i32>, 4>(p, q, r, s);
+    for (var part = 0u; part < 4u; part++) {
+      let word = 4u + 12u * place + 3u * part;
+      walls[word] = bitcast<u32>(vertices[part].x);
+      walls[word + 1u] = bitcast<u32>(vertices[part].y);
+      walls[word + 2u] = bitcast<u32>(vertices[part].z);
+    }
+  }
+  place++;
+}
+
+// Lists the walls over the segment to a node of the window. Where surfaces meet in a star, it has a wall between each two that follow each other. A flap
+// joins it to the samples of the nearer surface.
+fn add_walls(last: u32) {
+  let a = ends[0];
+  let b = ends[last];
+  // The pairs of distances at both ends that a wall has: the first of both, then those of one end with the other's last.
+  var at_a = vec2<i32>(a.z, a.z);
+  var at_b = vec2<i32>(b.z, b.z);
+  for (var number = 0u; number < 6u; number++) {
+    let is_first = number == 0u;
+    let moves_a = is_first || at_a.y != a.w;
+    let moves_b = is_first || !moves_a;
+    if (!is_first && moves_b && at_b.y == b.w) {
+      break;
+    }
+    at_a = select(at_a.yy, vec2<i32>(at_a.y, next_copy(edges[0], at_a.y, a.w)), moves_a);
+    at_b = select(at_b.yy, vec2<i32>(at_b.y, next_copy(edges[last], at_b.y, b.w)), moves_b);
+    add_wall(vec3<i32>(a.xy, at_a.x), vec3<i32>(a.xy, at_a.y), vec3<i32>(b.xy, at_b.y), vec3<i32>(b.xy, at_b.x));
+  }
+  for (var side = 0; side < 2; side++) {
+    let has_a = inners[0].w == side;
+    let has_b = inners[last].w == side;
+    if (has_a || has_b) {
+      let of_a = vec3<i32>(a.xy, a[2 + side]);
+      let of_b = vec3<i32>(b.xy, b[2 + side]);
+      add_wall(select(of_a, inners[0].xyz, has_a), of_a, of_b, select(of_b, inners[last].xyz, has_b));
+    }
+  }
+}
+
+// Moves the places on edges between the ends of a segment onto it.
+fn move_places(last: u32) {
+  let start = ends[0].xy;
+  for (var node = 1u; node < last; node++) {
+    let first = edges[node].xy;
+    let axis = u32(edges[node].z);
+    var way = ends[last].xy - start;
+    way = select(way, -way, way[1u - axis] < 0);
+    let by = max(way[1u - axis], 1);
+    let number = way[axis] * (first[1u - axis] * TEXEL - start[1u - axis]);
+    let whole = select(number, number - by + 1, number < 0) / by;
+    let rest = number - whole * by;
+    let found = clamp((start[axis] + whole - first[axis] * TEXEL) * 256 + rest * 256 / by, 1, 65535);
+    let lattice = i32(depth_map.size.x) + 2;
+    let word = u32(first.y * lattice + first.x);
+    // No other invocation changes these bits.
+    atomicAnd(&places[word], ~(0xffffu << (16u * axis)));
+    atomicOr(&places[word], u32(found) << (16u * axis));
+  }
+}
+
+// Walks from a node to the end, and takes a wall for each segment.
+fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
+  var kind = start_kind;
+  var step = start;
+  var is_start = true;
+  var count = 0u;
+  // A walk has at most as many nodes as a tile has cells, and two.
+  for (var segments = 0u; segments < TILE_CELLS + 2u; segments++) {
+    while (count < WINDOW && kind != NOTHING) {
+      add_node(count, kind, step);
+      count++;
+      if (is_start) {
+        is_start = false;
+        kind = EDGE;
+        step = first;
+      } else if (kind == ENTERED_STAR || is_border(step)) {
+        kind = NOTHING;
+      } else {
+        let next = followed(step);
+        if (is_star(next.cell)) {
+          kind = ENTERED_STAR;
+          step = Step(next.cell, (step.bit + 2u) & 3u);
+        } else {
+          step = next;
+          if (is_loop && all(step.cell == first.cell) && step.bit == first.bit) {
+            kind = NOTHING;
+          }
+        }
+      }
+    }
+    var best = 1u;
+    for (var last = 2u; last < count && last <= best + TRIES; last++) {
+      if (fits(last)) {
+        best = last;
+      }
+    }
+    add_walls(best);
+    if (LISTS) {
+      move_places(best);
+    }
+    count -= best;
+    for (var node = 0u; node < count; node++) {
+      ends[node] = ends[node + best];
+      limits[node] = limits[node + best];
+      inners[node] = inners[node + best];
+      edges[node] = edges[node + best];
+    }
+    if (count == 1u && kind == NOTHING) {
+      break;
+    }
+  }
+}
+
+// Takes the walls that begin in a cell at one of its edges.
+fn take(cell: vec2<i32>, bit: u32) {
+  let code = code_of_cell(cell);
+  if (((code >> bit) & 1u) == 0u) {
+    return;
+  }
+  let own = Step(cell, bit);
+  let of_star = is_star(cell);
+  let at_border = is_border(own);
+  let other = Step(cell, countTrailingZeros(code & ~(1u << bit)) & 3u);
+  // A contour that goes through begins at a border, or is a loop, which its first cell takes.
+  let is_loop = !of_star && !at_border;
+  if (is_loop && (other.bit < bit || is_border(other))) {
+    return;
+  }
+  var way = other;
+  if (of_star || is_loop) {
+    way = own;
+  }
+  let end = end_of(way, is_loop);
+  let begin = number_of(cell, bit, of_star);
+  // Both ends of a walk find it. The one with the smaller number takes it, and a star what ends at its own edge.
+  let is_own = of_star && end + 1u == begin;
+  if (select(begin <= end || is_own, end == 0u, is_loop)) {
+    var kind = LEFT_STAR;
+    var start = own;
+    if (!of_star) {
+      kind = EDGE;
+    }
+    if (is_loop) {
+      way = followed(own);
+    } else if (!of_star) {
+      start = Step(cell + out_of(bit), (bit + 2u) & 3u);
+    }
+    trace(kind, start, way, is_loop);
+  }
+}
+
+@compute @workgroup_size(WALKERS)
+fn contour_walls_take(
+  @builtin(workgroup_id) group: vec3<u32>,
+  @builtin(num_workgroups) groups: vec3<u32>,
+  @builtin(local_invocation_index) local: u32,
+) {
+  let cells = vec2<i32>(depth_map.size) + 1;
+  for (var tile = group.x + groups.x * group.y; tile < contour.tiles.y; tile += groups.x * groups.y) {
+    place = 0u;
+    let own = contour.tiles.y + tile * WALKERS;
+    if (LISTS) {
+      place = counts[tile];
+      for (var walker = 0u; walker < local; walker++) {
+        place += counts[own + walker];
+      }
+    }
+    let corner = vec2<i32>(vec2<u32>(tile % contour.tiles.x, tile / contour.tiles.x)) * TILE;
+    for (var number = 0u; number < 4u * WALKER_CELLS; number++) {
+      let at = local * WALKER_CELLS + number / 4u;
+      let cell = corner + vec2<i32>(vec2<u32>(at % u32(TILE), at / u32(TILE)));
+      if (all(cell < cells)) {
+        take(cell, number & 3u);
+      }
+    }
+    if (!LISTS) {
+      counts[own + local] = place;
+    }
+  }
+}
+
+const SCANNERS: u32 = 256u;
+var<workgroup> sums: array<u32, SCANNERS>;
+
+// One workgroup. Each invocation takes a run of tiles. The sums of the runs are scanned, and then the runs are filled in.
+@compute @workgroup_size(SCANNERS)
+fn contour_walls_places(@builtin(local_invocation_index) local: u32) {
+  let tiles = contour.tiles.y;
+  let run = (tiles + SCANNERS - 1u) / SCANNERS;
+  let begin = min(local * run, tiles);
+  let end = min(begin + run, tiles);
+  var total = 0u;
+  for (var tile = begin; tile < end; tile++) {
+    var own = 0u;
+    for (var walker = 0u; walker < WALKERS; walker++) {
+      own += counts[tiles + tile * WALKERS + walker];
+    }
+    counts[tile] = own;
+    total += own;
+  }
+  sums[local] = total;
+  for (var reach = 1u; reach < SCANNERS; reach *= 2u) {
+    workgroupBarrier();
+    var before = 0u;
+    if (local >= reach) {
+      before = sums[local - reach];
+    }
+    workgroupBarrier();
+    sums[local] += before;
+  }
+  var before = sums[local] - total;
+  for (var tile = begin; tile < end; tile++) {
+    let own = counts[tile];
+    counts[tile] = before;
+    before += own;
+  }
+  if (local == SCANNERS - 1u) {
+    walls[0] = before;
+    // A list that overflowed is not read: every cell is drawn by its triangles.
+    let overflows = before > contour.capacity;
+    draws[0] = 6u * select(before, 0u, overflows);
+    draws[1] = 1u;
+    draws[2] = 0u;
+    draws[3] = 0u;
+    draws[4] = 6u * select(0u, depth_map.cells, overflows);
+    draws[5] = 1u;
+    draws[6] = 0u;
+    draws[7] = 0u;
+  }
+}
