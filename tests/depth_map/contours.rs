@@ -1,230 +1,495 @@
-//! Probe.
-use glam::Vec2;
+//! Walls over contours: the lists that the GPU makes against those of the twin, what closes them, and what they cross.
+
+use std::collections::{HashMap, HashSet};
+
 use rimline::DepthDirection;
-use rimline::reference::cpu::{ContourMap, Samples, contour_distance, contour_marks, contour_places, contour_walls};
-use rimline::reference::layout::ContourShape;
+use rimline::gpu::{
+    DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction,
+    DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
+};
+use rimline::reference::cpu::{ContourMap, Samples, contour_marks, contour_places, contour_walls};
+use rimline::reference::layout::{ContourShape, DepthMapShape};
+use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
 use rimline_measure::random::Random;
+use rimline_measure::{must_fail, same};
+use wgpu::TextureFormat;
 
-use crate::maps::Map;
-use crate::views::{Near, SIDE, View, worlds};
+use crate::maps::{Map, further, maps};
+use crate::picture::Picture;
+use crate::stages::{camera, direction};
+use crate::textures::{depth_view, objects, read, texture};
+use crate::views::{SIDE, View, worlds};
 
-pub(crate) const TESTS: &[Test] = &[("probe_contours", probe)];
+pub(crate) const TESTS: &[Test] = &[
+    ("lists_of_walls_equal_their_twin", lists),
+    ("walls_are_closed_and_cross_marked_edges_once", closed),
+    ("walls_that_overflow_are_those_of_every_cell", overflow),
+    ("walls_of_smooth_bodies_are_few", few),
+    ("contours_that_cannot_be_traced_are_refused", refused),
+];
 
-fn probe() -> Result<(), String> {
-    let get = |name: &str, default: f64| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    let threshold = (get("THRESHOLD", 0.0005) * (1 << 29) as f64) as u32;
-    let tolerance = get("TOLERANCE", 0.0005) * (1 << 29) as f64;
-    let shift = (tolerance.log2().floor() as i32 - 3).max(0) as u32;
-    let dtol = get("DTOL", 0.0) as f32;
-    let mut random = Random::new(1635);
-    let mut tally = [[0_usize; 5]; 3];
-    let (mut walls, mut marked, mut pixels) = (0, 0, 0);
-    let (mut rounds, mut codes, mut short, mut flat, mut border) = (0, [0; 5], 0, 0, 0);
-    for _ in 0..get("ROUNDS", 8.0) as usize {
-        for world in worlds(&mut random) {
-            let Some(view) = View::random(&mut random, &world) else { continue };
-            let [light_depths, _] = view.depths();
-            let is_reversed = view.sun.camera.depth == DepthDirection::Reversed;
-            let map = Map { size: [SIDE; 2], is_reversed, depths: light_depths };
-            let shape = map.shape(0.0, u32::MAX);
-            let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
-            let tiles = (SIDE + 1).div_ceil(16);
-            let contour = ContourShape {
-                tiles: [tiles, tiles * tiles],
-                words: (SIDE + 2).div_ceil(16),
-                capacity: u32::MAX,
-                threshold: threshold as i32,
-                sure: 16 * threshold as i32,
-                sideways: get("SIDEWAYS", 64.0) as i32,
-                tolerance: (tolerance as i32) >> shift,
-                shift,
-                slope_bias: (get("BIAS", 1.0) * 128.0) as i32,
-                share: 0,
-                constant: 128,
-            };
-            let own = ContourMap { samples: &samples, shape: &contour };
-            let marks = contour_marks(&own);
-            let raw = contour_places(&own, &marks);
-            let list = contour_walls(&own, &marks, &raw);
-            walls += list.count;
-            for y in 0..=(SIDE as i32) {
-                for x in 0..=(SIDE as i32) {
-                    let n = (0..4).filter(|&bit| own_is_marked(&own, [x, y], bit)).count();
-                    codes[n] += 1;
-                }
-            }
-            for (_, seen) in view.receivers() {
-                pixels += 1;
-                let is_lit = view.is_lit(seen);
-                let place = view.sun.in_map(seen.0);
-                let lattice = glam::DVec2::new(place.x, place.y) * f64::from(SIDE) + 0.5;
-                let is_in = |at: f64| at >= 0.0 && at < f64::from(SIDE) + 1.0;
-                if !is_in(lattice.x) || !is_in(lattice.y) {
-                    continue;
-                }
-                let cell = lattice.floor();
-                let part = (lattice - cell).as_vec2();
-                let cell = [cell.x as i32, cell.y as i32];
-                let depth = if is_reversed { 1.0 - place.z } else { place.z } as f32;
-                let is_marked = (0..4).any(|bit| own_is_marked(&own, cell, bit));
-                for (way, tally) in tally.iter_mut().enumerate() {
-                    let dark = match way {
-                        0 | 1 if is_marked => {
-                            contour_distance(&own, &marks, if way == 0 { &list.places } else { &raw }, cell, part)
-                                .pipe(|d: i32| d != i32::MAX && depth > d as f32 / (1 << 29) as f32 + dtol)
-                        }
-                        0 | 1 => {
-                            // the plane of the cell
-                            let d = |x, y| {
-                                let v = own.moved([cell[0] + x, cell[1] + y]);
-                                if v == i32::MAX { 9.0 } else { v as f32 / (1 << 29) as f32 }
-                            };
-                            let Vec2 { x, y } = part;
-                            depth
-                                > dtol
-                                    + d(0, 0) * (1.0 - x) * (1.0 - y)
-                                    + d(1, 0) * x * (1.0 - y)
-                                    + d(0, 1) * (1.0 - x) * y
-                                    + d(1, 1) * x * y
-                        }
-                        _ => {
-                            let at = [(lattice.x + 0.5).floor() as i32, (lattice.y + 0.5).floor() as i32];
-                            let v = own.distance(at);
-                            v != i32::MAX && depth > v as f32 / (1 << 29) as f32 + 0.003
-                        }
-                    };
-                    if dark != is_lit {
-                        continue;
-                    }
-                    let near = view.near(seen, 1.0);
-                    let at = match (near, is_lit) {
-                        (Near::Border, true) => 0,
-                        (Near::Border, false) => 1,
-                        (Near::Fold, _) => 2,
-                        (_, true) => 3,
-                        (_, false) => 4,
-                    };
-                    tally[at] += 1;
-                }
-            }
-        }
-    }
-    println!("{rounds} rounds, {pixels} pixels, {} walls, {marked} marks", walls);
-    println!("rounds codes {codes:?} short {short} flat {flat} border ends {border}");
-    println!("dark at borders, lit at borders, folds, acne, leaks");
-    for (name, tally) in ["fitted", "raw", "lookup"].iter().zip(tally) {
-        println!("{name}: {tally:?} {}", tally[0] + tally[1]);
-    }
-    Err("probe".into())
+/// The unit of distances.
+const UNIT: f64 = 536_870_912.0;
+
+/// How contours are found, as the options say it.
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    threshold: f32,
+    sideways: f32,
+    depth: f32,
+    slope_bias: f32,
 }
 
-trait Pipe: Sized {
-    fn pipe<R>(self, f: impl FnOnce(Self) -> R) -> R {
-        f(self)
-    }
-}
-impl Pipe for i32 {}
-fn own_is_marked(map: &ContourMap<'_>, cell: [i32; 2], bit: usize) -> bool {
-    let [x, y] = cell;
-    let edge = match bit {
-        0 => ([x, y], 0),
-        1 => ([x + 1, y], 1),
-        2 => ([x, y + 1], 0),
-        _ => ([x, y], 1),
-    };
-    map.is_marked(rimline::reference::cpu::Edge { at: edge.0, axis: edge.1 })
-}
-
-pub(crate) fn debug(view: &View<'_>, map: &Map, seen: (glam::DVec3, glam::DVec3), pixel: usize) {
-    let shape = map.shape(0.0, u32::MAX);
-    let samples = Samples { shape: &shape, depths: &map.depths, objects: &[] };
-    let tiles = (SIDE + 1).div_ceil(16);
-    let threshold = (0.0005 * (1 << 29) as f64) as i32;
-    let tolerance = 0.002 * (1 << 29) as f64;
-    let shift = (tolerance.log2().floor() as i32 - 3).max(0) as u32;
-    let contour = ContourShape {
-        tiles: [tiles, tiles * tiles],
-        words: (SIDE + 2).div_ceil(16),
-        capacity: u32::MAX,
-        threshold,
-        sure: 16 * threshold,
-        sideways: 64,
-        tolerance: (tolerance as i32) >> shift,
-        shift,
-        slope_bias: 128,
-        share: 0,
-        constant: 128,
-    };
-    let own = ContourMap { samples: &samples, shape: &contour };
-    let marks = contour_marks(&own);
-    let raw = contour_places(&own, &marks);
-    let list = contour_walls(&own, &marks, &raw);
-    let at = glam::DVec2::new((pixel as u32 % SIDE) as f64 + 0.5, (pixel as u32 / SIDE) as f64 + 0.5);
-    let eye = crate::scene::Rays::new(&view.eye, SIDE).at(at).0;
-    let mut last = None;
-    println!("DEBUG to {} lit {}", seen.0, view.is_lit(seen));
-    let steps = 4000;
-    let mut last_truth = None;
-    for i in 0..steps {
-        let t = f64::from(i) / f64::from(steps);
-        let point = eye + (seen.0 - eye) * t;
-        let place = view.sun.in_map(point);
-        let lattice = glam::DVec2::new(place.x, place.y) * f64::from(SIDE) + 0.5;
-        let is_in = |at: f64| at >= 0.0 && at < f64::from(SIDE) + 1.0;
-        if !is_in(lattice.x) || !is_in(lattice.y) {
-            continue;
-        }
-        let cell = lattice.floor();
-        let part = (lattice - cell).as_vec2();
-        let cell = [cell.x as i32, cell.y as i32];
-        let depth = if map.is_reversed { 1.0 - place.z } else { place.z } as f32;
-        let code: u32 = (0..4).map(|bit| u32::from(own_is_marked(&own, cell, bit)) << bit).sum();
-        let dark = if code > 0 {
-            let d = contour_distance(&own, &marks, &list.places, cell, part);
-            d != i32::MAX && depth > d as f32 / (1 << 29) as f32
+impl Fit {
+    fn options(self) -> DepthMapOptions {
+        let edges = if self.threshold >= 1.0 {
+            DepthEdges::Outlines
         } else {
-            let d = |x, y| {
-                let v = own.moved([cell[0] + x, cell[1] + y]);
-                if v == i32::MAX { 9.0 } else { v as f32 / (1 << 29) as f32 }
-            };
-            let Vec2 { x, y } = part;
-            depth
-                > d(0, 0) * (1.0 - x) * (1.0 - y) + d(1, 0) * x * (1.0 - y) + d(0, 1) * (1.0 - x) * y + d(1, 1) * x * y
+            DepthEdges::Differences { threshold: self.threshold }
         };
-        let truth = !view.sun.is_lit(view.world, point, glam::DVec3::ZERO);
-        if last_truth != Some(truth) {
-            println!("  {i}: truth {truth} (own {dark}) {cell:?} {part} code {code:04b} depth {depth}");
+        DepthMapOptions {
+            edges,
+            reconstruction: DepthMapReconstruction::Contours { sideways: self.sideways, depth: self.depth },
+            slope_bias: self.slope_bias,
+            ..Default::default()
         }
-        last_truth = Some(truth);
-        if last.is_none_or(|(was, _, _)| was != dark) {
-            let truth = view.sun.is_lit(view.world, point, glam::DVec3::ZERO);
-            println!(
-                "  {i}: {dark} truly {} cell {cell:?} part {part} code {code:04b} depth {depth} was in {:?}",
-                !truth, last
-            );
-            for y in -2..4 {
-                let row: Vec<_> = (-2..4)
-                    .map(|x| {
-                        let v = own.distance([cell[0] + x, cell[1] + y]);
-                        let m = |axis| {
-                            if own.is_marked(rimline::reference::cpu::Edge { at: [cell[0] + x, cell[1] + y], axis }) {
-                                ["|", "_"][axis]
-                            } else {
-                                " "
-                            }
-                        };
-                        format!(
-                            "{:.4}{}{}",
-                            if v == i32::MAX { 9.0 } else { f64::from(v) / (1 << 29) as f64 },
-                            m(0),
-                            m(1)
-                        )
-                    })
-                    .collect();
-                println!("      {}", row.join(" "));
+    }
+
+    /// What the stages are told, for a map in a format.
+    fn shape(self, map: &Map, format: TextureFormat, capacity: u32) -> ContourShape {
+        let units = |depth: f32| (f64::from(depth) * UNIT).round().min(UNIT) as i32;
+        let tolerance = units(self.depth);
+        // Four bits are left of a tolerance.
+        let shift = if tolerance < 16 { 0 } else { 28 - tolerance.leading_zeros() };
+        let tiles = map.size.map(|texels| (texels + 16) / 16);
+        let is_float = matches!(format, TextureFormat::R32Float | TextureFormat::Depth32Float);
+        let [share, constant] = match format {
+            TextureFormat::Depth16Unorm => [0, 1 << 15],
+            _ if is_float && map.is_reversed => [256, 0],
+            _ => [0, 128],
+        };
+        ContourShape {
+            tiles: [tiles[0], tiles[0] * tiles[1]],
+            words: (map.size[0] + 17) / 16,
+            capacity,
+            threshold: units(self.threshold),
+            sure: (f64::from(self.threshold) * 16.0 * UNIT).round().min(UNIT) as i32,
+            sideways: (f64::from(self.sideways) * 256.0).round() as i32,
+            tolerance: tolerance >> shift,
+            shift,
+            slope_bias: (f64::from(self.slope_bias) * 128.0).round() as i32,
+            share,
+            constant,
+        }
+    }
+}
+
+fn far(is_reversed: bool) -> f32 {
+    if is_reversed { 0.0 } else { 1.0 }
+}
+
+/// Bodies with smooth rims over ground or nothing, some behind others.
+fn smooth(random: &mut Random, size: [u32; 2], is_reversed: bool) -> Map {
+    let mut between = |low: f32, high: f32| f64::from(random.between(low, high));
+    let [width, height] = size.map(f64::from);
+    let bodies: Vec<_> = (0..5)
+        .map(|_| {
+            let middle = [between(0.0, 1.0) * width, between(0.0, 1.0) * height];
+            let lobes = [between(2.0, 6.0).floor(), between(0.0, 0.5)];
+            (middle, between(0.05, 0.35) * width.min(height), lobes, between(0.2, 0.5), between(-0.001, 0.001))
+        })
+        .collect();
+    let ground = (between(0.0, 1.0) < 0.5).then(|| [between(0.7, 0.9), between(-0.0004, 0.0004)]);
+    Map::new(size, is_reversed, |texel| {
+        let [x, y] = [texel % size[0], texel / size[0]].map(f64::from);
+        let mut depth = ground.map_or(f64::INFINITY, |[depth, slope]| depth + slope * x);
+        for (middle, radius, [lobes, share], near, slope) in &bodies {
+            let [x, y] = [x - middle[0], y - middle[1]];
+            let reach = radius * (1.0 + share * (lobes * y.atan2(x)).sin());
+            let inside = 1.0 - (x * x + y * y) / (reach * reach);
+            if inside > 0.0 {
+                depth = depth.min(near - 0.05 * inside.sqrt() + slope * x);
             }
         }
-        last = Some((dark, cell, code));
+        if depth.is_infinite() {
+            far(is_reversed)
+        } else if is_reversed {
+            1.0 - depth as f32
+        } else {
+            depth as f32
+        }
+    })
+}
+
+/// A wall: four vertices of a place and a distance.
+type Quad = [[i32; 3]; 4];
+
+/// The walls that the GPU lists, and their number.
+fn listed(volumes: &DepthMapVolumes, gpu: &Gpu) -> Result<(u32, Vec<Quad>), String> {
+    let head: Vec<u32> = gpu.read(volumes.cells(), 4)?;
+    same("words before the list", &head[1..], &[0; 3])?;
+    let room = (volumes.cells().size() / 4 - 4) / 12;
+    let words: Vec<i32> = gpu.read(volumes.cells(), 4 + 12 * u64::from(head[0]).min(room) as usize)?;
+    let vertex = |words: &[i32]| [words[0], words[1], words[2]];
+    let quad = |words: &[i32]| [0, 3, 6, 9].map(|at| vertex(&words[at..]));
+    Ok((head[0], words[4..].chunks_exact(12).map(quad).collect()))
+}
+
+/// A map on the GPU, and what its shaders read.
+struct Given {
+    texture: wgpu::Texture,
+    map: Map,
+}
+
+impl Given {
+    fn new(gpu: &Gpu, map: &Map, format: TextureFormat) -> Result<Self, String> {
+        let clamped = |depth: &f32| if depth.is_nan() { 0.5 } else { depth.clamp(0.0, 1.0) };
+        let is_plain = format == TextureFormat::R32Float;
+        let depths = if is_plain { map.depths.clone() } else { map.depths.iter().map(clamped).collect() };
+        let texture = texture(gpu, map.size, format, &depths)?;
+        let depths = read(gpu, &texture)?;
+        Ok(Self { texture, map: Map { depths, ..map.clone() } })
+    }
+
+    fn encode(&self, gpu: &Gpu, volumes: &mut DepthMapVolumes, objects: Option<&wgpu::Texture>) -> Result<(), String> {
+        let given = DepthMap { texture: &depth_view(&self.texture), light: camera(direction(&self.map)) };
+        let eye = camera(DepthDirection::Reversed);
+        let objects = objects.map(|objects| objects.create_view(&wgpu::TextureViewDescriptor::default()));
+        gpu.submit(|encoder| {
+            let frame = match &objects {
+                Some(objects) => volumes.encode_objects(encoder, &given, objects, &eye, None),
+                None => volumes.encode(encoder, &given, &eye, None),
+            };
+            frame.map(drop).map_err(text)
+        })
+    }
+}
+
+/// The walls of the twin.
+fn of_twin(map: &Map, shape: &DepthMapShape, contour: &ContourShape, objects: &[u32]) -> (u32, Vec<Quad>) {
+    let samples = Samples { shape, depths: &map.depths, objects };
+    let own = ContourMap { samples: &samples, shape: contour };
+    let marks = contour_marks(&own);
+    let list = contour_walls(&own, &marks, &contour_places(&own, &marks));
+    (list.count, list.walls)
+}
+
+fn lists() -> Result<(), String> {
+    const SEED: u64 = 1641;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let formats =
+        [TextureFormat::R32Float, TextureFormat::Depth32Float, TextureFormat::Depth24Plus, TextureFormat::Depth16Unorm];
+    let (mut all, mut unnoticed) = (0, 0);
+    for format in formats {
+        let mut given = maps(&mut random);
+        given.extend(further(&mut random));
+        for size in [[70, 45], [33, 90], [120, 120]] {
+            given.extend([false, true].map(|is_reversed| smooth(&mut random, size, is_reversed)));
+        }
+        for map in given {
+            let fit = Fit {
+                threshold: [0.0, 0.0005, 0.01, 0.125, 1.0][random.below(5)],
+                sideways: [0.0, 0.25, 0.5][random.below(3)],
+                depth: [0.0, 0.001, 0.02, 1.0][random.below(4)],
+                slope_bias: [0.0, 1.0, 5.5][random.below(3)],
+            };
+            let numbers: Vec<_> = map.depths.iter().map(|_| u32::from(random.below(19) == 0)).collect();
+            let options = DepthMapOptions {
+                objects: random.below(4) == 0,
+                capacity: Some(if random.below(5) == 0 { random.below(40) as u32 } else { 100_000 }),
+                ..fit.options()
+            };
+            let given = Given::new(&gpu, &map, format)?;
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            let numbers_given = options.objects.then(|| objects(&gpu, map.size, &numbers));
+            given.encode(&gpu, &mut volumes, numbers_given.as_ref())?;
+            let shape = DepthMapShape { objects: u32::from(options.objects), ..map.shape(fit.threshold, u32::MAX) };
+            let contour = fit.shape(&map, format, options.capacity.unwrap_or(0));
+            let expected = of_twin(&given.map, &shape, &contour, &numbers);
+            let found = listed(&volumes, &gpu)?;
+            let what = format!("{format:?} {:?}, reversed {}, {fit:?}", map.size, map.is_reversed);
+            same(&what, &[found.0], &[expected.0])?;
+            same(&what, &found.1, &expected.1)?;
+            all += expected.0;
+            // Negative control: another move away from the light.
+            let other = ContourShape { constant: contour.constant + 1, ..contour };
+            unnoticed += u32::from(expected.0 > 0 && found == of_twin(&given.map, &shape, &other, &numbers));
+        }
+    }
+    println!("{all} walls; {unnoticed} maps have the same if all is moved");
+    if all > 50_000 && unnoticed < 20 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// The distance of a sample from the near plane, `None` where it casts nothing. A text of its own.
+fn distance(map: &Map, [x, y]: [i32; 2]) -> Option<i64> {
+    let inside = x > 0 && y > 0 && x as u32 <= map.size[0] && y as u32 <= map.size[1];
+    let depth = inside.then(|| f64::from(map.depths[((y - 1) as u32 * map.size[0] + (x - 1) as u32) as usize]))?;
+    let is_far = depth.is_nan() || if map.is_reversed { depth < f64::from(f32::MIN_POSITIVE) } else { depth >= 1.0 };
+    let units = (depth.clamp(0.0, 1.0) * UNIT).floor() as i64;
+    let units = if map.is_reversed { UNIT as i64 - units } else { units };
+    (!is_far).then(|| units.min(UNIT as i64 - 1))
+}
+
+/// Whether there is a jump between neighbours: the rule as the documentation has it.
+fn is_jump(map: &Map, threshold: i64, at: [i32; 2], step: [i32; 2]) -> bool {
+    let there = |count: i32| [at[0] + count * step[0], at[1] + count * step[1]];
+    let values: Vec<_> = (-3..=4).map(|count| distance(map, there(count))).collect();
+    let difference = |first: usize| Some(values[first + 1]? - values[first]?);
+    let (Some(a), Some(b)) = (values[3], values[4]) else { return values[3].is_some() != values[4].is_some() };
+    let jump = (b - a).abs();
+    if jump <= threshold {
+        return false;
+    }
+    // As if the second were farther.
+    let sign = if b > a { 1 } else { -1 };
+    let (nearer, farther) = if b > a { ([2, 1], [4, 5]) } else { ([4, 5], [2, 1]) };
+    let beside = |first: usize| difference(first).map(|difference| sign * difference);
+    if [nearer[0], farther[0]].into_iter().filter_map(beside).any(|beside| (jump - beside).abs() <= threshold) {
+        return false;
+    }
+    let slope = |[first, second]: [usize; 2]| match (beside(first), beside(second)) {
+        (Some(a), Some(b)) if a.signum() * b.signum() >= 0 && (a >= 0) == (b >= 0) => {
+            if a.abs() < b.abs() {
+                a
+            } else {
+                b
+            }
+        }
+        _ => 0,
+    };
+    let before = beside(nearer[0]).unwrap_or(0);
+    let is_alone = beside(farther[0]).is_some_and(|after| before.max(after) / 2 < jump / 4);
+    (jump > 16 * threshold || is_alone) && jump - slope(nearer).max(slope(farther)) > threshold
+}
+
+/// Whether the way from one sample to the next crosses a segment, neither through its end.
+fn crosses([a, b]: [[i64; 2]; 2], [p, q]: [[i64; 2]; 2]) -> bool {
+    let side = |from: [i64; 2], to: [i64; 2], at: [i64; 2]| {
+        ((to[0] - from[0]) * (at[1] - from[1]) - (to[1] - from[1]) * (at[0] - from[0])).signum()
+    };
+    // A segment's first end counts, its second does not.
+    let is_between = (side(a, b, p) >= 0) != (side(a, b, q) >= 0);
+    is_between && side(p, q, a) * side(p, q, b) < 0
+}
+
+/// Checks that ends of walls cancel, and that the walls cross each marked edge once and no other.
+fn check_closed(map: &Map, threshold: i64, quads: &[Quad]) -> Result<usize, String> {
+    // The vertical ends at each place: every distance between two ends lies in as many as go down as go up.
+    let mut ends: HashMap<[i32; 2], Vec<(i32, i32)>> = HashMap::new();
+    let mut seams: HashMap<[[i32; 3]; 2], i32> = HashMap::new();
+    let mut segments = HashSet::new();
+    for quad in quads {
+        for number in 0..4 {
+            let [a, b] = [quad[number], quad[(number + 1) % 4]];
+            if a[..2] == b[..2] {
+                ends.entry([a[0], a[1]]).or_default().push((a[2], b[2]));
+            }
+        }
+        for side in [[quad[0], quad[1]], [quad[3], quad[2]]] {
+            if side[0][..2] != side[1][..2] {
+                *seams.entry(side).or_default() += 1;
+            }
+        }
+        let [a, b, c, d] = *quad;
+        if a[..2] == b[..2] && c[..2] == d[..2] && a[..2] != c[..2] {
+            let [p, q] = [a, c].map(|[x, y, _]| [i64::from(x), i64::from(y)]);
+            segments.insert(if p < q { [p, q] } else { [q, p] });
+        }
+    }
+    for (place, ends) in &ends {
+        let mut turns: Vec<_> = ends.iter().flat_map(|&(from, to)| [(from, 1), (to, -1)]).collect();
+        turns.sort_unstable();
+        let mut sum = 0;
+        for (at, turn) in
+            turns.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|turn| turn.1).sum::<i32>()))
+        {
+            sum += turn;
+            if turn != 0 {
+                return Err(format!("at {place:?} ends at {at} do not cancel: {ends:?}"));
+            }
+        }
+        if sum != 0 {
+            return Err(format!("at {place:?} ends do not cancel: {ends:?}"));
+        }
+    }
+    // Sides of flaps, from a sample to a place on an edge, belong to two flaps.
+    if let Some((seam, count)) = seams.iter().find(|(_, count)| *count % 2 != 0) {
+        return Err(format!("{count} flaps at {seam:?}"));
+    }
+    let mut by_cell: HashMap<[i64; 2], Vec<[[i64; 2]; 2]>> = HashMap::new();
+    for &[a, b] in &segments {
+        let cells = |axis: usize| a[axis].min(b[axis]).div_euclid(256)..=a[axis].max(b[axis]).div_euclid(256);
+        for x in cells(0) {
+            for y in cells(1) {
+                by_cell.entry([x, y]).or_default().push([a, b]);
+            }
+        }
+    }
+    let mut marked = 0;
+    let size = map.size.map(|texels| texels as i32);
+    for (x, y) in (0..=size[1] + 1).flat_map(|y| (0..=size[0] + 1).map(move |x| (x, y))) {
+        for step in [[1, 0], [0, 1]] {
+            let other = [x + step[0], y + step[1]];
+            if other[0] > size[0] + 1 || other[1] > size[1] + 1 {
+                continue;
+            }
+            let way = [[x, y], other].map(|at| at.map(|place| i64::from(place) * 256));
+            let mut near: HashSet<[[i64; 2]; 2]> = HashSet::new();
+            for cell in [[x, y], [x - step[1], y - step[0]]] {
+                near.extend(by_cell.get(&cell.map(i64::from)).into_iter().flatten());
+            }
+            let crossed = near.iter().filter(|&&segment| crosses(way, segment)).count();
+            let is_marked = is_jump(map, threshold, [x, y], step);
+            marked += usize::from(is_marked);
+            if crossed != usize::from(is_marked) {
+                let ends: Vec<_> = near.iter().filter(|&&segment| crosses(way, segment)).collect();
+                return Err(format!(
+                    "{crossed} walls cross from {:?} to {other:?}, marked {is_marked}: {ends:?}",
+                    [x, y]
+                ));
+            }
+        }
+    }
+    Ok(marked)
+}
+
+fn closed() -> Result<(), String> {
+    const SEED: u64 = 1642;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let (mut marked, mut walls) = (0, 0);
+    for round in 0..3 {
+        let mut given = maps(&mut random);
+        for size in [[70, 45], [130, 120]] {
+            given.extend([false, true].map(|is_reversed| smooth(&mut random, size, is_reversed)));
+        }
+        for map in given {
+            let fit = Fit {
+                threshold: [0.0005, 0.0078125, 0.125][random.below(3)],
+                sideways: [0.0, 0.25, 0.5][round],
+                depth: [0.0, 0.002, 1.0][random.below(3)],
+                slope_bias: [0.0, 1.0][random.below(2)],
+            };
+            let given = Given::new(&gpu, &map, TextureFormat::R32Float)?;
+            let options = DepthMapOptions { capacity: Some(100_000), ..fit.options() };
+            let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
+            given.encode(&gpu, &mut volumes, None)?;
+            let (_, quads) = listed(&volumes, &gpu)?;
+            let threshold = (f64::from(fit.threshold) * UNIT).round() as i64;
+            let what = |error| format!("{:?}, reversed {}, {fit:?}: {error}", map.size, map.is_reversed);
+            marked += check_closed(&given.map, threshold, &quads).map_err(what)?;
+            walls += quads.len();
+            // Negative control: a wall is missing, or a vertex is elsewhere.
+            if quads.len() > 4 {
+                let at = random.below(quads.len());
+                let less = [&quads[..at], &quads[at + 1..]].concat();
+                let is_wall = quads[at][0][..2] == quads[at][1][..2] && quads[at][0] != quads[at][1];
+                if is_wall {
+                    must_fail("a missing wall", &check_closed(&given.map, threshold, &less))?;
+                }
+                let mut moved = quads.clone();
+                moved[at][0][2] ^= 1;
+                must_fail("a moved vertex", &check_closed(&given.map, threshold, &moved))?;
+            }
+        }
+    }
+    println!("{marked} marked edges, {walls} walls");
+    if marked > 20_000 { Ok(()) } else { Err("too few".to_owned()) }
+}
+
+/// A list that overflows is not drawn: every cell is, by its triangles.
+fn overflow() -> Result<(), String> {
+    const SEED: u64 = 1643;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let mut random = Random::new(SEED);
+    let mut differ = 0;
+    for world in worlds(&mut random) {
+        let Some(view) = View::random(&mut random, &world) else { continue };
+        let [light_depths, eye_depths] = view.depths();
+        let map = texture(&gpu, [SIDE; 2], TextureFormat::Depth32Float, &light_depths)?;
+        let fit = Fit { threshold: 0.0005, sideways: 0.25, depth: 0.002, slope_bias: 1.0 };
+        let picture = |options| {
+            let (light, eye, depths) = (view.sun.camera, view.eye, &eye_depths[..]);
+            Picture { map: &map, objects: None, light, eye, depths, side: SIDE, options, bit: 7 }.stencil(&gpu)
+        };
+        let every = picture(DepthMapOptions::default())?;
+        let overflown = picture(DepthMapOptions { capacity: Some(3), ..fit.options() })?;
+        same("an overflow", &overflown, &every)?;
+        differ += usize::from(picture(fit.options())? != every);
+    }
+    // Negative control: contours are not the same.
+    if differ > 3 { Ok(()) } else { Err(format!("{differ} pictures differ")) }
+}
+
+/// Quadrilaterals of walls and flaps against the triangles of marked cells.
+fn few() -> Result<(), String> {
+    const SEED: u64 = 1644;
+    println!("seed {SEED}");
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let mut random = Random::new(SEED);
+    let mut ratios = Vec::new();
+    for side in [128, 256, 512] {
+        let (mut triangles, mut walls) = (0, 0);
+        let mut own = Random::new(random.next_u64());
+        for is_reversed in [false, true, false, true] {
+            let given = Given::new(&gpu, &smooth(&mut own, [side; 2], is_reversed), TextureFormat::Depth32Float)?;
+            let fit = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 };
+            let count = |options| {
+                let mut volumes = DepthMapVolumes::new(&pipelines, [side; 2], options).map_err(text)?;
+                given.encode(&gpu, &mut volumes, None)?;
+                let head: Vec<u32> = gpu.read(volumes.cells(), 1)?;
+                let cells: Vec<u32> = gpu.read(volumes.cells(), 1 + head[0] as usize)?;
+                Ok::<_, String>((head[0], cells))
+            };
+            walls += 2 * count(fit.options())?.0;
+            let listed = count(DepthMapOptions { reconstruction: DepthMapReconstruction::Triangles, ..fit.options() })?;
+            triangles += listed.1[1..].iter().map(|cell| (cell >> 30).count_ones()).sum::<u32>();
+        }
+        println!("{side}²: {triangles} triangles of cells, {walls} of walls");
+        ratios.push(f64::from(triangles) / f64::from(walls));
+    }
+    println!("{ratios:.2?} times fewer");
+    if ratios.iter().all(|&ratio| ratio > 1.5) && ratios[2] > ratios[0] { Ok(()) } else { Err(format!("{ratios:?}")) }
+}
+
+fn refused() -> Result<(), String> {
+    let gpu = Gpu::shared()?;
+    let pipelines = DepthMapPipelines::new(&gpu.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let options = Fit { threshold: 0.01, sideways: 0.25, depth: 0.01, slope_bias: 1.0 }.options();
+    let refused = |options| DepthMapVolumes::new(&pipelines, [8, 8], options).err();
+    let with = |sideways, depth| DepthMapReconstruction::Contours { sideways, depth };
+    for edges in [DepthEdges::EveryCell, DepthEdges::Automatic, DepthEdges::WorldDifferences { threshold: 1.0 }] {
+        let expected = DepthMapVolumesError::ContourEdges(edges);
+        same("edges", &[refused(DepthMapOptions { edges, ..options })], &[Some(expected)])?;
+    }
+    for sideways in [-0.1, 0.6, f32::INFINITY] {
+        let options = DepthMapOptions { reconstruction: with(sideways, 0.01), ..options };
+        same("sideways", &[refused(options)], &[Some(DepthMapVolumesError::Sideways(sideways))])?;
+    }
+    for depth in [-0.1, 1.5, f32::INFINITY] {
+        let options = DepthMapOptions { reconstruction: with(0.25, depth), ..options };
+        same("depth", &[refused(options)], &[Some(DepthMapVolumesError::ContourDepth(depth))])?;
+    }
+    let bits = refused(DepthMapOptions { bits: 2, ..options });
+    same("bits", &[bits], &[Some(DepthMapVolumesError::ContourBits(2))])?;
+    if !matches!(
+        refused(DepthMapOptions { reconstruction: with(f32::NAN, 0.01), ..options }),
+        Some(DepthMapVolumesError::Sideways(_))
+    ) {
+        return Err("NaN is no distance".to_owned());
+    }
+    let cameras = [camera(DepthDirection::Reversed); 6];
+    match DepthMapCube::new(&pipelines, 8, &cameras, options).err() {
+        Some(DepthMapCubeError::Contours) => Ok(()),
+        other => Err(format!("{other:?}")),
     }
 }

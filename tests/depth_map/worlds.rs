@@ -46,9 +46,17 @@ impl World {
         }
     }
 
-    /// Whether a point is in the body of a distance field, or below the ground.
+    /// Whether a point is in the body, or below the ground.
     pub(crate) fn is_inside(&self, point: DVec3) -> bool {
-        point.y <= 0.0 || self.distance(point) <= 0.0
+        let is_in_body = match self {
+            // Meshes are closed. The direction is no axis of theirs.
+            Self::Mesh(tracer) => {
+                let direction = DVec3::new(0.48, 0.6, 0.64);
+                tracer.meetings((point, direction)).filter(|(t, _)| *t > 0.0).count() % 2 == 1
+            }
+            _ => self.distance(point) <= 0.0,
+        };
+        point.y <= 0.0 || is_in_body
     }
 
     /// Where a ray meets the shape first, and the normal there.

@@ -91,6 +91,12 @@ fn slope_between(at: vec2<i32>, step: vec2<i32>) -> i32 {
   return select(abs(smaller(own - before, after - own)), 0, max(own, max(before, after)) == FAR);
 }
 
+// What the depths of the map and of the eye may be off by, at a distance.
+fn precision_at(own: i32) -> i32 {
+  let depth = select(own, RANGE - own, depth_map.is_reversed != 0u);
+  return (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
+}
+
 // The distance of a sample, moved away from the light.
 fn moved_distance(at: vec2<i32>) -> i32 {
   let own = distance_at(at);
@@ -101,16 +107,5 @@ fn moved_distance(at: vec2<i32>) -> i32 {
   // It is cut off before it overflows.
   let is_large = (slopes >> 8u) > (RANGE / 2) / max(contour.slope_bias, 1);
   let of_slopes = select(parts(slopes, contour.slope_bias), RANGE / 2, is_large);
-  let depth = select(own, RANGE - own, depth_map.is_reversed != 0u);
-  let offset = of_slopes + (((depth >> 10u) * contour.share) >> 19u) + contour.constant;
-  return own + min(offset, (RANGE - own) / 2);
-}
-
-// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step.
-fn surface_distance(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
-  let own = distance_at(at);
-  if (own == FAR) {
-    return FAR;
-  }
-  return clamp(moved_distance(at) + parts(slope_to_step(at, step), place), 0, own + (RANGE - own) / 2);
+  return own + min(of_slopes + precision_at(own), (RANGE - own) / 2);
 }

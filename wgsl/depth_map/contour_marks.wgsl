@@ -28,6 +28,10 @@ fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   let second = distance_at(near + 2 * away);
   let before = select(min(a, b) - first, 0, first == FAR);
   let after = select(second - max(a, b), FAR, second == FAR);
+  // Three samples of a plane.
+  if (min(abs(jump - before), abs(jump - after)) <= contour.threshold) {
+    return false;
+  }
   let is_alone = max(before, after) / 2 < jump / 4;
   let slopes = max(slope_to_step(near, away), -slope_to_step(near + away, -away));
   return (jump > contour.sure || is_alone) && jump - slopes > contour.threshold;

@@ -171,8 +171,15 @@ fn add_node(count: u32, kind: u32, step: Step) {
   let far = clamp(of_left + contour.sideways, LEAST, TEXEL - LEAST);
   limits[count] = vec4<i32>(left * TEXEL + along * near, left * TEXEL + along * far);
   edges[count] = vec3<i32>(first, i32(axis));
-  let is_right = own.y < own.x;
-  let sample = select(left, right, is_right);
+  // Walks to both sides take the same sample, of equal ones, too.
+  let is_right = own.y < own.x || (own.y == own.x && all(right == first));
+  var sample = select(left, right, is_right);
+  // The surface goes on to the sample before.
+  let out = select(along, -along, is_right);
+  let before = sample - out;
+  if (((marks_at(min(sample, before)) >> axis) & 1u) == 0u) {
+    sample = before;
+  }
   inners[count] = vec4<i32>(sample * TEXEL, moved_distance(sample), select(0, 1, is_right));
 }
 

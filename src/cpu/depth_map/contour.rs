@@ -45,7 +45,7 @@ pub(crate) fn edge_of_cell(cell: [i32; 2], bit: usize) -> Edge {
 }
 
 /// The smaller of two differences, 0 if they have different signs.
-fn smaller(a: i32, b: i32) -> i32 {
+pub(crate) fn smaller(a: i32, b: i32) -> i32 {
     if (a ^ b) < 0 {
         0
     } else if a.abs() < b.abs() {
@@ -56,7 +56,7 @@ fn smaller(a: i32, b: i32) -> i32 {
 }
 
 /// `a` times `parts` of 256, rounded down.
-fn parts(a: i32, parts: i32) -> i32 {
+pub(crate) fn parts(a: i32, parts: i32) -> i32 {
     (a >> 8) * parts + (((a & 255) * parts) >> 8)
 }
 
@@ -112,16 +112,6 @@ impl Map<'_> {
         own + (of_slopes + (((depth >> 10) * share) >> 19) + constant).min(most)
     }
 
-    /// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step.
-    pub fn surface(&self, at: [i32; 2], step: [i32; 2], place: i32) -> i32 {
-        let own = self.distance(at);
-        if own == FAR {
-            return FAR;
-        }
-        let there = self.moved(at) + parts(self.slope(at, step), place);
-        there.clamp(0, own + (RANGE - own) / 2)
-    }
-
     /// Whether there is a jump between the samples of an edge, and not only a slope. One that is not sure must be twice as large as the differences beside it.
     pub fn is_marked(&self, edge: Edge) -> bool {
         let step = if edge.axis == 0 { [1, 0] } else { [0, 1] };
@@ -151,6 +141,10 @@ impl Map<'_> {
             FAR => FAR,
             second => second - a.max(b),
         };
+        // Three samples of a plane.
+        if [before, after].iter().any(|beside| (jump - beside).abs() <= threshold) {
+            return false;
+        }
         let is_alone = before.max(after) / 2 < jump / 4;
         let slopes = self.slope(near, away).max(-self.slope(far, back));
         (jump > self.shape.sure || is_alone) && jump - slopes > threshold

@@ -3,7 +3,7 @@
 use glam::{IVec2, Vec2};
 
 use super::contour::{FAR, Map, RANGE, TEXEL, TURN, edge_of_cell, sum};
-use super::contour_marks::code_of_cell;
+use super::contour_marks::{code_of_cell, surface};
 use super::contour_places::place_of;
 
 /// The place on the edge of a cell, from the cell's first sample on.
@@ -52,6 +52,6 @@ pub fn contour_distance(map: &Map<'_>, marks: &[u32], places: &[u32], cell: [i32
         return FAR;
     }
     let offset = (place - IVec2::from_array(corner).as_vec2()).abs() * TEXEL as f32;
-    let there = |step: [i32; 2], offset: f32| map.surface(at, step, offset as i32) - own;
+    let there = |step: [i32; 2], offset: f32| surface(map, marks, at, step, offset as i32) - own;
     (own + there(along[0], offset.x) + there(along[1], offset.y)).clamp(0, RANGE - 1)
 }

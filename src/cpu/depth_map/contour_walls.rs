@@ -1,7 +1,7 @@
 //! Contour walls: walks along the contours of each tile, fits segments to them, and lists walls over the segments.
 
 use super::contour::{Edge, FAR, Map, OUT, TEXEL, TILE, TURN, edge_of_cell, sum};
-use super::contour_marks::code_of_cell;
+use super::contour_marks::{code_of_cell, is_marked, surface};
 use super::contour_places::{LEAST, place_of, point_of};
 
 /// Nodes that a segment may have.
@@ -99,6 +99,10 @@ impl Tracer<'_> {
         (self.code(cell) & !(1 << entered)).trailing_zeros() as usize % 4
     }
 
+    fn surface(&self, at: [i32; 2], step: [i32; 2], place: i32) -> i32 {
+        surface(self.map, self.marks, at, step, place)
+    }
+
     /// The node on the edge that a step goes over.
     fn node(&self, (cell, bit): Step) -> Node {
         let edge = edge_of_cell(cell, bit);
@@ -109,7 +113,7 @@ impl Tracer<'_> {
         let step = less(right, left);
         let of_left = if left == edge.at { place } else { TEXEL - place };
         let back = step.map(|step| -step);
-        let depths = [self.map.surface(left, step, of_left), self.map.surface(right, back, TEXEL - of_left)];
+        let depths = [self.surface(left, step, of_left), self.surface(right, back, TEXEL - of_left)];
         let sideways = self.map.shape.sideways;
         let limit = |place: i32| {
             let mut limit = left.map(|at| at * TEXEL);
@@ -119,8 +123,14 @@ impl Tracer<'_> {
             limit
         };
         let limits = [limit(of_left - sideways), limit(of_left + sideways)];
-        let side = usize::from(depths[1] < depths[0]);
+        // Walks to both sides take the same sample, of equal ones, too.
+        let side = usize::from(depths[1] < depths[0] || depths[1] == depths[0] && right == edge.at);
+        let out = [step, back][side];
         let sample = [left, right][side];
+        // The surface goes on to the sample before.
+        let before = less(sample, out);
+        let between = Edge { at: [0, 1].map(|axis| before[axis].min(sample[axis])), axis: edge.axis };
+        let sample = if is_marked(self.map, self.marks, between) { sample } else { before };
         let [x, y] = sample.map(|at| at * TEXEL);
         let inner = Some((side, [x, y, self.map.moved(sample)]));
         Node { at: point, copies: depths, inner, edge: Some((edge, limits)), star: None }
