@@ -102,7 +102,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: samples that maps of a cube share move with the slopes of one map",
         changes: &[(
-            "wgsl/depth_map/depth_surface.wgsl",
+            "wgsl/depth_map/surface.wgsl",
             "    if (is_on_border(own.at)) {\n      let direction = direction_of(own.face, own.at);\n      var most",
             "    if (own.at.x > 0x10000u) {\n      let direction = direction_of(own.face, own.at);\n      var most",
         )],
@@ -110,7 +110,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: near caps of a cube take the map that a place is nearest to",
-        changes: &[("wgsl/depth_map/depth_surface.wgsl", "if (there.w > point.w) {", "if (there.w < point.w) {")],
+        changes: &[("wgsl/depth_map/surface.wgsl", "if (there.w > point.w) {", "if (there.w < point.w) {")],
         tests: CUBES,
     },
     Mutation {
@@ -203,7 +203,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: far samples are at the far plane",
         changes: &[(
-            "wgsl/depth_map/depth_surface.wgsl",
+            "wgsl/depth_map/surface.wgsl",
             "  if (key == FAR_KEY) {\n    return view.far_across",
             "  if (key == FAR_KEY && view.infinity.w > 1.0) {\n    return view.far_across",
         )],
@@ -217,7 +217,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: near caps take the other triangle of a cell",
         changes: &[(
-            "wgsl/depth_map/depth_surface.wgsl",
+            "wgsl/depth_map/surface.wgsl",
             "let is_split = (entry & SPLIT) != 0u;",
             "let is_split = (entry & SPLIT) == 0u;",
         )],
@@ -231,7 +231,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps: the boundary moves towards the light",
         changes: &[(
-            "wgsl/depth_map/depth_surface.wgsl",
+            "wgsl/depth_map/surface.wgsl",
             "return depth + select(offset, -offset, is_reversed);",
             "return depth - select(offset, -offset, is_reversed);",
         )],
@@ -275,7 +275,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     Mutation {
         name: "depth maps of bits: the slope is that of one bit",
         changes: &[(
-            "wgsl/depth_map/depth_surface.wgsl",
+            "wgsl/depth_map/surface.wgsl",
             "  if (depth_map.spread != 0u) {\n    return max(",
             "  if (depth_map.spread > 1u) {\n    return max(",
         )],
