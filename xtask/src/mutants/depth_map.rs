@@ -211,7 +211,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: no near cap",
-        changes: &[("src/gpu/depth_map/frame.rs", "pass.draw(0..3, 0..1);", "pass.draw(0..0, 0..1);")],
+        changes: &[(
+            "src/gpu/depth_map/frame.rs",
+            "draws, 0);\n            pass.set_pipeline(&own.near_cap);\n            pass.draw(0..3, 0..1);",
+            "draws, 0);\n            pass.set_pipeline(&own.near_cap);\n            pass.draw(0..0, 0..1);",
+        )],
         tests: PICTURES,
     },
     Mutation {
