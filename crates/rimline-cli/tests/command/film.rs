@@ -8,10 +8,8 @@ use super::run::{folder, is_empty, on_asset, rimline};
 use super::shadow::{Image, run, with_cube};
 use super::{Outcome, Test, ensure};
 
-pub(crate) const TESTS: &[Test] = &[
-    ("shadow::a_film_is_numbered_and_whole", film),
-    ("shadow::a_films_folder_is_made_and_unmade", film_folder),
-];
+pub(crate) const TESTS: &[Test] =
+    &[("shadow::a_film_is_numbered_and_whole", film), ("shadow::a_films_folder_is_made_and_unmade", film_folder)];
 
 pub(crate) fn trials() -> Vec<Trial> {
     vec![on_asset("a_film_plays_the_first_animation", "Fox.glb", first_animation)]
