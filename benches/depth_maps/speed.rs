@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rimline::gpu::{DepthMap, DepthMapVolumes, StageTimer};
 use rimline_measure::on_gpu::text;
+use rimline_measure::pipelines::TexelKernel;
 
 use crate::growth::eye;
 use crate::scenes::{RADIUS, scene};
@@ -35,49 +36,11 @@ fn at(place: vec2<i32>) -> u32 {
 const SIDE: u32 = 2048;
 
 pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), String> {
-    let device = &bench.gpu.device;
     let map = bench.target(SIDE, MAP);
     let light = camera(axes(DVec3::new(0.4, -1.0, 0.3).normalize(), DVec3::Z), 8.0, f64::from(RADIUS), true);
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("floor"),
-        source: wgpu::ShaderSource::Wgsl(FLOOR.into()),
-    });
-    let float = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let storage = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: false },
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let visibility = wgpu::ShaderStages::COMPUTE;
-    let entries = [(0, float), (1, storage)];
-    let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("floor"),
-        layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        })),
-        module: &module,
-        entry_point: None,
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
     let cells = (SIDE + 1) * (SIDE + 1);
     let words = bench.gpu.storage(&vec![0_u32; cells as usize]);
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&map.depths) },
-            wgpu::BindGroupEntry { binding: 1, resource: words.as_entire_binding() },
-        ],
-    });
+    let floor = TexelKernel::new(&bench.gpu.device, ("floor", FLOOR), &map.depths, &words);
     let mut volumes = Vec::new();
     for (_, edges) in DETECTORS {
         volumes.push(bench.volumes(SIDE, edges)?);
@@ -96,10 +59,7 @@ pub(crate) fn measure(bench: &Bench, rounds: usize, seed: u64) -> Result<(), Str
         for round in 0..=rounds {
             let mut own = [0.0; DETECTORS.len() + 1];
             own[0] = bench.clock(|encoder| {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(&pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.dispatch_workgroups(cells.div_ceil(256), 1, 1);
+                floor.run(encoder, [cells.div_ceil(256), 1]);
                 Ok(())
             })?;
             for (time, volumes) in own[1..].iter_mut().zip(&mut volumes) {

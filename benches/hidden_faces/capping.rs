@@ -9,6 +9,7 @@ use rimline::reference::layout::ShadowDraws;
 use rimline::reference::shadow;
 use rimline::{Counting, Light};
 use rimline_measure::on_gpu::text;
+use rimline_measure::pipelines::{self, Drawing};
 
 use crate::casting;
 use crate::frames::{DEPTH, Frames, NEAR, camera};
@@ -68,44 +69,25 @@ pub(crate) struct CapDrawer {
 
 impl CapDrawer {
     fn new(frames: &Frames, vertices: &[Vec4]) -> Self {
-        let device = &frames.gpu.device;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("caps"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-        });
         let face =
             wgpu::StencilFaceState { pass_op: wgpu::StencilOperation::IncrementWrap, ..wgpu::StencilFaceState::IGNORE };
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("caps"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("cap"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 16,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-                })],
-            },
-            primitive: wgpu::PrimitiveState::default(),
+        let stencil = wgpu::StencilState { front: face, back: face, read_mask: 255, write_mask: 255 };
+        let drawing = Drawing {
+            label: "caps",
+            source: SHADER,
+            entry_points: [Some("cap"), Some("nothing")],
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 16,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+            })],
             depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState { front: face, back: face, read_mask: 255, write_mask: 255 },
-                bias: wgpu::DepthBiasState::default(),
+                stencil,
+                ..pipelines::depth(DEPTH, wgpu::CompareFunction::Always, false)
             }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("nothing"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+            ..Drawing::default()
+        };
+        let pipeline = drawing.pipeline(&frames.gpu.device);
         let floats: Vec<f32> = vertices.iter().flat_map(Vec4::to_array).collect();
         let vertices = frames.vertices(&floats);
         Self { pipeline, vertices, count: floats.len() as u32 / 4 }

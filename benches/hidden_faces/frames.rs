@@ -14,6 +14,7 @@ use rimline::reference::layout::ShadowDraws;
 use rimline::{Counting, DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
+use rimline_measure::pipelines::{self, Drawing};
 
 use crate::capping::CapDrawer;
 use crate::scenes::{Body, Setting};
@@ -135,41 +136,19 @@ impl Frames {
         for body in &setting.bodies {
             vertices.extend(body.mesh.faces().iter().flatten().map(|&vertex| body.positions[vertex as usize]));
         }
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("depth"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("depth"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("scene"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 12,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-                })],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("nothing"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let drawing = Drawing {
+            label: "depth",
+            source: SHADER,
+            entry_points: [Some("scene"), Some("nothing")],
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
+            depth_stencil: Some(pipelines::depth(DEPTH, wgpu::CompareFunction::Greater, true)),
+            ..Drawing::default()
+        };
+        let pipeline = drawing.pipeline(device);
         let buffer = |contents: &[u8], usage| {
             let size = contents.len() as u64;
             let usage = usage | wgpu::BufferUsages::COPY_DST;

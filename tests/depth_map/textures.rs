@@ -1,6 +1,7 @@
 //! Depth maps as textures of each format, and what a shader reads of them.
 
 use rimline_measure::device::Gpu;
+use rimline_measure::pipelines::TexelKernel;
 use wgpu::TextureFormat;
 
 const DEPTHS: &str = "
@@ -152,53 +153,11 @@ pub(crate) fn texture(
 
 /// What a shader reads of a texture.
 pub(crate) fn read(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<f32>, String> {
-    let device = &gpu.device;
     let texels = texture.width() * texture.height();
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("read"),
-        source: wgpu::ShaderSource::Wgsl(READ.into()),
-    });
-    let float = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let storage = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: false },
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let visibility = wgpu::ShaderStages::COMPUTE;
-    let entries = [(0, float), (1, storage)];
-    let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("read"),
-        layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        })),
-        module: &module,
-        entry_point: None,
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
     let bits = gpu.storage(&vec![0_u32; texels as usize]);
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&depth_view(texture)) },
-            wgpu::BindGroupEntry { binding: 1, resource: bits.as_entire_binding() },
-        ],
-    });
+    let kernel = TexelKernel::new(&gpu.device, ("read", READ), &depth_view(texture), &bits);
     gpu.submit(|encoder| {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(1024, texels.div_ceil(65_536), 1);
-        drop(pass);
+        kernel.run(encoder, [1024, texels.div_ceil(65_536)]);
         Ok::<_, String>(())
     })?;
     let bits: Vec<u32> = gpu.read(&bits, texels as usize)?;

@@ -8,6 +8,7 @@ use rimline::reference::shadow;
 use rimline::{DepthDirection, Light, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::text;
+use rimline_measure::pipelines::{self, Drawing};
 use rimline_measure::random::Random;
 use rimline_measure::{must_fail, same, shapes};
 
@@ -69,37 +70,15 @@ fn written(
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("depths"),
-        source: wgpu::ShaderSource::Wgsl(WRITER.into()),
-    });
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("depths"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: texture.format(),
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(if samples == 1 { "single" } else { "many" }),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+    let drawing = Drawing {
+        label: "depths",
+        source: WRITER,
+        entry_points: [None, Some(if samples == 1 { "single" } else { "many" })],
+        depth_stencil: Some(pipelines::depth(texture.format(), wgpu::CompareFunction::Always, true)),
+        samples,
+        ..Drawing::default()
+    };
+    let pipeline = drawing.pipeline(device);
     let words = [seed, share_of_sky, sky.to_bits(), nearest.to_bits()];
     let uniform = device.create_buffer(&wgpu::BufferDescriptor {
         label: None,

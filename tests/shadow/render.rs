@@ -13,6 +13,7 @@ use crate::in_scene::InScene;
 use crate::scene::{Body, Frame, Placed};
 use rimline_measure::device::Gpu;
 use rimline_measure::on_gpu::chosen;
+use rimline_measure::pipelines::Drawing;
 
 /// How the scene's own depth pass computes positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -299,31 +300,9 @@ impl<'a> Renderer<'a> {
         let device = &self.gpu.device;
         let format = wgpu::TextureFormat::Rgba8Uint;
         let split = self.target(target.width(), 1, format);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("samples"),
-            source: wgpu::ShaderSource::Wgsl(SAMPLES.into()),
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("samples"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: None,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: None,
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let drawing =
+            Drawing { label: "samples", source: SAMPLES, targets: &[Some(format.into())], ..Drawing::default() };
+        let pipeline = drawing.pipeline(device);
         let stencil = target.create_view(&wgpu::TextureViewDescriptor {
             aspect: wgpu::TextureAspect::StencilOnly,
             ..wgpu::TextureViewDescriptor::default()

@@ -6,6 +6,7 @@
 //! * [`predicates`], [`scenes`], [`shadow_cases`]: hard pairs of face and light, cameras with casters, queries;
 //! * [`poser`]: where a posed model's vertices are, in `f64`, from the glTF 2.0 specification;
 //! * [`rays`]: triangles and rays in `f64`;
+//! * [`pipelines`], [`dispatch`]: short ways to pipelines;
 //! * [`device`], `harness`: the device that GPU tests run on, and how they are run.
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc, reason = "comparators fail and panic by design")]
 #![allow(missing_docs, reason = "fields of fixtures say by their names what they are")]
@@ -21,6 +22,7 @@ pub mod harness;
 pub mod models;
 pub mod on_gpu;
 pub mod oracle;
+pub mod pipelines;
 pub mod polygon_oracle;
 pub mod polygons;
 pub mod poser;

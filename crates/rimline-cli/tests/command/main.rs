@@ -11,6 +11,7 @@ mod covered;
 mod depth_shadows;
 mod draw;
 mod fallback;
+mod film;
 mod given_depth;
 mod given_depth_wrong;
 mod info;
@@ -34,6 +35,7 @@ mod query;
 mod run;
 mod schema;
 mod shadow;
+mod shadow_wrong;
 #[cfg(unix)]
 mod signals;
 mod soft;
@@ -75,6 +77,8 @@ fn main() {
         draw::TESTS,
         outlines::TESTS,
         shadow::TESTS,
+        shadow_wrong::TESTS,
+        film::TESTS,
         plot_labels::TESTS,
         polygon_shadows::TESTS,
         soft::TESTS,
@@ -104,6 +108,7 @@ fn main() {
     trials.extend(outlines::trials());
     trials.extend(info::trials());
     trials.extend(shadow::trials());
+    trials.extend(film::trials());
     trials.extend(verify::trials());
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }

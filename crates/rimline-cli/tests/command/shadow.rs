@@ -1,4 +1,4 @@
-//! Shadows: masks whose values are known, pictures, films, and what is refused.
+//! Shadows: masks whose values are known, pictures, and what is said of them.
 
 use std::path::Path;
 
@@ -20,17 +20,9 @@ pub(crate) const TESTS: &[Test] = &[
     ("shadow::modes_and_options_draw_different_pictures", pictures),
     ("shadow::ranges_end_shadows", ranges),
     ("shadow::json_says_what_was_chosen", json),
-    ("shadow::wrong_options_end_with_2", wrong_options),
-    ("shadow::options_without_effect_end_with_2", idle_options),
     ("shadow::masks_end_at_a_lights_range", mask_range),
     ("shadow::counts_that_may_wrap_are_told", may_wrap),
-    ("shadow::result_names_that_clash_end_with_2", clash),
     ("shadow::pictures_do_not_depend_on_scale", scale),
-    ("shadow::bad_input_leaves_nothing", bad_input),
-    ("shadow::unwritable_places_end_with_4", unwritable),
-    ("shadow::a_film_is_numbered_and_whole", film),
-    ("shadow::a_films_folder_is_made_and_unmade", film_folder),
-    ("shadow::help_offers_no_cpu_where_pictures_are_drawn", help),
     ("shadow::lights_of_a_file_bring_colour_range_and_cone", file_lights),
 ];
 
@@ -88,7 +80,7 @@ pub(crate) fn model(shape: &shapes::Shape, scale: f32, [x, y, z]: [f32; 3]) -> V
 }
 
 /// A folder with a cube of side 2 that floats a unit over the ground.
-fn with_cube() -> Result<tempfile::TempDir, String> {
+pub(crate) fn with_cube() -> Result<tempfile::TempDir, String> {
     let folder = folder();
     let cube = model(&shapes::cube(), 1.0, [0.0, 2.0, 0.0]);
     std::fs::write(folder.path().join("cube.npz"), cube).map_err(|error| error.to_string())?;
@@ -274,196 +266,6 @@ fn json() -> Outcome {
     Ok(())
 }
 
-fn wrong_options() -> Outcome {
-    let folder = with_cube()?;
-    let results = folder.path().join("results");
-    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
-    let cases = [
-        ("", "--out"),
-        ("--out @results/p.png --method best", "best"),
-        ("--out @results/p.png --mode dark", "dark"),
-        ("--out @results/p.png --light sun:1,2,3", "sun"),
-        ("--out @results/p.png --light point:1,2,3,range=0", "range"),
-        ("--out @results/p.png --light point:1,2,3,colour=1,1,1", "colour"),
-        ("--out @results/p.png --light point:1,2,3,color=1,1", "3 numbers"),
-        ("--out @results/p.png --light point:1,2,3,intensity=-1", "intensity"),
-        ("--out @results/p.png --light hom:1,2,3,-1", "negative w"),
-        ("--out @results/p.png --light file:all", "no lights"),
-        ("--out @results/p.png --area tube", "tube"),
-        ("--out @results/p.png --area disc:0", "more than 0"),
-        ("--out @results/p.png --area disc --samples 33", "32"),
-        ("--out @results/p.png --area disc --mode black", "black"),
-        ("--out @results/p.png --near 0", "near"),
-        ("--out @results/p.png --ground high", "high"),
-        ("--out @results/p.png --size 0x4", "pixel"),
-        ("--out @results/p.png --size 4000000000x4", "4000000000x4"),
-        ("--out @results/p.png --eye 0,0,0 --target 0,0,0", "--target"),
-        ("--out @results/p.png --device cpu", "GPU"),
-        ("--out @results/p.png --animation Run", "Run"),
-    ];
-    for (options, part) in cases {
-        run(folder.path(), &format!("shadow @cube.npz {options}"))
-            .expect(2, &[part])
-            .map_err(|error| format!("{options}: {error}"))?;
-        is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
-    }
-    let film = [
-        ("", "--frames"),
-        ("--frames 0", "0"),
-        ("--fps 0", "more than 0"),
-        ("--seconds 1e9", "100000"),
-        ("--frames 2 --seconds 1", "--seconds"),
-    ];
-    for (options, part) in film {
-        run(folder.path(), &format!("film @cube.npz --out @results/ {options}"))
-            .expect(2, &[part])
-            .map_err(|error| format!("{options}: {error}"))?;
-        is_empty(&results).map_err(|error| format!("{options}: {error}"))?;
-    }
-    run(folder.path(), "shadow --out @results/p.png").expect(2, &["FILE"])?;
-    let many = "--light dir:0,1,0 ".repeat(33);
-    let line = format!("shadow @cube.npz {many} --area disc --samples 32 --out @results/p.png");
-    run(folder.path(), &line).expect(2, &["1056", "1024"])
-}
-
-fn bad_input() -> Outcome {
-    let folder = folder();
-    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).map_err(|e| e.to_string());
-    write("good.npz", &tetrahedron())?;
-    write("nan.npz", &model(&shapes::cube(), f32::NAN, [0.0; 3]))?;
-    let positions = array("positions", "<f4", "False", "(1, 3)", &[0; 12]);
-    write("empty.npz", &write_zip(&[positions, array("faces", "<u4", "False", "(0, 3)", &[])]))?;
-    write("noise.glb", &[7; 100])?;
-    let results = folder.path().join("results");
-    std::fs::create_dir(&results).map_err(|error| error.to_string())?;
-    for (files, part) in [
-        ("@nan.npz", "finite"),
-        ("@empty.npz", "no faces"),
-        ("@good.npz @empty.npz", "empty.npz"),
-        ("@noise.glb", "noise.glb"),
-        ("@missing.npz", "missing.npz"),
-    ] {
-        for command in ["shadow", "film --frames 1"] {
-            run(folder.path(), &format!("{command} {files} --size 16x16 --out @results/p"))
-                .expect(1, &[part])
-                .map_err(|error| format!("{command} {files}: {error}"))?;
-            is_empty(&results).map_err(|error| format!("{command} {files}: {error}"))?;
-        }
-    }
-    // A file without anything finite beside a good one casts nothing, and is no reason to stop.
-    run(folder.path(), "shadow @good.npz @nan.npz --size 16x16 --out @results/p.png").expect(0, &[])
-}
-
-fn unwritable() -> Outcome {
-    let folder = with_cube()?;
-    for line in [
-        "shadow @cube.npz --size 16x16 --out @no/such.png",
-        "shadow @cube.npz --size 16x16 --out @p.png --mask @no/such",
-        "film @cube.npz --frames 2 --size 16x16 --out @no/such/",
-    ] {
-        run(folder.path(), line).expect(4, &["cannot be written"]).map_err(|error| format!("{line}: {error}"))?;
-    }
-    ensure!(!folder.path().join("p.png").exists(), "a picture in spite of its masks' failure");
-    Ok(())
-}
-
-fn film() -> Outcome {
-    let folder = with_cube()?;
-    std::fs::write(
-        folder.path().join("rise.wgsl"),
-        "fn displace(position: vec3<f32>, vertex: u32, time: f32) -> vec3<f32> {
-            return position + vec3<f32>(0.0, time, 0.0);
-        }",
-    )
-    .map_err(|error| error.to_string())?;
-    let moving = "--displace @rise.wgsl --ground 0 --size 64x48 --fps 2";
-    run(folder.path(), &format!("film @cube.npz {moving} --seconds 1.5 --out @frames")).expect(0, &[])?;
-    let mut names: Vec<_> = std::fs::read_dir(folder.path().join("frames"))
-        .map_err(|error| error.to_string())?
-        .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
-        .collect();
-    names.sort();
-    ensure!(names == ["0000.png", "0001.png", "0002.png"], "{names:?}");
-    let frame = |name: &str| Image::read(&folder.path().join("frames").join(name)).map(|image| image.bytes);
-    let frames = [frame("0000.png")?, frame("0001.png")?, frame("0002.png")?];
-    ensure!(frames[0] != frames[1] && frames[1] != frames[2], "nothing moves");
-    // Into the folder that is there: not a shorter film, whose pictures would stand among these.
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 1 --out @frames/")).expect(2, &["0001.png"])?;
-    ensure!(frame("0000.png")? == frames[0] && frame("0002.png")? == frames[2], "a film that was refused wrote");
-    run(folder.path(), &format!("film @cube.npz {moving} --frames 3 --out @frames/")).expect(0, &[])?;
-    ensure!(frame("0001.png")? == frames[1] && frame("0002.png")? == frames[2], "a folder that is there");
-    run(folder.path(), &format!("film @cube.npz {moving} --out @more")).expect(2, &["--frames", "--seconds"])
-}
-
-fn film_folder() -> Outcome {
-    let folder = with_cube()?;
-    let exists = |name: &str| folder.path().join(name).exists();
-    let film = |options: &str| run(folder.path(), &format!("film @cube.npz --size 16x16 {options}"));
-    film("--frames 2 --out @a").expect(0, &[])?;
-    film("--frames 2 --out @b/").expect(0, &[])?;
-    for name in ["a/0000.png", "a/0001.png", "b/0000.png", "b/0001.png"] {
-        ensure!(exists(name), "there is no {name}");
-    }
-    film("--frames 2 --out @cube.npz").expect(4, &["not a folder"])?;
-    film("--out @c").expect(2, &["--frames"])?;
-    film("--frames 2 --out @c --light point:1,2,3 --eye 0,0,0 --target 0,0,0").expect(2, &["--target"])?;
-    film("--frames 2 --out @c --device nowhere").expect(3, &["nowhere"])?;
-    ensure!(!exists("c"), "an empty folder is left");
-    Ok(())
-}
-
-fn first_animation(file: &Path) -> Outcome {
-    let folder = folder();
-    let film = |name: &str, options: &[&str]| {
-        let mut line = vec!["film".into(), file.as_os_str().to_owned()];
-        line.extend(["--size", "64x48", "--fps", "1", "--out"].map(Into::into));
-        line.push(folder.path().join(name).into_os_string());
-        line.extend(options.iter().map(Into::into));
-        rimline(line)
-    };
-    film("first", &[]).expect(0, &["0 `Survey`", "2 `Run`", "--animation"])?;
-    film("named", &["--animation", "Survey"]).expect(0, &[])?;
-    for frame in ["0000.png", "0002.png"] {
-        let [first, named] = ["first", "named"].map(|name| Image::read(&folder.path().join(name).join(frame)));
-        ensure!(first?.bytes == named?.bytes, "{frame} shows something else than the first animation");
-    }
-    Ok(())
-}
-
-fn help() -> Outcome {
-    for command in ["shadow", "film", "draw"] {
-        let run = rimline([command, "--help"]);
-        run.expect(0, &[])?;
-        ensure!(run.stdout.contains("--device <auto|gpu|NAME>"), "{}", run.stdout);
-        ensure!(!run.stdout.contains("cpu") && !run.stdout.contains("the CPU"), "{}", run.stdout);
-    }
-    // As its help shows it, but for the model.
-    let folder = with_cube()?;
-    let example = rimline(["film", "--help"]).stdout;
-    let (_, out) = example.rsplit_once("--out ").ok_or("no example")?;
-    let out = out.lines().next().unwrap_or_default().trim();
-    run(folder.path(), &format!("film @cube.npz --frames 1 --size 16x16 --out @{out}")).expect(0, &[])?;
-    ensure!(folder.path().join(out).join("0000.png").is_file(), "no frame in {out}");
-    Ok(())
-}
-
-fn idle_options() -> Outcome {
-    let folder = with_cube()?;
-    for (options, part) in [
-        ("--samples 4", "--area"),
-        ("--light point:1,2,3,begin=1", "range"),
-        ("--light point:1,2,3,exponent=2", "range"),
-        ("--light dir:1,2,3,range=4", "infinity"),
-        ("--light point:1,2,3,begin=4,range=3", "begin=4"),
-    ] {
-        run(folder.path(), &format!("shadow @cube.npz --size 16x16 --out @p.png {options}"))
-            .expect(2, &[part])
-            .map_err(|error| format!("{options}: {error}"))?;
-        ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
-    }
-    Ok(())
-}
-
 fn mask_range() -> Outcome {
     let folder = with_cube()?;
     let mask = |option: &str| {
@@ -518,18 +320,6 @@ fn may_wrap() -> Outcome {
         ensure!(json["may_wrap"] == 1 && json["count_bound"].as_u64() > Some(255), "{json}");
     }
     line("@many.npz", "film --frames 1 --out @frames").expect(0, &["256 or more faces overlap"])
-}
-
-fn clash() -> Outcome {
-    let folder = with_cube()?;
-    let clash = run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.0.png --mask @a");
-    clash.expect(2, &["--out", "--mask", "a.0.png"])?;
-    run(folder.path(), "shadow @cube.npz --size 16x16 --out @./b.0.png --mask @b").expect(2, &["--mask"])?;
-    for name in ["a.0.png", "b.0.png"] {
-        ensure!(!folder.path().join(name).exists(), "there is a {name}");
-    }
-    // There is only one light.
-    run(folder.path(), "shadow @cube.npz --size 16x16 --out @a.1.png --mask @a").expect(0, &[])
 }
 
 fn scale() -> Outcome {

@@ -5,6 +5,7 @@
 
 use rimline::gpu::read_back_vec;
 use rimline::wgpu;
+use rimline_measure::pipelines::{self, Drawing};
 use wgpu::{BufferUsages, LoadOp};
 
 use super::super::casters::measure::{DEPTH, Stopwatch, stencil_pass};
@@ -81,35 +82,12 @@ impl FragmentCounter {
 }
 
 fn whole(device: &wgpu::Device) -> wgpu::RenderPipeline {
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("fragments"),
-        source: wgpu::ShaderSource::Wgsl(WHOLE.into()),
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("fragments"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("nothing"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let drawing = Drawing {
+        label: "fragments",
+        source: WHOLE,
+        entry_points: [Some("whole"), Some("nothing")],
+        depth_stencil: Some(pipelines::depth(DEPTH, wgpu::CompareFunction::Greater, false)),
+        ..Drawing::default()
+    };
+    drawing.pipeline(device)
 }

@@ -1,0 +1,130 @@
+//! Pipelines of a single WGSL module, without what most of them have alike.
+
+/// A render pipeline.
+#[derive(Clone, Debug)]
+pub struct Drawing<'a> {
+    pub label: &'a str,
+    pub source: &'a str,
+    /// Entry points of the vertex and the fragment shader. `None`: the only one.
+    pub entry_points: [Option<&'a str>; 2],
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    pub depth_stencil: Option<wgpu::DepthStencilState>,
+    pub samples: u32,
+    pub targets: &'a [Option<wgpu::ColorTargetState>],
+}
+
+/// Triangles without vertex buffers, depth, or targets.
+impl Default for Drawing<'_> {
+    fn default() -> Self {
+        Self {
+            label: "drawing",
+            source: "",
+            entry_points: [None; 2],
+            buffers: &[],
+            depth_stencil: None,
+            samples: 1,
+            targets: &[],
+        }
+    }
+}
+
+impl Drawing<'_> {
+    /// Its layout follows from the shaders.
+    pub fn pipeline(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+        let label = Some(self.label);
+        let source = wgpu::ShaderSource::Wgsl(self.source.into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let [vertex, fragment] = self.entry_points;
+        let compilation_options = wgpu::PipelineCompilationOptions::default;
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label,
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: vertex,
+                compilation_options: compilation_options(),
+                buffers: self.buffers,
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: self.depth_stencil.clone(),
+            multisample: wgpu::MultisampleState { count: self.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: fragment,
+                compilation_options: compilation_options(),
+                targets: self.targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// Depth that is compared, and written or not, without a stencil.
+pub fn depth(format: wgpu::TextureFormat, compare: wgpu::CompareFunction, is_written: bool) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(is_written),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// A compute pipeline over the texels of a texture of floats, which may be depths: binding 0 of group 0. Binding 1 is a storage buffer that is written.
+#[derive(Debug)]
+pub struct TexelKernel {
+    pub pipeline: wgpu::ComputePipeline,
+    pub group: wgpu::BindGroup,
+}
+
+impl TexelKernel {
+    pub fn new(
+        device: &wgpu::Device,
+        (label, source): (&str, &str),
+        texture: &wgpu::TextureView,
+        words: &wgpu::Buffer,
+    ) -> Self {
+        let label = Some(label);
+        let source = wgpu::ShaderSource::Wgsl(source.into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let float = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let storage = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: false },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let visibility = wgpu::ShaderStages::COMPUTE;
+        let entries = [(0, float), (1, storage)];
+        let entries = entries.map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None });
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label,
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            })),
+            module: &module,
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        let entries = [wgpu::BindingResource::TextureView(texture), words.as_entire_binding()];
+        let entries = (0..).zip(entries).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+        let entries = entries.collect::<Vec<_>>();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout: &layout, entries: &entries });
+        Self { pipeline, group }
+    }
+
+    pub fn run(&self, encoder: &mut wgpu::CommandEncoder, [x, y]: [u32; 2]) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}
