@@ -4,7 +4,7 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 
-use super::run::{folder, is_empty, on_asset, rimline};
+use super::run::{folder, on_asset, rimline};
 use super::shadow::{Image, run, with_cube};
 use super::{Outcome, Test, ensure};
 

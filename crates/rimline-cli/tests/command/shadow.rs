@@ -5,8 +5,7 @@ use std::path::Path;
 use libtest_mimic::Trial;
 use rimline_measure::shapes;
 
-use super::npz_input::tetrahedron;
-use super::run::{folder, is_empty, on_asset, rimline};
+use super::run::{folder, on_asset, rimline};
 use super::{Outcome, Test, ensure};
 use crate::archive::{array, write_zip};
 use rimline_measure::files::GOOD_FILES;
@@ -28,9 +27,7 @@ pub(crate) const TESTS: &[Test] = &[
 
 /// Every good model has a picture and a mask.
 pub(crate) fn trials() -> Vec<Trial> {
-    let mut trials: Vec<Trial> = GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect();
-    trials.push(on_asset("a_film_plays_the_first_animation", "Fox.glb", first_animation));
-    trials
+    GOOD_FILES.iter().map(|file| on_asset("shadow_models", file, any_model)).collect()
 }
 
 /// A grey or colour PNG.

@@ -1,8 +1,12 @@
 //! `rimline shadow` and `film`: what is refused, and that nothing is left then.
 
+use rimline_measure::shapes;
+
+use super::npz_input::tetrahedron;
 use super::run::{folder, is_empty, rimline};
 use super::shadow::{model, run, with_cube};
 use super::{Outcome, Test, ensure};
+use crate::archive::{array, write_zip};
 
 pub(crate) const TESTS: &[Test] = &[
     ("shadow::wrong_options_end_with_2", wrong_options),
