@@ -1,6 +1,8 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod caster;
 mod casters;
+mod casters_errors;
 mod casters_frame;
 mod contours;
 mod convex;
@@ -19,14 +21,14 @@ mod texture;
 mod view;
 mod volumes;
 
-pub use casters::{
-    DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasters, DepthMapCastersOptions,
-};
+pub use caster::{DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCastersOptions};
+pub use casters::DepthMapCasters;
+pub use casters_errors::DepthMapCastersError;
 pub use casters_frame::DepthMapCastersFrame;
 pub use cube::DepthMapCube;
 pub use errors::{
-    CubeMismatch, DepthMapCastersError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
-    DepthMapPipelinesError, DepthMapVolumesError, MeshDepthError,
+    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
+    DepthMapVolumesError, MeshDepthError,
 };
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;
