@@ -4,6 +4,7 @@ mod caster;
 mod casters;
 mod casters_errors;
 mod casters_frame;
+mod checks;
 mod contours;
 mod convex;
 mod cube;
