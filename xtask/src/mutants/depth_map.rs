@@ -211,7 +211,11 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps: no near cap",
-        changes: &[("src/gpu/depth_map/frame.rs", "pass.draw(0..3, 0..1);", "pass.draw(0..0, 0..1);")],
+        changes: &[(
+            "src/gpu/depth_map/frame.rs",
+            "pass.draw(0..3, 0..1);\n        }",
+            "pass.draw(0..0, 0..1);\n        }",
+        )],
         tests: PICTURES,
     },
     Mutation {
