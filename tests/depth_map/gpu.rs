@@ -4,6 +4,7 @@
 mod analytic;
 mod boundary;
 mod casters;
+mod casters_refused;
 mod contours;
 mod counting;
 mod cube;
@@ -40,6 +41,7 @@ fn main() {
         extremes::TESTS,
         refusals::TESTS,
         casters::TESTS,
+        casters_refused::TESTS,
         mesh_depth::TESTS,
     ];
     harness::run(harness::gpu_trials(tests.concat()));

@@ -5,81 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use slotmap::{DefaultKey, SlotMap};
 
+use super::caster::{DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCastersOptions};
+use super::casters_errors::DepthMapCastersError;
 use super::casters_frame::{DepthMapCastersFrame, DrawnCaster};
 use super::convex::Convex;
-use super::errors::DepthMapCastersError;
 use super::jitter::jitters;
 use super::recording::{Eye, Planned};
 use super::texture::{check_objects, check_texture};
 use super::volumes::DepthMapVolumes;
 use crate::gpu::common::requirements::{check_alive, check_same, check_timer};
 use crate::gpu::common::timer::StageTimer;
-use crate::gpu::scene::handles::{LightHandle, SceneId};
+use crate::gpu::scene::handles::SceneId;
 use crate::gpu::{Scene, SceneFrame};
 use crate::{Light, ShadowCamera};
-
-/// A depth map that casts in a scene. What it casts are volumes, [`DepthMapVolumes`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct DepthMapCaster {
-    /// The light of the scene that sees the map.
-    pub light: LightHandle,
-    /// As [`DepthMap::texture`](crate::gpu::DepthMap::texture).
-    pub texture: wgpu::TextureView,
-    /// The objects, with [`DepthMapOptions::objects`](crate::gpu::DepthMapOptions::objects): as for
-    /// [`DepthMapVolumes::encode_objects`]. Else `None`.
-    pub objects: Option<wgpu::TextureView>,
-    /// The camera that the map was made with, at the light. It moves with the light: nothing moves it by itself.
-    pub camera: ShadowCamera,
-    /// Which version of the map is in the textures. While the version, the textures and the camera stay the same, their contents are
-    /// the same, and the cells that were found are kept. `None`: they may be others in each encode.
-    pub version: Option<u64>,
-}
-
-/// A caster of [`DepthMapCasters`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct DepthMapCasterHandle {
-    casters: SceneId,
-    key: DefaultKey,
-}
-
-/// What [`DepthMapCasters`] leave out. No switch changes a shadow that is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "switches that do not depend on each other")]
-pub struct DepthMapCastersOptions {
-    /// Keep the cells of a map while its version says that it is the same.
-    pub keep_cells: bool,
-    /// Skip a map all of whose shadow is beyond the range of its light or outside its cone.
-    pub skip_unreached: bool,
-    /// Skip a map for a camera that cannot see its shadow.
-    pub skip_unseen: bool,
-    /// Skip a map for a camera if none of what receives can be in its shadow. It takes effect where
-    /// [`DepthMapCasters::encode_for`] has a box.
-    pub skip_hidden: bool,
-}
-
-impl Default for DepthMapCastersOptions {
-    /// All of it.
-    fn default() -> Self {
-        Self { keep_cells: true, skip_unreached: true, skip_unseen: true, skip_hidden: true }
-    }
-}
-
-/// What was done with the maps in an encode. Each is one of the first three.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DepthMapCasterCounts {
-    /// Maps whose cells were found.
-    pub encoded: u32,
-    /// Maps whose cells were kept.
-    pub kept: u32,
-    /// Maps that no camera draws. Nothing is recorded of them.
-    pub skipped: u32,
-    /// Of those skipped: their light was removed from the scene.
-    pub unlit: u32,
-    /// Of those skipped: their light does not reach what they may darken.
-    pub unreached: u32,
-    /// Draws of a map for a camera.
-    pub draws: u32,
-}
 
 #[derive(Debug)]
 struct Entry {
@@ -116,11 +54,11 @@ impl Drop for Submission {
     }
 }
 
-/// Casters of a [`Scene`] that have no mesh: depth maps of its lights. They are encoded after the scene and drawn beside its frame,
-/// into the same stencil.
+/// Casters of a [`Scene`] that have no mesh: depth maps of its lights. They are encoded after the scene and drawn beside its
+/// frame, into the same stencil.
 ///
-/// The cells of a map that did not change are kept, and maps are skipped that cannot darken what is seen. All of this is decided on
-/// the CPU, from cameras and lights.
+/// The cells of a map that did not change are kept, and maps are skipped that cannot darken what is seen. All of this is decided
+/// on the CPU, from cameras and lights.
 ///
 /// ```no_run
 /// use rimline::gpu::{DepthMapCaster, DepthMapCasters, DepthMapCastersOptions, DepthMapOptions, DepthMapVolumes};
@@ -171,8 +109,8 @@ impl DepthMapCasters {
     /// Adds a map, whose cells the volumes have room for.
     ///
     /// # Errors
-    /// [`DepthMapCastersError`] if a texture does not fit the volumes, the light is of another scene, or the volumes are of another
-    /// device.
+    /// [`DepthMapCastersError`] if a texture does not fit the volumes, the light is of another scene, or the volumes are of
+    /// another device.
     pub fn insert(
         &mut self,
         volumes: DepthMapVolumes,
@@ -226,15 +164,15 @@ impl DepthMapCasters {
     }
 
     /// Records what finds the cells of maps that are not kept or skipped. `frame` is the scene's, with the lights of this encode.
-    /// `cameras` are the views that volumes are drawn for. `timer` takes the time of each stage. What was encoded before can be drawn
-    /// as long as its cells are kept.
+    /// `cameras` are the views that volumes are drawn for. `timer` takes the time of each stage. What was encoded before can be
+    /// drawn as long as its cells are kept.
     ///
-    /// **Submit encoders in the order of their encodes**: cells that are kept were found by the commands of an encode before. If its
-    /// encoder was dropped before this call, they are found again.
+    /// **Submit encoders in the order of their encodes**: cells that are kept were found by the commands of an encode before. If
+    /// its encoder was dropped before this call, they are found again.
     ///
     /// # Errors
-    /// [`DepthMapCastersError`] if a camera is refused, a texture cannot be read, or the frame is of another scene. Nothing is recorded
-    /// then.
+    /// [`DepthMapCastersError`] if a camera is refused, a texture cannot be read, or the frame is of another scene. Nothing is
+    /// recorded then.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -245,8 +183,8 @@ impl DepthMapCasters {
         self.encode_for(encoder, frame, cameras, &[], timer)
     }
 
-    /// As [`Self::encode`], with boxes for the first cameras: all that receives shadows is in them, by their lowest and highest corners
-    /// in world space. Shadows of maps may be missing outside.
+    /// As [`Self::encode`], with boxes for the first cameras: all that receives shadows is in them, by their lowest and highest
+    /// corners in world space. Shadows of maps may be missing outside.
     ///
     /// # Errors
     /// As [`Self::encode`], and [`DepthMapCastersError::Bounds`] or [`DepthMapCastersError::TooManyBounds`].
@@ -315,7 +253,7 @@ impl DepthMapCasters {
             return Err(DepthMapCastersError::TooManyBounds { given, views });
         }
         let boxes = receivers.iter().copied().chain(std::iter::repeat(None));
-        let of_view = |(view, (camera, bounds)): (usize, (&ShadowCamera, Option<[[f32; 3]; 2]>))| {
+        let of_view = |view: usize, camera: &ShadowCamera, bounds: Option<[[f32; 3]; 2]>| {
             camera.check().map_err(|error| DepthMapCastersError::Camera { view, error })?;
             let mut seen = Vec::new();
             if self.options.skip_unseen {
@@ -331,11 +269,10 @@ impl DepthMapCasters {
             }
             Ok(seen)
         };
-        cameras.iter().zip(boxes).enumerate().map(of_view).collect()
+        cameras.iter().zip(boxes).enumerate().map(|(view, (camera, bounds))| of_view(view, camera, bounds)).collect()
     }
 
     /// Binds what a caster needs, and the numbers of the cameras that draw it. All is checked, even if it is skipped.
-    #[expect(clippy::type_complexity, reason = "a plan with its views")]
     fn plan<'a>(
         &self,
         Entry { volumes, caster, kept }: &'a Entry,
@@ -402,12 +339,6 @@ impl DepthMapCasters {
         } else {
             Err(DepthMapCastersError::OtherScene { what: "caster" })
         }
-    }
-}
-
-impl DepthMapCasterHandle {
-    pub(super) fn is_of(self, casters: SceneId) -> bool {
-        self.casters == casters
     }
 }
 

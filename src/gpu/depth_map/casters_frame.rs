@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::casters::{DepthMapCasterCounts, DepthMapCasterHandle};
-use super::errors::DepthMapCastersError;
+use super::caster::{DepthMapCasterCounts, DepthMapCasterHandle};
+use super::casters_errors::DepthMapCastersError;
 use super::frame::DepthMapFrame;
 use super::pipelines::DepthMapPipelines;
 use crate::Light;
 use crate::gpu::common::requirements::check_same;
 use crate::gpu::scene::handles::{LightHandle, SceneId};
 
-/// The volumes of one [`DepthMapCasters::encode`](crate::gpu::DepthMapCasters::encode). A later encode that finds the cells of a map
-/// anew overwrites those of this frame, whose draw is then refused.
+/// The volumes of one [`DepthMapCasters::encode`](crate::gpu::DepthMapCasters::encode). A later encode that finds the cells of a
+/// map anew overwrites those of this frame, whose draw is then refused.
 #[derive(Clone, Debug)]
 pub struct DepthMapCastersFrame {
     pub(super) device: wgpu::Device,
@@ -40,8 +40,8 @@ impl DepthMapCastersFrame {
     /// [`DepthMapMerge`](crate::gpu::DepthMapMerge).
     ///
     /// # Errors
-    /// [`DepthMapCastersError`] if the frame has no such view or light, the pipelines do not fit, there are several maps in one bit, or
-    /// a later encode overwrites what is drawn. Nothing is drawn then.
+    /// [`DepthMapCastersError`] if the frame has no such view or light, the pipelines do not fit, there are several maps in one
+    /// bit, or a later encode overwrites what is drawn. Nothing is drawn then.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

@@ -3,7 +3,6 @@
 use super::errors::DepthMapVolumesError;
 use super::options::{DanglingEdges, DepthEdges, DepthMapOptions};
 use super::view::{steps, world_step};
-use super::volumes::lattice;
 use crate::ShadowCamera;
 use crate::gpu::common::dispatch_limits::WORKGROUP;
 use crate::gpu::common::memory::{Allocation, buffer, filled, guarded};
@@ -12,6 +11,11 @@ use crate::gpu::common::timer::StageTimer;
 use crate::gpu::common::uniforms::entry;
 use crate::layout::{DepthEdgeRule, DepthMapShape};
 use crate::stages::DEPTH_EDGES;
+
+/// Samples of the lattice across, and down.
+pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
+    if faces > 1 { [3 * width, 2 * height] } else { [width + 2, height + 2] }
+}
 
 /// Samples of a row that one word tells about.
 const WORD_SAMPLES: u32 = 16;

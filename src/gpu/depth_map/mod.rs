@@ -1,7 +1,10 @@
 //! Volumes from depth maps: the boundary between light and shadow is rebuilt from what a light sees.
 
+mod caster;
 mod casters;
+mod casters_errors;
 mod casters_frame;
+mod checks;
 mod contours;
 mod convex;
 mod cube;
@@ -19,14 +22,14 @@ mod texture;
 mod view;
 mod volumes;
 
-pub use casters::{
-    DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCasters, DepthMapCastersOptions,
-};
+pub use caster::{DepthMapCaster, DepthMapCasterCounts, DepthMapCasterHandle, DepthMapCastersOptions};
+pub use casters::DepthMapCasters;
+pub use casters_errors::DepthMapCastersError;
 pub use casters_frame::DepthMapCastersFrame;
 pub use cube::DepthMapCube;
 pub use errors::{
-    CubeMismatch, DepthMapCastersError, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError,
-    DepthMapPipelinesError, DepthMapVolumesError, MeshDepthError,
+    CubeMismatch, DepthMapCubeError, DepthMapDrawError, DepthMapEncodeError, DepthMapPipelinesError,
+    DepthMapVolumesError, MeshDepthError,
 };
 pub use frame::DepthMapFrame;
 pub use merge::DepthMapMerge;

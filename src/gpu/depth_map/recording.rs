@@ -58,8 +58,8 @@ impl DepthMapVolumes {
         frames.next().ok_or_else(|| DepthMapEncodeError::Refused { message: "no camera".to_owned() })
     }
 
-    /// Binds the stages, unless the list of an encode before is drawn, and the draws for each camera. All share their uniforms, and
-    /// other encodes have others, so encodes may follow each other.
+    /// Binds the stages, unless the list of an encode before is drawn, and the draws for each camera. All share their uniforms,
+    /// and other encodes have others, so encodes may follow each other.
     pub(super) fn plan(
         &self,
         textures: [Option<&wgpu::TextureView>; 2],

@@ -28,11 +28,6 @@ const MOST_CELLS: u64 = 1 << 29;
 /// Cells of a row that one word tells about.
 const WORD_CELLS: u64 = 8;
 
-/// Samples of the lattice across, and down.
-pub(super) fn lattice([width, height]: [u32; 2], faces: u32) -> [u32; 2] {
-    if faces > 1 { [3 * width, 2 * height] } else { [width + 2, height + 2] }
-}
-
 /// Shadow volumes of what has no mesh: of anything that a light sees, from the depth map of the light. It
 /// finds the edges of the map, and draws the boundary between light and shadow into one bit of the caller's stencil. It reads
 /// nothing back.

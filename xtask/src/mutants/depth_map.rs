@@ -183,7 +183,7 @@ pub(super) const MUTATIONS: &[Mutation] = &[
     },
     Mutation {
         name: "depth maps of second differences: triangles beside marked edges are left out",
-        changes: &[("src/gpu/depth_map/edges.rs", "if second > 0 { 1 } else { 0 }", "0")],
+        changes: &[("src/gpu/depth_map/edges.rs", "u32::from(second > 0) + ", "")],
         tests: DETECTORS,
     },
     Mutation {

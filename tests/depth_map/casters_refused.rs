@@ -1,0 +1,151 @@
+//! Depth maps in a scene: what is refused, and how the errors tell.
+
+use glam::DVec3;
+use rimline::gpu::{
+    DepthMapCaster, DepthMapCasterHandle, DepthMapCastersError, DepthMapDrawError, DepthMapEncodeError,
+    DepthMapOptions, DepthMapPipelines, DepthMapVolumes, DeviceError, SceneFrame, ShadowFormat,
+};
+use rimline::{CameraError, DepthDirection, Light, ShadowCamera};
+use rimline_measure::device::Gpu;
+use rimline_measure::harness::Test;
+use rimline_measure::on_gpu::text;
+use rimline_measure::same;
+use wgpu::TextureFormat;
+
+use crate::casters::{SIDE, SIZE, World, lone};
+use crate::picture::stencil_after;
+use crate::scene::Eye;
+use crate::textures::{depth_view, texture};
+
+pub(crate) const TESTS: &[Test] = &[("casters_that_are_refused", refused)];
+
+fn refused() -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = &*Gpu::shared()?;
+    let (mut world, seen, _) = lone(gpu)?;
+    let (mut other, ..) = lone(gpu)?;
+    let caster = world.casts[0].caster.clone();
+    let [own, foreign] = [&world, &other].map(|world| world.casts[0].handles[0]);
+    let stale = world.casts[0].handles[1];
+    world.casters[1].remove(stale).map_err(text)?;
+    let [small, objects] = [(TextureFormat::R32Float, [4, 4]), (TextureFormat::R32Float, SIZE)]
+        .map(|(format, size)| texture(gpu, size, format, &[0.0; 63]).map(|texture| depth_view(&texture)));
+    let (small, objects) = (small?, objects?);
+    let singular = ShadowCamera { view_projection: [[0.0; 4]; 4], ..caster.camera };
+    let elsewhere = gpu.another(wgpu::Features::empty(), wgpu::Limits::default())?;
+    let pipelines = DepthMapPipelines::new(&elsewhere.pipelines, &ShadowFormat::default(), 7).map_err(text)?;
+    let volumes = DepthMapVolumes::new(&pipelines, SIZE, DepthMapOptions::default()).map_err(text)?;
+    let spare = world.volumes()?;
+    let [casters, removed] = &mut world.casters;
+    let found = [
+        casters.insert(volumes, caster.clone()).err(),
+        casters.insert(spare, DepthMapCaster { light: other.lamps[0].handle, ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { texture: small, ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { objects: Some(objects), ..caster.clone() }).err(),
+        casters.set(own, DepthMapCaster { camera: singular, ..caster.clone() }).err(),
+        casters.set_version(foreign, None).err(),
+        casters.remove(foreign).err(),
+        removed.set_version(stale, None).err(),
+        removed.remove(stale).err(),
+        removed.set(stale, caster.clone()).err(),
+    ];
+    let of_other = |what| Some(Error::OtherScene { what });
+    let map = |error| Some(Error::Refused(error));
+    let device = DeviceError::OtherDevice { what: "the volumes", with: "the scene" };
+    let expected = [
+        Some(device.into()),
+        of_other("light"),
+        map(DepthMapEncodeError::Size { given: [4, 4], made: SIZE }),
+        map(DepthMapEncodeError::UnusedObjects),
+        map(DepthMapEncodeError::Light(CameraError::Singular)),
+        of_other("caster"),
+        of_other("caster"),
+        Some(Error::Stale),
+        Some(Error::Stale),
+        Some(Error::Stale),
+    ];
+    same("changes", &found, &expected)?;
+    encodes_and_draws_refused((&mut world, &mut other), (seen.eye, singular), own)
+}
+
+fn encodes_and_draws_refused(
+    (world, other): (&mut World<'_>, &mut World<'_>),
+    (eye, singular): (ShadowCamera, ShadowCamera),
+    own: DepthMapCasterHandle,
+) -> Result<(), String> {
+    use DepthMapCastersError as Error;
+    let gpu = world.gpu;
+    let [frame, foreign] = [&mut world.scene, &mut other.scene]
+        .map(|scene| gpu.submit(|encoder| scene.encode(encoder, &[], None).map_err(text)));
+    let (frame, foreign) = (frame?, foreign?);
+    let [low, high] = [[0.0; 3], [1.0, -1.0, 1.0]];
+    let standard = ShadowCamera { depth: DepthDirection::Standard, ..eye };
+    let depth = Eye {
+        place: DVec3::ZERO,
+        forward: DVec3::X,
+        near: 0.1,
+        is_relative: false,
+        depth: standard.depth,
+        far: None,
+        half_width: None,
+    };
+    let mut encode = |frame: &SceneFrame, camera: ShadowCamera, boxes: &[_]| {
+        gpu.submit(|encoder| Ok(world.casters[0].encode_for(encoder, frame, &[camera], boxes, None)))
+    };
+    let found = [
+        encode(&foreign, eye, &[])?.err(),
+        encode(&frame, singular, &[])?.err(),
+        encode(&frame, depth.camera(), &[])?.err(),
+        encode(&frame, eye, &[None, None])?.err(),
+        encode(&frame, eye, &[Some([low, high])])?.err(),
+    ];
+    let [camera, pipelines] = [DepthDirection::Standard, DepthDirection::Reversed];
+    let error = DepthMapEncodeError::Depth { camera, pipelines };
+    let expected = [
+        Some(Error::OtherScene { what: "frame" }),
+        Some(Error::Camera { view: 0, error: CameraError::Singular }),
+        Some(Error::Map { caster: own, light: world.lamps[0].handle, view: 0, error }),
+        Some(Error::TooManyBounds { given: 2, views: 1 }),
+        Some(Error::Bounds { view: 0, low, high }),
+    ];
+    same("encodes", &found, &expected)?;
+    // Two maps of one light, encoded twice without a version.
+    let (caster, volumes) = (world.casts[0].caster.clone(), world.volumes()?);
+    let second = world.casters[0].insert(volumes, DepthMapCaster { version: None, ..caster }).map_err(text)?;
+    let late = world.scene.add_light(Light::point([1.0; 3])).map_err(text)?;
+    let mut encode = || gpu.submit(|encoder| world.casters[0].encode(encoder, &frame, &[eye], None).map_err(text));
+    let (before, now) = (encode()?, encode()?);
+    let (light, [parity, counting]) = (world.lamps[0].handle, &world.pipelines);
+    let mut found = Vec::new();
+    stencil_after(gpu, (SIDE, &vec![0.5; (SIDE * SIDE) as usize]), |_| {
+        Ok(|pass: &mut wgpu::RenderPass<'_>| {
+            found.extend([
+                now.draw(pass, parity, 0, light),
+                now.draw(pass, counting, 1, light),
+                now.draw(pass, counting, 0, other.lamps[0].handle),
+                now.draw(pass, counting, 0, late),
+                before.draw(pass, counting, 0, light),
+                now.draw(pass, counting, 0, light),
+                before.draw_caster(pass, parity, 0, own),
+                before.draw_caster(pass, parity, 0, second),
+                now.draw_caster(pass, parity, 0, second),
+                now.draw_caster(pass, parity, 0, other.casts[0].handles[0]),
+            ]);
+            Ok(())
+        })
+    })?;
+    let overwritten = || Err(DepthMapDrawError::StaleFrame.into());
+    let expected = [
+        Err(Error::OneParity { casters: 2 }),
+        Err(Error::NoSuchView { view: 1, views: 1 }),
+        Err(Error::OtherScene { what: "light" }),
+        Err(Error::NotEncoded { what: "light" }),
+        overwritten(),
+        Ok(()),
+        Ok(()),
+        overwritten(),
+        Ok(()),
+        Err(Error::OtherScene { what: "caster" }),
+    ];
+    same("draws", &found, &expected)
+}
