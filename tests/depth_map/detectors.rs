@@ -59,7 +59,7 @@ fn compare() -> Result<(), String> {
     let continued = Some(DanglingEdges::default());
     let ways = [
         ("every cell", plain),
-        ("differences above 0.005", DepthMapOptions { edges: differences(0.005), ..plain }),
+        ("differences above 0.02", DepthMapOptions { edges: differences(0.02), ..plain }),
         ("automatic, continued", DepthMapOptions { edges: automatic, dangling: continued, ..plain }),
         (
             "second 0.0005, 0.05, continued",

@@ -8,7 +8,7 @@ use rimline::{CameraError, LightError, MeshError};
 use crate::load_args::size;
 use crate::npz::NpzError;
 use crate::obj::ObjError;
-use crate::shadow::given_map::GivenMapError;
+use crate::shadow::given_map_error::GivenMapError;
 use crate::spec::SpecError;
 
 /// What to do about a machine without any adapter.

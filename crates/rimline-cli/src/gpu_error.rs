@@ -12,7 +12,7 @@ use rimline::gpu::{
 
 use crate::device::{Gpu, describe};
 use crate::failure::{Failure, NoDevice, UsageError};
-use crate::shadow::given_map::GivenMapError;
+use crate::shadow::given_map_error::GivenMapError;
 
 /// Any of them.
 #[derive(Debug, thiserror::Error)]

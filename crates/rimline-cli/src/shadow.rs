@@ -1,16 +1,20 @@
 //! `rimline shadow`: models with their shadows.
 
 pub(crate) mod args;
+pub(crate) mod cast_inputs;
 pub(crate) mod casters;
 pub(crate) mod counts;
 mod covered;
 mod depth;
 mod depth_overlay;
-pub(crate) mod depth_shadows;
+mod depth_shadows;
 mod extracted;
 mod found;
 pub(crate) mod frame;
-pub(crate) mod given_map;
+pub(crate) mod from_depth;
+mod given_lights;
+mod given_map;
+pub(crate) mod given_map_error;
 mod light_depths;
 mod light_maps;
 mod masks;
@@ -27,6 +31,7 @@ mod scene_shadows;
 mod shaded_lights;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadows;
+mod shown_maps;
 mod single_casters;
 mod volume_overlay;
 
@@ -48,7 +53,7 @@ use crate::warm_up;
 use args::{CountingArg, ShadowArgs, value_name};
 use casters::Casters;
 use covered::CoveredFaces;
-use depth_shadows::FromDepth;
+use from_depth::FromDepth;
 use given_map::GivenMap;
 use masks::Masks;
 use part::PARTS;
@@ -84,7 +89,7 @@ pub(crate) fn run(args: &ShadowArgs) -> Result<(), Failure> {
     let bodies = times.measure("topology", || props.bodies(&gpu, scene.posed.pose.time))?;
     let points: Vec<[f32; 3]> = bodies.iter().flat_map(posed_model::PosedModel::points).collect();
     let mut set = ShadowScene::new(scene, bodies, &points, given.map(GivenMap::light))?;
-    given.map_or(Ok(()), |map| map.check_lights(&set.shaded_lights, &set.stage))?;
+    given.map_or(Ok(()), |map| given_lights::check_lights(map, &set.shaded_lights, &set.stage))?;
     if let Some(body) = set.bodies.iter().find(|body| args.hide_covered && body.has_polygons()) {
         return Err(UsageError::CoveredPolygons { file: body.input.file.clone() }.into());
     }

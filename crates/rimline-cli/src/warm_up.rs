@@ -8,8 +8,9 @@ use rimline::{Geometry, GeometryOptions, Instance, InstancePose, Light, Model, P
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::input::{Input, Scene, Shape, Source};
+use crate::shadow::cast_inputs::CastInputs;
 use crate::shadow::posed_model::PosedModel;
-use crate::shadow::shadows::{CastInputs, Shadows, VolumePipelines};
+use crate::shadow::shadows::{Shadows, VolumePipelines};
 
 const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 

@@ -11,7 +11,7 @@ use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
-use crate::shadow::depth_shadows::{FromDepth, MapSource};
+use crate::shadow::from_depth::{FromDepth, MapSource};
 use crate::shadow::given_map::GivenMap;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 

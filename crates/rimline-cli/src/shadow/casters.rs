@@ -3,11 +3,12 @@
 use rimline::gpu::{Extraction, StageTimer};
 use rimline::wgpu;
 
+use super::cast_inputs::{CastInputs, put};
 use super::covered::CoveredFaces;
 use super::extracted::Extracted;
 use super::posed_model::PosedModel;
 use super::receiver::Receiver;
-use super::shadows::{CastInputs, Shadows, VolumePipelines, put};
+use super::shadows::{Shadows, VolumePipelines};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
-use rimline::gpu::{DepthEdges, DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+use rimline::gpu::DepthEdges;
 use rimline::{CameraError, DepthDirection, Light, ShadowCamera, wgpu};
 
+use super::given_map_error::GivenMapError;
 use super::light_maps::LightCameras;
-use super::shaded_lights::{SceneBounds, ShadedLight};
 use crate::device::Gpu;
-use crate::failure::{Failure, InputError, UsageError};
+use crate::failure::{Failure, InputError};
 use crate::npz::{self, DepthMapArrays, Depths};
 use crate::source;
 
@@ -24,25 +23,6 @@ pub(crate) struct GivenMap {
     objects: Option<Vec<u32>>,
     /// A format that the depths were rounded to, coarser than their own.
     pub(super) rounded_to: Option<wgpu::TextureFormat>,
-}
-
-/// What is wrong with a map whose arrays are sound.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum GivenMapError {
-    #[error(
-        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as `reversed` says"
-    )]
-    Camera { map: usize, error: CameraError },
-    #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
-    NotSquare([u32; 2]),
-    #[error("`objects` go with one map, not with six; take another detector")]
-    ObjectsOfCube,
-    #[error(transparent)]
-    Volumes(#[from] DepthMapVolumesError),
-    #[error(transparent)]
-    Cube(#[from] DepthMapCubeError),
-    #[error(transparent)]
-    Encode(#[from] DepthMapEncodeError),
 }
 
 impl GivenMap {
@@ -130,37 +110,5 @@ impl GivenMap {
     /// The light that the map is of.
     pub(crate) fn light(&self) -> Light {
         self.cameras.light()
-    }
-
-    /// Refuses lights that are not the map's.
-    pub(crate) fn check_lights(&self, lights: &[ShadedLight], stage: &SceneBounds) -> Result<(), UsageError> {
-        /// How far a light may be off, as a share of its distance or of the extent of the models.
-        const MOST: f64 = 1e-3;
-        /// Extents that count as any distance beyond them, and as a light at infinity.
-        const FAR: f64 = 1e9;
-        let [shaded] = lights else { return Err(UsageError::DepthLights { count: lights.len() }) };
-        let centre = Vec3::from(stage.centre).as_dvec3();
-        // In extents from the middle of the models.
-        let place = |light: &Light| {
-            let towards = Vec3::from(light.xyz).as_dvec3() - f64::from(light.w) * centre;
-            let distance = if light.w == 0.0 { FAR } else { towards.length() / f64::from(light.w * stage.extent) };
-            towards.normalize_or_zero() * distance.min(FAR)
-        };
-        let (map, given) = (self.light(), shaded.light);
-        let is_near = (place(&map) - place(&given)).length() <= MOST * place(&given).length().max(1.0);
-        if !is_near {
-            return Err(UsageError::DepthLightApart { given: spec(&given), map: spec(&map) });
-        }
-        Ok(())
-    }
-}
-
-/// A light as it is given on the command line.
-fn spec(light: &Light) -> String {
-    let [x, y, z] = light.xyz;
-    match light.w {
-        0.0 => format!("dir:{x},{y},{z}"),
-        1.0 => format!("point:{x},{y},{z}"),
-        w => format!("hom:{x},{y},{z},{w}"),
     }
 }

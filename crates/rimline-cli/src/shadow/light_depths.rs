@@ -6,9 +6,9 @@ use rimline::gpu::{
 };
 use rimline::{ShadowCamera, wgpu};
 
-use super::depth_overlay::{ShownDepths, ShownMaps};
-use super::depth_shadows::{DepthFound, FromDepth, MAP, MapSource};
+use super::from_depth::{DepthFound, FromDepth, MAP, MapSource};
 use super::light_maps::LightCameras;
+use super::shown_maps::{ShownDepths, ShownMaps};
 use crate::device::Gpu;
 use crate::gpu_error::GpuError;
 use crate::image::Picture;

@@ -10,9 +10,9 @@ use rimline::gpu::{
 };
 use rimline::{Counting, Light, wgpu};
 
+use super::cast_inputs::CastInputs;
 use super::covered::{CoveredFaces, VERSION};
 use super::posed_model::{PosedModel, Topology};
-use super::shadows::CastInputs;
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;

@@ -7,6 +7,7 @@ use rimline::gpu::StageTimer;
 use rimline::mesh::Bounds;
 use rimline::{Displacement, Light, MAX_LIGHTS, wgpu};
 
+use super::cast_inputs::CastInputs;
 use super::casters::Casters;
 use super::depth::{Seen, depth_format};
 use super::frame::{Frame, part_camera, unit};
@@ -14,7 +15,6 @@ use super::part::{PARTS, Part};
 use super::posed_model::{PosedModel, animations};
 use super::render_resources::{DrawInputs, RenderResources};
 use super::shaded_lights::{SceneBounds, ShadedLight, ShadedLightData};
-use super::shadows::CastInputs;
 use crate::device::{self, Gpu, Wanted};
 use crate::displacement;
 use crate::failure::{Failure, InputError, UsageError};

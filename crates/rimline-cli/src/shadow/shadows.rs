@@ -6,14 +6,16 @@ use rimline::gpu::{
     DepthMapPipelines, ReadError, ScenePipelines, ShadowDrawError, ShadowFormat, ShadowPipelines, StageTimer,
 };
 use rimline::reference::layout::ShadowStatistics;
-use rimline::{Counting, Light, ShadowCamera, wgpu};
+use rimline::{Counting, wgpu};
 
+use super::cast_inputs::{CastInputs, parity};
 use super::covered::CoveredFaces;
-use super::depth_overlay::ShownDepths;
-use super::depth_shadows::{DepthShadows, DepthsFound, FromDepth};
+use super::depth_shadows::DepthShadows;
 use super::found::{FacingMasks, Found};
+use super::from_depth::{DepthsFound, FromDepth};
 use super::posed_model::PosedModel;
 use super::scene_shadows::SceneShadows;
+use super::shown_maps::ShownDepths;
 use super::single_casters::SingleCasters;
 use crate::device::Gpu;
 use crate::failure::Failure;
@@ -25,23 +27,6 @@ const NO_COUNTING: Counting = Counting::Auto;
 
 /// The bit of the stencil that maps turn round. Each light has a stencil of its own.
 const PARITY_BIT: u32 = 0;
-
-/// What throws shadows now, for whom, and from where.
-#[derive(Clone, Copy)]
-pub(crate) struct CastInputs<'a> {
-    pub(crate) gpu: &'a Gpu,
-    pub(crate) bodies: &'a [PosedModel<'a>],
-    pub(crate) camera: &'a ShadowCamera,
-    pub(crate) lights: &'a [Light],
-}
-
-/// Puts `made` in the place of what has this number, or behind the last.
-pub(super) fn put<T>(list: &mut Vec<T>, number: usize, made: T) {
-    match list.get_mut(number) {
-        Some(old) => *old = made,
-        None => list.push(made),
-    }
-}
 
 /// How shadows are counted.
 #[derive(Clone, Debug)]
@@ -240,9 +225,4 @@ impl Shadows {
             Self::Depth(..) => Ok(parity()),
         }
     }
-}
-
-/// No volume of a mesh, and a count of 0 or 1.
-pub(super) fn parity() -> ShadowStatistics {
-    ShadowStatistics { count_bound: 1, ..bytemuck::Zeroable::zeroed() }
 }

@@ -9,11 +9,11 @@ use rimline::reference::cpu;
 use rimline::reference::layout::{SeenLight, ShadowStatistics};
 use rimline::{Counting, wgpu};
 
+use super::cast_inputs::{CastInputs, put};
 use super::counts;
 use super::extracted::Extracted;
 use super::found::{FacingMasks, Found};
 use super::posed_model::PosedModel;
-use super::shadows::{CastInputs, put};
 use crate::device::Gpu;
 use crate::failure::Failure;
 use crate::gpu_error::GpuError;

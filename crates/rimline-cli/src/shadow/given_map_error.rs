@@ -1,0 +1,23 @@
+//! Errors of depth maps that the caller made.
+
+use rimline::CameraError;
+use rimline::gpu::{DepthMapCubeError, DepthMapEncodeError, DepthMapVolumesError};
+
+/// What is wrong with a map whose arrays are sound.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum GivenMapError {
+    #[error(
+        "`view_projection` of map {map}: {error}; its rows make clip space of positions less `origin`, and depth is as `reversed` says"
+    )]
+    Camera { map: usize, error: CameraError },
+    #[error("six maps are square, and these have {}×{} texels", .0[0], .0[1])]
+    NotSquare([u32; 2]),
+    #[error("`objects` go with one map, not with six; take another detector")]
+    ObjectsOfCube,
+    #[error(transparent)]
+    Volumes(#[from] DepthMapVolumesError),
+    #[error(transparent)]
+    Cube(#[from] DepthMapCubeError),
+    #[error(transparent)]
+    Encode(#[from] DepthMapEncodeError),
+}
