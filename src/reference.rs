@@ -94,6 +94,7 @@ pub mod cpu {
     pub use crate::cpu::depth_map::contour_marks::contour_marks;
     pub use crate::cpu::depth_map::contour_places::contour_places;
     pub use crate::cpu::depth_map::contour_side::{contour_distance, contour_side};
+    pub use crate::cpu::depth_map::contour_tiles::contour_tiles;
     pub use crate::cpu::depth_map::contour_walls::{Wall, WallList, WallVertex, contour_walls};
     pub use crate::cpu::depth_map::depth_cells::{CellList, depth_cells, depth_cells_of_objects};
     pub use crate::cpu::depth_map::depth_cube::{CubeSample, depth_cube, depth_cube_of_objects};

@@ -3,6 +3,7 @@
 use super::contour::{Edge, FAR, Map, OUT, TEXEL, TILE, TURN, edge_of_cell, sum};
 use super::contour_marks::{code_of_cell, is_marked, surface};
 use super::contour_places::{LEAST, place_of, point_of};
+use super::contour_tiles::contour_tiles;
 
 /// Nodes that a segment may have.
 const WINDOW: usize = 32;
@@ -385,7 +386,8 @@ pub fn contour_walls(map: &Map<'_>, marks: &[u32], places: &[u32]) -> WallList {
     let mut tracer = Tracer { map, marks, places: places.to_vec(), walls: Vec::new() };
     let cells = map.lattice().map(|samples| samples - 1);
     let across = map.shape.tiles[0] as i32;
-    for tile in 0..map.shape.tiles[1] as i32 {
+    for tile in contour_tiles(map, marks) {
+        let tile = tile as i32;
         let corner = [tile % across, tile / across].map(|at| at * TILE);
         for number in 0..TILE * TILE {
             let cell = sum(corner, [number % TILE, number / TILE]);

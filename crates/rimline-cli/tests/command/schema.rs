@@ -141,12 +141,13 @@ fn bench_negative() -> Outcome {
     let data = json!({
         "format": "rimline-bench", "version": 1, "complete": true, "rimline": "0.1.0", "date": "2026-01-02T03:04:05Z",
         "machine": { "os": "Linux", "cpu": "one", "threads": 1, "optimised": true }, "adapter": null, "shadows": null,
-        "casters": casters, "skipping": skipping,
+        "casters": casters, "skipping": skipping, "depth_maps": null,
         "extraction": { "planned_rows": 1, "methods": [], "subjects": [], "rows": [row] },
     });
     validate(&schema, &data)?;
     for (pointer, wrong) in [
         ("/format", json!("other")),
+        ("/depth_maps", json!("none")),
         ("/date", json!("yesterday")),
         ("/machine/threads", json!(0)),
         ("/extraction/rows/0/lights", json!(1.5)),
