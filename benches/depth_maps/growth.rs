@@ -23,7 +23,8 @@ pub(crate) fn turned(random: &mut Random) -> [DVec3; 3] {
     [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| turn * axis)
 }
 
-/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of walls has two for each.
+/// The triangles of a list of cells: its number, and entries whose two highest bits tell which triangles are drawn. A list of
+/// walls has two for each.
 fn triangles(way: Way, list: &[u32]) -> u64 {
     let Some((&count, entries)) = list.split_first() else { return 0 };
     if way.reconstruction != DepthMapReconstruction::Triangles {

@@ -1,6 +1,7 @@
-//! `cargo bench --bench depth_maps`: volumes from depth maps. How many triangles they have where the map's side is doubled, what each phase of a frame
-//! takes, detection against the least it could take, and frames against volumes of meshes and a lookup. Words after `--` choose:
-//! `growth`, `phases`, `speed` (`--stages` for each stage), `casters` (`--json FILE` for a plot by `rimline bench --depth-maps FILE`). `--rotations N` for another number than 1,000, `--quick` for few of all.
+//! `cargo bench --bench depth_maps`: volumes from depth maps. How many triangles they have where the map's side is doubled, what
+//! each phase of a frame takes, detection against the least it could take, and frames against volumes of meshes and a lookup.
+//! Words after `--` choose: `growth`, `phases`, `speed` (`--stages` for each stage), `casters` (`--json FILE` for a plot by
+//! `rimline bench --depth-maps FILE`). `--rotations N` for another number than 1,000, `--quick` for few of all.
 
 mod casters;
 mod growth;

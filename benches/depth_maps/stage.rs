@@ -53,8 +53,8 @@ impl From<DepthEdges> for Way {
     }
 }
 
-/// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard depth from before
-/// the ball to behind it, eyes reversed depth without a far plane.
+/// A camera that looks from `distance` along `axes[2]` to the origin, and sees a ball of `radius` there. Lights have standard
+/// depth from before the ball to behind it, eyes reversed depth without a far plane.
 pub(crate) fn camera([right, up, forward]: [DVec3; 3], distance: f64, radius: f64, is_light: bool) -> ShadowCamera {
     let place = -distance * forward;
     let scale = (distance * distance - radius * radius).sqrt() / radius;

@@ -140,8 +140,8 @@ fn marked() -> Result<(), String> {
     trials(1632, 4, DepthMapOptions { edges, ..Default::default() })
 }
 
-/// Steep sides of the boxes are left out. Moved, they would leave the boxes behind, and rays would miss a crossing there, so they are
-/// not moved.
+/// Steep sides of the boxes are left out. Moved, they would leave the boxes behind, and rays would miss a crossing there, so they
+/// are not moved.
 fn of_objects() -> Result<(), String> {
     trials(
         1634,
@@ -156,7 +156,8 @@ fn of_contours() -> Result<(), String> {
     trials(1636, 4, DepthMapOptions { edges, reconstruction, ..Default::default() })
 }
 
-/// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that are dark and the truth.
+/// The same views with one bit and with more. The error of a pixel is the difference between the share of its bits that are dark
+/// and the truth.
 fn of_bits() -> Result<(), String> {
     let mut errors = Vec::new();
     let marked = DepthEdges::Differences { threshold: 0.0005 };

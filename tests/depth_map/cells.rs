@@ -31,7 +31,8 @@ pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
     if map.is_reversed { i64::from(1.0_f32.to_bits()) - bits } else { bits }
 }
 
-/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges are drawn.
+/// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges
+/// are drawn.
 fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);

@@ -105,8 +105,8 @@ fn ramp(x: f64) -> f64 {
     0.8 + 0.45 * (x + 2.0)
 }
 
-/// A ramp over a floor, seen by a parallel light from above, with a threshold above the step at its low end. Rays from there leave the shadow and
-/// never entered it, and rays the other way enter it and never leave.
+/// A ramp over a floor, seen by a parallel light from above, with a threshold above the step at its low end. Rays from there
+/// leave the shadow and never entered it, and rays the other way enter it and never leave.
 fn missed() -> Result<(), String> {
     let gpu = Gpu::shared()?;
     let eye_of = |place: DVec3, half_width| Eye {
@@ -128,7 +128,8 @@ fn missed() -> Result<(), String> {
     });
     // Above the threshold: all steps at the ramp but those at its low end.
     let edges = DepthEdges::WorldDifferences { threshold: 1.0 };
-    // Pixels that are wrong: lit and dark ones by parity, lit and dark ones by counts, and by counts beside a mesh that darkens all.
+    // Pixels that are wrong: lit and dark ones by parity, lit and dark ones by counts, and by counts beside a mesh that darkens
+    // all.
     let mut wrong = [[0; 5]; 2];
     for (side, x) in [(0, -6.0), (1, 6.0)] {
         let eye = eye_of(DVec3::new(x, 0.9, 0.3), None).camera();

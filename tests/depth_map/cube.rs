@@ -226,8 +226,8 @@ fn exchanged() -> Result<(), String> {
     if tally.wrong > 500 { Ok(()) } else { Err(format!("{tally:?}")) }
 }
 
-/// A plane that several maps see: what lies on it is lit, and what lies behind it is dark, also where the moved surface passes from map to
-/// map.
+/// A plane that several maps see: what lies on it is lit, and what lies behind it is dark, also where the moved surface passes
+/// from map to map.
 fn plane() -> Result<(), String> {
     const SEED: u64 = 1657;
     println!("seed {SEED}");

@@ -1,4 +1,5 @@
-//! Volumes of a depth map against a lookup in the same map, without filter, as shaders of receivers do it: wrong pixels of the same views.
+//! Volumes of a depth map against a lookup in the same map, without filter, as shaders of receivers do it: wrong pixels of the
+//! same views.
 
 use std::cell::OnceCell;
 

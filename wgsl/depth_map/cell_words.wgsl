@@ -1,6 +1,8 @@
-// Cells of a depth map, eight in a word: those that follow each other in a row. A row's last word may have fewer. A block has 256 words.
+// Cells of a depth map, eight in a word: those that follow each other in a row. A row's last word may have fewer. A block has 256
+// words.
 
-// For each block its listed cells, then those of all blocks before it. After them the words: for each cell three bits of its entry.
+// For each block its listed cells, then those of all blocks before it. After them the words: for each cell three bits of its
+// entry.
 @group(0) @binding(2) var<storage, read_write> places: array<u32>;
 
 const BLOCK: u32 = 256u;

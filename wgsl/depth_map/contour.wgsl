@@ -1,4 +1,5 @@
-// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md, "Contours".
+// The contours of a depth map: depths as integers, marked edges, and the distances of surfaces beside them. NUMERICS.md,
+// "Contours".
 
 struct ContourShape {
   // Tiles of 16 × 16 cells across, and all of them.
@@ -13,7 +14,8 @@ struct ContourShape {
   sure: i32,
   // How far a segment may be from a place of the contour.
   sideways: i32,
-  // How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and distances are moved down by.
+  // How far the ends of a wall may be from those of the surfaces there: a number, and the bits that it and distances are moved
+  // down by.
   tolerance: i32,
   shift: u32,
   // The move away from the light: parts of 256 of a texel's difference, parts of 2²⁹ of the depth, a distance.
@@ -34,7 +36,8 @@ const FAR: i32 = 0x7fffffff;
 // The nearest that a place may be to a sample.
 const LEAST: i32 = 16;
 
-// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on the left.
+// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on
+// the left.
 fn turn(corner: u32) -> vec2<i32> {
   return vec2<i32>((vec2<u32>(6u, 12u) >> vec2<u32>(corner & 3u)) & vec2<u32>(1u));
 }

@@ -21,8 +21,9 @@ fn is_marked_before(at: vec2<i32>, step: vec2<i32>) -> bool {
   return ((marks_at(min(at, at - step)) >> u32(step.y != 0)) & 1u) == 1u;
 }
 
-// How far the surface at a sample goes away on the way to a place beside it, in parts of a texel in the direction of a step. It goes on as between the last
-// samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows twice as it did last, to four times at most.
+// How far the surface at a sample goes away on the way to a place beside it, in parts of a texel in the direction of a step. It
+// goes on as between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows
+// twice as it did last, to four times at most.
 fn way_on(at: vec2<i32>, step: vec2<i32>, place: i32) -> i32 {
   if (is_marked_before(at, step)) {
     return 0;

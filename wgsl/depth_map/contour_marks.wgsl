@@ -6,8 +6,8 @@
 const BLOCK: u32 = 256u;
 const WORD_SAMPLES: i32 = 16;
 
-// Whether there is a jump between two samples, and not only a slope: a difference that is more than the threshold larger than what the slopes to both sides tell. It
-// must be twice as large as those beside it, too, if it is not sure.
+// Whether there is a jump between two samples, and not only a slope: a difference that is more than the threshold larger than
+// what the slopes to both sides tell. It must be twice as large as those beside it, too, if it is not sure.
 fn is_jump(at: vec2<i32>, step: vec2<i32>, a: i32, b: i32) -> bool {
   if (a == FAR || b == FAR) {
     return a != b;

@@ -1,6 +1,7 @@
 // Contour places: where on a marked edge the contour crosses it, from the run of edges that it crosses in a row.
 
-// For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel. 0: not marked.
+// For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel.
+// 0: not marked.
 @group(0) @binding(3) var<storage, read_write> places: array<u32>;
 
 const BLOCK: u32 = 256u;
@@ -9,7 +10,8 @@ const REACH: i32 = 32;
 // Edges within which a run that turns to the same side at both ends leaves this side.
 const RAMP: i32 = 4;
 
-// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the second's, or the middle.
+// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the
+// second's, or the middle.
 fn followed(start: vec2<i32>, out: u32) -> vec2<i32> {
   var cell = start;
   let first = select(3u, 0u, (out & 1u) == 1u);

@@ -1,13 +1,15 @@
 // Contour tiles: lists the tiles that a contour crosses, in their order. It has two passes: find them, list them.
 
-// First whether a contour crosses each tile. `contour_walls` has counts there. The list follows the counts of its invocations, and the list's length follows it.
+// First whether a contour crosses each tile. `contour_walls` has counts there. The list follows the counts of its invocations,
+// and the list's length follows it.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
 const BLOCK: u32 = 256u;
 // Invocations of a tile in `contour_walls`.
 const WALKERS: u32 = 64u;
 
-// A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its borders.
+// A word has the marks of the tile's samples in a row. The samples of the tiles to the right and below begin the edges at its
+// borders.
 @compute @workgroup_size(BLOCK)
 fn contour_tiles_find(
   @builtin(workgroup_id) group: vec3<u32>,

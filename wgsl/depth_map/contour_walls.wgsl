@@ -1,10 +1,11 @@
-// Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three passes: count the
-// walls of each tile that has any, turn the counts into places, list them. `contour_tiles` lists the tiles.
+// Contour walls: walks along the contours of each tile, fits segments to them, and lists a wall over each segment. It has three
+// passes: count the walls of each tile that has any, turn the counts into places, list them. `contour_tiles` lists the tiles.
 
-// As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge within a tile, but
-// edges of two tiles may share a word.
+// As `contour_places` writes them. Listing moves those between the ends of a segment onto it. Only one invocation has an edge
+// within a tile, but edges of two tiles may share a word.
 @group(0) @binding(3) var<storage, read_write> places: array<atomic<u32>>;
-// For each listed tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile; the list of tiles; its length.
+// For each listed tile its walls, then those of all tiles before it. After them the walls of each invocation of each tile; the
+// list of tiles; its length.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 // The number of walls, 3 times 0, then 12 words for each wall: four vertices of a place on the lattice and a distance.
 @group(0) @binding(7) var<storage, read_write> walls: array<u32>;
@@ -41,7 +42,8 @@ const ENTERED_STAR: u32 = 3u;
 var<private> ends: array<vec4<i32>, WINDOW>;
 // x and y: what a segment may not pass on the left. z and w: on the right.
 var<private> limits: array<vec4<i32>, WINDOW>;
-// The sample that the nearer surface begins at, in parts of a texel, its distance, and its side: 0 for left, 1 for right. 2: none.
+// The sample that the nearer surface begins at, in parts of a texel, its distance, and its side: 0 for left, 1 for right. 2:
+// none.
 var<private> inners: array<vec4<i32>, WINDOW>;
 // The first sample of an edge, and its axis. 2: the cell of a star.
 var<private> edges: array<vec3<i32>, WINDOW>;
@@ -228,8 +230,8 @@ fn add_wall(p: vec3<i32>, q: vec3<i32>, r: vec3<i32>, s: vec3<i32>) {
   place++;
 }
 
-// Lists the walls over the segment to a node of the window. Where surfaces meet in a star, it has a wall between each two that follow each other. A flap
-// joins it to the samples of the nearer surface.
+// Lists the walls over the segment to a node of the window. Where surfaces meet in a star, it has a wall between each two that
+// follow each other. A flap joins it to the samples of the nearer surface.
 fn add_walls(last: u32) {
   let a = ends[0];
   let b = ends[last];
@@ -332,7 +334,8 @@ fn trace(start_kind: u32, start: Step, first: Step, is_loop: bool) {
   }
 }
 
-// The edges of a cell at which a contour may begin: all of a star, those on the tile's border, and the right one of a cell that may be the first of a loop.
+// The edges of a cell at which a contour may begin: all of a star, those on the tile's border, and the right one of a cell that
+// may be the first of a loop.
 fn begins_at(cell: vec2<i32>) -> u32 {
   let code = code_of_cell(cell);
   let edges = countOneBits(code);

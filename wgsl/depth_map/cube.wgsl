@@ -26,8 +26,8 @@ fn product(a: vec3<i32>, b: vec3<i32>) -> i32 {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The direction of a sample. Its largest component is the number of cells along a side, and a face has all samples whose component
-// along it is as large.
+// The direction of a sample. Its largest component is the number of cells along a side, and a face has all samples whose
+// component along it is as large.
 fn direction_of(face: u32, at: vec2<u32>) -> vec3<i32> {
   let axes = cube_face(face);
   let most = i32(depth_map.size.x) - 1;

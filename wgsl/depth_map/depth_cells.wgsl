@@ -1,5 +1,6 @@
-// Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: decide about the cells and
-// count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are one word.
+// Depth cells: lists the cells of a depth map that have a triangle to draw, in their order. It has three passes: decide about the
+// cells and count those of each block, turn the counts into places, list them. Eight cells that follow each other in a row are
+// one word.
 
 // The number of cells, then their entries.
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
@@ -9,8 +10,8 @@
 // An entry has the three bits of a cell here.
 const ENTRY_BITS: u32 = 29u;
 
-// The edges of `open` that are marked, of those that floats leave open: four bits for each cell of a word, of its top, right and bottom, and of the left
-// side of the first. `corner` is the first cell.
+// The edges of `open` that are marked, of those that floats leave open: four bits for each cell of a word, of its top, right and
+// bottom, and of the left side of the first. `corner` is the first cell.
 fn exactly_marked(corner: vec2<u32>, open: u32) -> u32 {
   var marked = 0u;
   for (var left = open; left != 0u; left &= left - 1u) {

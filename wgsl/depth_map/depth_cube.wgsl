@@ -1,6 +1,6 @@
-// Depth cube: puts six maps into one texture, three in a row. Samples of two or three maps that lie on one ray get the nearest of their depths,
-// so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing. Each sample has the object of the map
-// that its depth is from, the first of those with this depth.
+// Depth cube: puts six maps into one texture, three in a row. Samples of two or three maps that lie on one ray get the nearest of
+// their depths, so maps that meet have the same samples where they do. A map of another size, such as one texel, casts nothing.
+// Each sample has the object of the map that its depth is from, the first of those with this depth.
 
 @group(0) @binding(2) var texture_1: texture_2d<f32>;
 @group(0) @binding(3) var texture_2: texture_2d<f32>;

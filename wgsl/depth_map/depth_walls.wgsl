@@ -1,4 +1,5 @@
-// Depth walls: the vertices of walls over contours, and where the near rectangle is behind the surfaces between them. The list of walls is bound as `cells`.
+// Depth walls: the vertices of walls over contours, and where the near rectangle is behind the surfaces between them. The list of
+// walls is bound as `cells`.
 
 @vertex
 fn depth_walls(@builtin(vertex_index) index: u32) -> SurfaceVertex {

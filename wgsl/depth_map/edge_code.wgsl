@@ -53,8 +53,8 @@ fn is_marked(a: u32, b: u32) -> u32 {
   return select(told, select(0u, 1u, a != b), max(a, b) == FAR_KEY);
 }
 
-// The edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from the top. x: the bits of those
-// that are marked, y: of those that are left open.
+// The edges at the top, right and bottom of a cell, whose samples on the left are `before` and on the right `keys`, from the top.
+// x: the bits of those that are marked, y: of those that are left open.
 fn edges_on_the_right(before: vec2<u32>, keys: vec2<u32>) -> vec2<u32> {
   let states = vec3<u32>(is_marked(before.x, keys.x), is_marked(keys.x, keys.y), is_marked(before.y, keys.y));
   let marked = states & vec3<u32>(1u);
@@ -76,8 +76,9 @@ fn differs(a: vec2<u32>, b: vec2<u32>) -> bool {
   return object_at(a) != object_at(b);
 }
 
-// Edges of objects at the top, right and bottom of a cell whose samples on the right are `at` and the one below. `before` and `keys` are those of its
-// samples on the left and on the right, from the top. An edge of a far sample is marked already, or lies between two.
+// Edges of objects at the top, right and bottom of a cell whose samples on the right are `at` and the one below. `before` and
+// `keys` are those of its samples on the left and on the right, from the top. An edge of a far sample is marked already, or lies
+// between two.
 fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
   if (depth_map.objects == 0u) {
     return 0u;
@@ -91,7 +92,8 @@ fn object_edges(at: vec2<u32>, before: vec2<u32>, keys: vec2<u32>) -> u32 {
     | select(0u, 4u, !(was_far.y || is_far.y) && differs(left + down, at + down));
 }
 
-// Bits: the edges of the cell at the top, right, bottom and left, in a pipeline that leaves none open. `keys` are those of samples (0, 0), (1, 0), (0, 1) and (1, 1).
+// Bits: the edges of the cell at the top, right, bottom and left, in a pipeline that leaves none open. `keys` are those of
+// samples (0, 0), (1, 0), (0, 1) and (1, 1).
 fn edge_code(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   let code = edges_on_the_right(keys.xz, keys.yw).x | (is_marked(keys.x, keys.z) << 3u);
   if (!OBJECTS) {
@@ -117,8 +119,8 @@ fn sample_of_cell(number: u32) -> vec2<u32> {
   return vec2<u32>(number & 1u, number >> 1u);
 }
 
-// Bits 0 to 3: as `edge_code`, with no edge left open. Bits 4 to 11: the edges from each of its samples out of the cell, to the left or right,
-// and up or down.
+// Bits 0 to 3: as `edge_code`, with no edge left open. Bits 4 to 11: the edges from each of its samples out of the cell, to the
+// left or right, and up or down.
 fn edges_around(at: vec2<u32>, keys: vec4<u32>) -> u32 {
   var code = 0u;
   // A loop that is not unrolled has one copy of what decides.

@@ -1,5 +1,5 @@
-// Marks of edges, many at once: a word has 16 samples that follow each other in a row of the lattice. It has a bit for the edge from each
-// sample to the next one on the right, and 16 bits higher one for the edge to the sample below.
+// Marks of edges, many at once: a word has 16 samples that follow each other in a row of the lattice. It has a bit for the edge
+// from each sample to the next one on the right, and 16 bits higher one for the edge to the sample below.
 
 // What an earlier pass marked.
 @group(0) @binding(7) var<storage, read> edges_before: array<u32>;
@@ -39,8 +39,8 @@ fn dangling_from(at: vec2<i32>) -> u32 {
   return single;
 }
 
-// For 17 samples from a place on, whether they are at the end of a marked edge, or on the border of a map of a cube, whose other maps may have
-// one there.
+// For 17 samples from a place on, whether they are at the end of a marked edge, or on the border of a map of a cube, whose other
+// maps may have one there.
 fn ends_from(at: vec2<i32>) -> u32 {
   let across = marks_from(at - vec2<i32>(1, 0), 0u);
   var ends = across | (across >> 1u) | marks_from(at, 1u) | marks_from(at - vec2<i32>(0, 1), 1u);

@@ -1,5 +1,5 @@
-// The rule by which an edge between two samples is marked: from first differences, or from these and those beside them. Both are decided
-// exactly. NUMERICS.md, "Volumes from depth maps".
+// The rule by which an edge between two samples is marked: from first differences, or from these and those beside them. Both are
+// decided exactly. NUMERICS.md, "Volumes from depth maps".
 
 // How edges are marked. Of two values, the second is that next to the end of a marked edge.
 struct DepthEdgeRule {
@@ -22,8 +22,8 @@ struct DepthEdgeRule {
 
 @group(0) @binding(6) var<uniform> edge_rule: DepthEdgeRule;
 
-// What second differences tell. 0: nothing, all above the threshold are marked. 1: a difference is marked that is larger than both beside it.
-// 2: one that is larger than one of them.
+// What second differences tell. 0: nothing, all above the threshold are marked. 1: a difference is marked that is larger than
+// both beside it. 2: one that is larger than one of them.
 override SECOND: u32 = 0u;
 
 // Samples of the lattice across, and down.
@@ -61,7 +61,8 @@ fn float_distance(bits: vec2<u32>) -> f32 {
   return abs(bitcast<f32>(bits.x) - bitcast<f32>(bits.y));
 }
 
-// Whether the difference at an edge is larger than multiples of that beside it, and noise: 0 or 1; or 2, where floats do not tell.
+// Whether the difference at an edge is larger than multiples of that beside it, and noise: 0 or 1; or 2, where floats do not
+// tell.
 fn bends_by_floats(ends: vec2<u32>, beside: vec2<u32>, slopes: u32) -> u32 {
   let step = float_distance(ends);
   let most = bitcast<f32>(slopes) * float_distance(beside) + bitcast<f32>(noise_at(max(ends.x, ends.y)));

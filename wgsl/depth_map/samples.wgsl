@@ -55,8 +55,8 @@ fn bits_of_key(key: u32) -> u32 {
   return select(depth_bits(key), select(ONE, 0u, depth_map.is_reversed != 0u), key == FAR_KEY);
 }
 
-// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is. A sample on the border of the lattice reads a texel beside it, and
-// drops it: one place loads for all.
+// Sample (1, 1) of the lattice is texel (0, 0). In a cube, sample (0, 0) is. A sample on the border of the lattice reads a texel
+// beside it, and drops it: one place loads for all.
 fn key_at(at: vec2<u32>) -> u32 {
   let is_cube = depth_map.faces > 1u;
   let inside = clamp(at, vec2<u32>(1u), depth_map.size);

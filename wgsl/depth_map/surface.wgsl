@@ -46,7 +46,8 @@ fn slope_to(key: u32, first: u32, second: u32) -> f32 {
   return min(abs(depth_of(first) - depth_of(key)), abs(depth_of(second) - depth_of(first)));
 }
 
-// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the larger counts.
+// The slope at a sample along one axis. A boundary that is moved sideways leaves the surface on either side, so there the larger
+// counts.
 fn slope_along(at: vec2<u32>, step: vec2<u32>) -> f32 {
   let key = key_at(at);
   let before = key_at(at - step);

@@ -11,7 +11,8 @@ pub(crate) const TEXEL: i32 = 256;
 pub(crate) const RANGE: i32 = 1 << 29;
 /// The distance of a sample that casts nothing.
 pub const FAR: i32 = i32::MAX;
-/// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on the left.
+/// The corners of a cell in turn. Edge b lies between the corners b and b + 1. Walked over from within the cell, the first is on
+/// the left.
 pub(crate) const TURN: [[i32; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 /// The steps over the edges of a cell.
 pub(crate) const OUT: [[i32; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
@@ -112,7 +113,8 @@ impl Map<'_> {
         own + (of_slopes + (((depth >> 10) * share) >> 19) + constant).min(most)
     }
 
-    /// Whether there is a jump between the samples of an edge, and not only a slope. One that is not sure must be twice as large as the differences beside it.
+    /// Whether there is a jump between the samples of an edge, and not only a slope. One that is not sure must be twice as large
+    /// as the differences beside it.
     pub fn is_marked(&self, edge: Edge) -> bool {
         let step = if edge.axis == 0 { [1, 0] } else { [0, 1] };
         let other = sum(edge.at, step);

@@ -5,7 +5,8 @@ use super::contour::{Edge, FAR, Map, RANGE, TEXEL, parts, smaller, sum};
 /// Samples that a word has marks for.
 const SAMPLES: usize = 16;
 
-/// Marks: for each sample of the lattice two bits, for the edges to its right and below it, 16 samples a word. A row has words of its own.
+/// Marks: for each sample of the lattice two bits, for the edges to its right and below it, 16 samples a word. A row has words of
+/// its own.
 pub fn contour_marks(map: &Map<'_>) -> Vec<u32> {
     let [across, down] = map.lattice();
     let words = map.shape.words as usize;
@@ -36,8 +37,9 @@ pub(crate) fn code_of_cell(map: &Map<'_>, marks: &[u32], cell: [i32; 2]) -> u32 
     (0..4).map(|bit| u32::from(is_marked(map, marks, super::contour::edge_of_cell(cell, bit))) << bit).sum()
 }
 
-/// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. It goes on as between the last samples. Where it
-/// bends away from the light, as towards a rim, it goes on bending: the slope grows twice as it did last, to four times at most.
+/// The distance of the surface of a sample at a place beside it, in parts of a texel in the direction of a step. It goes on as
+/// between the last samples. Where it bends away from the light, as towards a rim, it goes on bending: the slope grows twice as
+/// it did last, to four times at most.
 pub(crate) fn surface(map: &Map<'_>, marks: &[u32], at: [i32; 2], step: [i32; 2], place: i32) -> i32 {
     let own = map.distance(at);
     if own == FAR {

@@ -10,7 +10,8 @@ const RAMP: i32 = 4;
 /// The nearest that a place may be to a sample.
 pub(crate) const LEAST: i32 = TEXEL / 16;
 
-/// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the second's, or the middle.
+/// Follows a run through its cells. Edges that it crosses further, and the place that it turns to: the first sample's, the
+/// second's, or the middle.
 fn followed(map: &Map<'_>, marks: &[u32], mut cell: [i32; 2], out: usize) -> (i32, i32) {
     for crossed in 0..REACH {
         // The other edge of the cell.
@@ -43,7 +44,8 @@ fn place(map: &Map<'_>, marks: &[u32], edge: Edge) -> i32 {
     place.clamp(LEAST, TEXEL - LEAST)
 }
 
-/// For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel from the sample. 0: not marked.
+/// For each sample of the lattice the places on the edges to its right and below it, 16 bits each, in parts of 65,536 of a texel
+/// from the sample. 0: not marked.
 pub fn contour_places(map: &Map<'_>, marks: &[u32]) -> Vec<u32> {
     let [across, down] = map.lattice();
     let samples = (0..across * down).map(|sample| [sample % across, sample / across]);

@@ -20,8 +20,8 @@ pub struct Cell {
     pub at: [u32; 2],
     /// Its edges at the top, right, bottom and left are marked.
     pub marked: [bool; 4],
-    /// Its samples (0, 0), (1, 0), (0, 1) and (1, 1) have a depth and are at the end of a marked edge, within the cell or not. All are false
-    /// where only edges of the cell matter.
+    /// Its samples (0, 0), (1, 0), (0, 1) and (1, 1) have a depth and are at the end of a marked edge, within the cell or not.
+    /// All are false where only edges of the cell matter.
     pub ends: [bool; 4],
     /// It is split from sample (1, 0) to (0, 1).
     pub is_split: bool,
@@ -57,7 +57,8 @@ impl Cell {
         Self::with(samples, at, is_marked, |at| samples.shape.spread == 1 && is_end(at))
     }
 
-    /// The cell whose sample (0, 0) is there, whose edges are marked so. `is_end` tells of each corner whether triangles at it are drawn.
+    /// The cell whose sample (0, 0) is there, whose edges are marked so. `is_end` tells of each corner whether triangles at it
+    /// are drawn.
     pub(super) fn with(
         samples: &Samples<'_>,
         at @ [x, y]: [u32; 2],

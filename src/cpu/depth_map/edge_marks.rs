@@ -36,7 +36,8 @@ impl EdgeMarks {
         edges.into_iter().filter(|&(at, axis)| self.at(at, axis)).count() == 1
     }
 
-    /// Whether an edge at a sample is marked, or the sample is on the border of a map of a cube, whose other maps may have one there.
+    /// Whether an edge at a sample is marked, or the sample is on the border of a map of a cube, whose other maps may have one
+    /// there.
     fn ends_at(&self, samples: &Samples<'_>, at @ [x, y]: [u32; 2]) -> bool {
         let side = samples.shape.size[0];
         let is_border = |place: u32| matches!(place % side, 0) || place % side == side - 1;

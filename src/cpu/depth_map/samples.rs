@@ -44,7 +44,8 @@ impl Samples<'_> {
         if unit == far { Key::Far } else { Key::Steps(unit.to_bits().abs_diff(near.to_bits())) }
     }
 
-    /// The sample at a place of the lattice. Texel (0, 0) is at (1, 1). In a cube, the maps have no border, and lie three in a row.
+    /// The sample at a place of the lattice. Texel (0, 0) is at (1, 1). In a cube, the maps have no border, and lie three in a
+    /// row.
     pub fn at(&self, [x, y]: [u32; 2]) -> Key {
         let [width, height] = self.shape.size;
         if self.shape.faces > 1 {

@@ -57,8 +57,8 @@ pub(super) fn product(a: &Wide, b: &Wide) -> Wide {
     result
 }
 
-/// Whether `ratio` · |a − b| is more than |a − i| · |b − i|, with i = `at_infinity`. All are 0 or normal, `a` and `b` are from 0 to 1, and |i| is less than
-/// 2¹⁰.
+/// Whether `ratio` · |a − b| is more than |a − i| · |b − i|, with i = `at_infinity`. All are 0 or normal, `a` and `b` are from 0
+/// to 1, and |i| is less than 2¹⁰.
 pub fn world_step(a: f32, b: f32, ratio: f32, at_infinity: f32) -> bool {
     let infinity = wide(at_infinity);
     let [x, y] = [wide(a), wide(b)];

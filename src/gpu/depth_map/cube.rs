@@ -22,8 +22,9 @@ use crate::stages::DEPTH_CUBE;
 
 /// Shadow volumes of all that a light sees around it, from six depth maps. It is [`DepthMapVolumes`] without an outside.
 ///
-/// The middles of a map's outermost texels lie on the edges of the cube, so neighbouring maps have samples there on the same rays. Where their depths differ, the
-/// nearest is taken for all. A map sees slightly more than 90°: [`Self::cameras`] makes cameras that do.
+/// The middles of a map's outermost texels lie on the edges of the cube, so neighbouring maps have samples there on the same
+/// rays. Where their depths differ, the nearest is taken for all. A map sees slightly more than 90°: [`Self::cameras`] makes
+/// cameras that do.
 ///
 /// A map that is not there casts nothing, and shadows of the others end at its edges, as at the border of a single map.
 #[derive(Debug)]
@@ -43,8 +44,8 @@ pub struct DepthMapCube {
 }
 
 impl DepthMapCube {
-    /// Cameras at `place` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along +y, and −z for the
-    /// one along −y.
+    /// Cameras at `place` for maps of `side` texels, which look along +x, −x, +y, −y, +z, −z. y is up; it is z for the map along
+    /// +y, and −z for the one along −y.
     pub fn cameras(
         place: [f32; 3],
         near: f32,
@@ -55,11 +56,12 @@ impl DepthMapCube {
         cameras(place, near, far, depth, side)
     }
 
-    /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`. The cameras may be turned all together, against those of [`Self::cameras`].
+    /// Makes buffers for six maps of `side` × `side` texels, on the device of `pipelines`. The cameras may be turned all
+    /// together, against those of [`Self::cameras`].
     ///
     /// # Errors
-    /// [`DepthMapCubeError`] if the maps of the cameras do not meet, the side or an option is refused, or buffers and texture do not fit the
-    /// device.
+    /// [`DepthMapCubeError`] if the maps of the cameras do not meet, the side or an option is refused, or buffers and texture do
+    /// not fit the device.
     pub fn new(
         pipelines: &DepthMapPipelines,
         side: u32,
@@ -129,8 +131,9 @@ impl DepthMapCube {
         Ok(())
     }
 
-    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. A map is a view as [`DepthMap::texture`](crate::gpu::DepthMap::texture), in the order of the
-    /// cameras. `None` casts nothing. What was encoded before can no longer be drawn.
+    /// Records the stages: makes the six maps one, and finds its edges, for `camera`. A map is a view as
+    /// [`DepthMap::texture`](crate::gpu::DepthMap::texture), in the order of the cameras. `None` casts nothing. What was encoded
+    /// before can no longer be drawn.
     ///
     /// # Errors
     /// [`DepthMapEncodeError`] if a texture or the camera is refused. Nothing is recorded then.
@@ -229,7 +232,8 @@ impl DepthMapCube {
         )
     }
 
-    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the map before.
+    /// The listed cells, as [`DepthMapVolumes::cells`] has them. A map has (side − 1)² cells, and its cells follow those of the
+    /// map before.
     pub fn cells(&self) -> &wgpu::Buffer {
         self.volumes.cells()
     }

@@ -72,7 +72,8 @@ impl Detector {
             noise: 0,
             noise_exponents: 0,
         };
-        // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of several bits.
+        // Left out steep surfaces are moved by half a texel across and down, and by as much again for the parts of a texel of
+        // several bits.
         let rings = u32::from(second > 0) + u32::from(bits > 1);
         Some(Self { rule, second, world, dangling, rings })
     }

@@ -1,5 +1,5 @@
-//! Jitter: by how much the boundary is moved for each bit of the stencil. The paper (section 8.3) takes rooks that do not attack each other: then an
-//! edge along either axis has as many levels as there are bits.
+//! Jitter: by how much the boundary is moved for each bit of the stencil. The paper (section 8.3) takes rooks that do not attack
+//! each other: then an edge along either axis has as many levels as there are bits.
 
 /// For each number of bits the row of each column.
 const ROOKS: [&[u32]; 8] = [

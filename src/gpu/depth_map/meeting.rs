@@ -6,7 +6,8 @@ use super::errors::{CubeMismatch, DepthMapCubeError};
 use crate::ShadowCamera;
 use crate::shadow::DepthDirection;
 
-/// How far cameras may be off: rounding of their matrices. A map of 4,096 texels a side is off by less than a hundredth of a texel.
+/// How far cameras may be off: rounding of their matrices. A map of 4,096 texels a side is off by less than a hundredth of a
+/// texel.
 const TOLERANCE: f64 = 1.0 / 1_048_576.0;
 
 /// Where each map looks, what is to its right, and what is up, along the axes of the cube.

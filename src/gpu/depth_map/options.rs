@@ -95,14 +95,19 @@ pub enum DepthMapReconstruction {
     /// Each cell by the triangles between its samples that have a marked edge.
     #[default]
     Triangles,
-    /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with segments.
-    /// Far fewer triangles, and smoother borders of shadows, which lie between the samples and not at the outer ones. After
-    /// section 8.1 of the paper.
+    /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with
+    /// segments. Fewer triangles, and smoother borders of shadows, which lie between the samples and not at the outer
+    /// ones. After section 8.1 of the paper.
     ///
     /// It takes [`DepthEdges::Differences`], or [`DepthEdges::Outlines`] where the map is far behind what casts. Of the
-    /// differences above the threshold it takes jumps alone: those that are more than the threshold larger than the slopes to
-    /// both sides tell. A jump of less than 16 thresholds does not count beside one that is twice as large. No wall is drawn on a
-    /// slope, so surfaces have no specks of their own shadow.
+    /// differences above the threshold it takes jumps alone: those that are more than the threshold larger than the slopes
+    /// to both sides tell, but not where three samples lie on a plane. A jump of less than 16 thresholds does not count
+    /// beside one that is more than half as large. No wall is drawn on a slope, so surfaces have no specks of their own
+    /// shadow.
+    ///
+    /// In the trials it was wrong at 0.54 times as many pixels at borders of shadows as triangles, and at 52 in a million
+    /// elsewhere, where triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias`
+    /// of 1. Finding contours takes about ten times as long as finding cells on a software device.
     ///
     /// Maps of a cube, and more than one bit, take triangles.
     Contours {

@@ -63,8 +63,8 @@ fn infinity(light: &ShadowCamera, inverse: &DMat4) -> Result<Option<DVec3>, Dept
     Ok(Some(depth))
 }
 
-/// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit side. All go round
-/// alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
+/// Whether the triangles of the boundary, of which a light sees the front, turn clockwise on the screen of an eye on their lit
+/// side. All go round alike on the lattice, which counts rows downwards. NUMERICS.md, "Volumes from depth maps".
 pub(super) fn is_turned(light: &ShadowCamera, eye: &ShadowCamera) -> bool {
     let mirrors =
         |camera: &ShadowCamera| (matrix(camera).determinant() < 0.0) != (camera.depth == DepthDirection::Reversed);
@@ -113,7 +113,8 @@ pub(super) struct Placing {
     pub(super) slope_bias: f64,
 }
 
-/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format `format`.
+/// The view of a map of `size` texels, whose depths were rounded to `formats`, for an eye whose depth buffer has the format
+/// `format`.
 pub(super) fn depth_map_view(
     (light, size, formats): (&ShadowCamera, [u32; 2], &mut dyn Iterator<Item = wgpu::TextureFormat>),
     (eye, format): (&ShadowCamera, wgpu::TextureFormat),
