@@ -194,6 +194,15 @@ pub(crate) enum UsageError {
     )]
     DetectorInCube { light: usize },
     #[error(
+        "light {light} is among the models or close to them, so it has six depth maps, and --reconstruct vector takes one; leave it out, and \
+         take --detector every or world=T"
+    )]
+    VectorInCube { light: usize },
+    #[error(
+        "--reconstruct vector traces jumps of depth; add --detector differences=T, or objects with a file of --depth"
+    )]
+    VectorDetector,
+    #[error(
         "--depth is the map of one light, and --light gives {count}; give one, or none: the light is then where the map was seen from"
     )]
     DepthLights { count: usize },

@@ -11,7 +11,7 @@ use crate::failure::{Failure, UsageError};
 use crate::help::verbatim;
 use crate::input_args::{MomentArgs, ViewArgs, WeldArgs, drawing_device};
 use crate::load_args::LoadArgs;
-use crate::shadow::from_depth::{FromDepth, MapSource};
+use crate::shadow::from_depth::{FromDepth, MapSource, Reconstruction};
 use crate::shadow::given_map::GivenMap;
 use crate::spec::{self, AreaSpec, ShadedLightSpec};
 
@@ -58,6 +58,15 @@ pub(crate) enum ModeArg {
     Black,
     /// Full light; each shadow on a place halves its light, highlights included
     Composited,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReconstructArg {
+    /// Triangles between samples, those at edges that the detector finds. Exact to a texel
+    Template,
+    /// Walls over contours that are traced between samples and fitted with segments: fewer triangles and smoother borders. One map a
+    /// light, and --detector differences=T or objects
+    Vector,
 }
 
 /// What the pictures with shadows have alike.
@@ -211,6 +220,10 @@ pub(crate) struct ShadowArgs {
     )]
     pub(crate) detector: DepthEdges,
 
+    /// With --from-depth or --depth: how the boundary of shadows is rebuilt between the samples of a map
+    #[arg(long, value_enum, requires = "depth_maps", default_value_t = ReconstructArg::Template)]
+    pub(crate) reconstruct: ReconstructArg,
+
     /// Print the chosen methods, counts and times as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -229,7 +242,11 @@ impl ShadowArgs {
             }
             (None, None) => return Ok(None),
         };
-        Ok(Some(FromDepth { source, edges }))
+        let reconstruction = match self.reconstruct {
+            ReconstructArg::Template => Reconstruction::Template,
+            ReconstructArg::Vector => Reconstruction::Vector,
+        };
+        Ok(Some(FromDepth::new(source, edges, reconstruction)?))
     }
 }
 
@@ -257,7 +274,7 @@ the stencil holds: places in their shadow may look lit), lights (a list of light
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
-depth_map: size, side (null unless square), maps and cells, those that the boundary of the shadow has triangles in; casting is then depth map, \
+depth_map: size, side (null unless square), maps, reconstruction, and cells, those that the boundary of the shadow has triangles in, or walls; casting is then depth map, \
 and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \

@@ -17,7 +17,7 @@ struct DepthView {
 struct DepthViews {
   // Texels of a map.
   size: vec2<u32>,
-  // 1, or the 6 of a cube, which lie three in a row.
+  // 1, or the 6 of a cube, which lie three in a row. 0: one, whose list has walls.
   maps: u32,
   is_reversed: u32,
   views: array<DepthView, 6>,
@@ -97,10 +97,32 @@ fn triangle(instance: u32, second: u32) -> DepthTriangle {
 
 const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
+// A corner of a wall or flap: a place in parts of 256 of a texel, with texel (0, 0) at (256, 256), and a distance from the near plane.
+fn wall_clip(instance: u32, corner: u32) -> vec4<f32> {
+  let word = 4u + 12u * instance + 3u * corner;
+  let size = vec2<f32>(maps.size);
+  let place = (vec2<f32>(vec2<u32>(cells[word], cells[word + 1u])) / 128.0 - 1.0) / size - 1.0;
+  let distance = cells[word + 2u];
+  let view = maps.views[0];
+  if (distance == 0x7fffffffu) {
+    return view.far_across * place.x - view.far_up * place.y + view.far_middle;
+  }
+  let depth = f32(distance) / 536870912.0;
+  let device = select(depth, 1.0 - depth, maps.is_reversed != 0u);
+  return view.across * place.x - view.up * place.y + view.depth * device + view.middle;
+}
+
+fn is_wall(instance: u32) -> bool {
+  return maps.maps == 0u && 16u + 12u * instance <= arrayLength(&cells);
+}
+
 @vertex fn depth_volumes_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32)
   -> @builtin(position) vec4<f32> {
+  if (is_wall(instance)) {
+    return wall_clip(instance, select(vertex, select(0u, vertex - 2u, vertex > 3u), vertex >= 3u));
+  }
   var own = triangle(instance, vertex / 3u);
-  if (!own.is_drawn) {
+  if (!own.is_drawn || maps.maps == 0u) {
     return NOWHERE;
   }
   return sample_clip(own.corners[vertex % 3u]);
@@ -108,9 +130,13 @@ const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 // For each triangle a line between its two corners that cast, then a ray, if the third is far.
 @vertex fn depth_edges_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Edge {
+  // The four sides of a wall.
+  if (is_wall(instance)) {
+    return Edge(wall_clip(instance, (vertex / 2u + vertex % 2u) % 4u), 0.4);
+  }
   var own = triangle(instance, vertex / 4u);
   let nothing = Edge(NOWHERE, 0.0);
-  if (!own.is_drawn) {
+  if (!own.is_drawn || maps.maps == 0u) {
     return nothing;
   }
   var far = 3u;

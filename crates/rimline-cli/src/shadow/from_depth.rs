@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rimline::gpu::DepthEdges;
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use rimline::{Light, wgpu};
 
 use super::given_map::GivenMap;
@@ -19,7 +19,22 @@ pub(super) const MAP: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub(crate) struct FromDepth {
     pub(crate) source: MapSource,
     pub(crate) edges: DepthEdges,
+    pub(crate) reconstruction: Reconstruction,
 }
+
+/// How shadows are rebuilt between the samples of a map: `--reconstruct`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reconstruction {
+    Template,
+    Vector,
+}
+
+/// How far a segment may be from its contour, in texels.
+const SIDEWAYS: f32 = 0.25;
+/// How far the ends of a wall may be from the surfaces that it joins, in thresholds.
+const THRESHOLDS: f32 = 4.0;
+/// The same in device depth, where there is no threshold.
+const WITHOUT_THRESHOLD: f32 = 0.002;
 
 /// Where maps come from.
 #[derive(Clone, Debug)]
@@ -39,7 +54,48 @@ impl FromDepth {
         }
         let points = points(bodies);
         let is_cube = |light: &Light| matches!(LightCameras::new(light, &points, side), LightCameras::Cube(_));
-        lights.iter().position(is_cube).map_or(Ok(()), |light| Err(UsageError::DetectorInCube { light }))
+        match (lights.iter().position(is_cube), self.reconstruction) {
+            (None, _) => Ok(()),
+            (Some(light), Reconstruction::Template) => Err(UsageError::DetectorInCube { light }),
+            (Some(light), Reconstruction::Vector) => Err(UsageError::VectorInCube { light }),
+        }
+    }
+
+    /// Refuses detectors that contours are not traced with.
+    pub(crate) fn new(
+        source: MapSource,
+        edges: DepthEdges,
+        reconstruction: Reconstruction,
+    ) -> Result<Self, UsageError> {
+        let is_traced = matches!(edges, DepthEdges::Differences { .. } | DepthEdges::Outlines);
+        if reconstruction == Reconstruction::Vector && !is_traced {
+            return Err(UsageError::VectorDetector);
+        }
+        Ok(Self { source, edges, reconstruction })
+    }
+
+    /// What maps are rebuilt with.
+    pub(super) fn options(&self) -> DepthMapOptions {
+        let mut options = DepthMapOptions { edges: self.edges, ..DepthMapOptions::default() };
+        if let MapSource::Given(map) = &self.source {
+            options.objects = map.has_objects();
+            options.rounded_to = map.rounded_to;
+        }
+        match self.reconstruction {
+            Reconstruction::Template if self.edges == DepthEdges::Outlines => {
+                // Steep sides of objects are left out, and what is drawn must stay with them.
+                options.slope_bias = 0.0;
+            }
+            Reconstruction::Template => {}
+            Reconstruction::Vector => {
+                let depth = match self.edges {
+                    DepthEdges::Differences { threshold } => (THRESHOLDS * threshold).min(1.0),
+                    _ => WITHOUT_THRESHOLD,
+                };
+                options.reconstruction = DepthMapReconstruction::Contours { sideways: SIDEWAYS, depth };
+            }
+        }
+        options
     }
 
     /// Texels of a map across and down.
@@ -75,13 +131,14 @@ pub(super) fn points(bodies: &[PosedModel<'_>]) -> Vec<[f32; 3]> {
 pub(crate) struct DepthFound {
     /// Maps of the light: 1 or 6.
     pub(crate) maps: usize,
-    /// Cells with a triangle in the boundary of its shadow.
-    pub(crate) cells: u32,
+    /// Cells with a triangle in the boundary of its shadow, or walls.
+    pub(crate) listed: u32,
 }
 
 /// What was found in the maps of all lights.
 pub(crate) struct DepthsFound {
     /// Texels of a map across and down.
     pub(crate) size: [u32; 2],
+    pub(crate) reconstruction: Reconstruction,
     pub(crate) lights: Vec<DepthFound>,
 }

@@ -1,8 +1,8 @@
 //! The depth maps of one light, and the shadows rebuilt from them.
 
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapOptions, DepthMapPipelines,
-    DepthMapVolumes, ReadError, StageTimer, read_back_vec,
+    DepthMap, DepthMapCube, DepthMapDrawError, DepthMapFrame, DepthMapPipelines, DepthMapVolumes, ReadError,
+    StageTimer, read_back_vec,
 };
 use rimline::{ShadowCamera, wgpu};
 
@@ -37,16 +37,7 @@ impl LightMaps {
         from: &FromDepth,
         cameras: &LightCameras,
     ) -> Result<Self, GpuError> {
-        let mut options = DepthMapOptions { edges: from.edges, ..DepthMapOptions::default() };
-        if let MapSource::Given(map) = &from.source {
-            options.objects = map.has_objects();
-            options.rounded_to = map.rounded_to;
-        }
-        if from.edges == DepthEdges::Outlines {
-            // Steep sides of objects are left out, and what is drawn must stay with them.
-            options.slope_bias = 0.0;
-        }
-        let size = from.size();
+        let (options, size) = (from.options(), from.size());
         let maps = match cameras {
             LightCameras::One(_) => Maps::One(Box::new(DepthMapVolumes::new(pipelines, size, options)?)),
             LightCameras::Cube(cameras) => {
@@ -57,7 +48,14 @@ impl LightMaps {
             MapSource::Drawn { side } => (cameras.all().iter().map(|_| drawn(gpu, *side)).collect(), None),
             MapSource::Given(map) => (map.upload(gpu), map.upload_objects(gpu)),
         };
-        Ok(Self { maps, views, objects, cameras: cameras.clone(), frame: None, shown: ShownMaps::new(gpu) })
+        Ok(Self {
+            maps,
+            views,
+            objects,
+            cameras: cameras.clone(),
+            frame: None,
+            shown: ShownMaps::new(gpu, from.reconstruction),
+        })
     }
 
     /// Whether these are as many maps.
@@ -104,7 +102,7 @@ impl LightMaps {
     /// What was found. Waits for the device.
     pub(super) fn found(&self, gpu: &Gpu) -> Result<DepthFound, ReadError> {
         let list: Vec<u32> = read_back_vec(&gpu.device, &gpu.queue, self.cells())?;
-        Ok(DepthFound { maps: self.views.len(), cells: list.first().copied().unwrap_or(0) })
+        Ok(DepthFound { maps: self.views.len(), listed: list.first().copied().unwrap_or(0) })
     }
 
     /// What an overlay shows of them.

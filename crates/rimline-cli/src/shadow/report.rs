@@ -12,7 +12,7 @@ use super::casters::Casters;
 use super::counts::{self, CountBound};
 use super::covered::CoveredFaces;
 use super::found::Found;
-use super::from_depth::{DepthFound, DepthsFound};
+use super::from_depth::{DepthFound, DepthsFound, Reconstruction};
 use super::posed_model::PosedModel;
 use super::shadow_scene::ShadowScene;
 use crate::device::{Gpu, describe};
@@ -130,13 +130,19 @@ impl Report {
             if let Some(covered) = self.covered.as_ref().and_then(|covered| covered.get(number)) {
                 of_light["covered"] = covered_json(covered);
             }
-            if let Some(DepthsFound { size, lights: found }) = &self.depth {
+            if let Some(DepthsFound { size, reconstruction, lights: found }) = &self.depth {
                 let of_sample = |at: usize| found.get(at).copied();
                 let each =
                     |value: fn(DepthFound) -> Value| per_sample(of.clone().filter_map(of_sample).map(value).collect());
                 let side = (size[0] == size[1]).then_some(size[0]);
-                let (maps, cells) = (each(|found| found.maps.into()), each(|found| found.cells.into()));
-                of_light["depth_map"] = json!({ "size": size, "side": side, "maps": maps, "cells": cells });
+                let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
+                let (name, cells, walls) = match reconstruction {
+                    Reconstruction::Template => ("template", listed, Value::Null),
+                    Reconstruction::Vector => ("vector", Value::Null, listed),
+                };
+                of_light["depth_map"] = json!({
+                    "size": size, "side": side, "maps": maps, "reconstruction": name, "cells": cells, "walls": walls,
+                });
             }
             of_light
         };
@@ -220,9 +226,13 @@ impl Report {
                 line("no shadow", &format!("{}: the shadow is out of range or out of sight", counted(*skipped)));
             }
         }
-        for (light, DepthFound { maps, cells }) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {
+        let what = match self.depth.as_ref().map(|found| found.reconstruction) {
+            Some(Reconstruction::Vector) => "walls and flaps of",
+            _ => "cells with",
+        };
+        for (light, DepthFound { maps, listed }) in self.depth.iter().flat_map(|found| &found.lights).enumerate() {
             let maps = if *maps == 1 { "one map".to_owned() } else { format!("{maps} maps") };
-            line("depth map", &format!("light {light}: {maps}, {cells} cells with a border of the shadow"));
+            line("depth map", &format!("light {light}: {maps}, {listed} {what} a border of the shadow"));
         }
         for covered in self.covered.iter().flatten() {
             let HiddenStatistics { tried, hidden, left_out, sides, sides_left, .. } = covered;

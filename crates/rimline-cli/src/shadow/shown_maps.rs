@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
 use rimline::{DepthDirection, ShadowCamera, wgpu};
 
+use super::from_depth::Reconstruction;
 use super::light_maps::LightCameras;
 use crate::device::Gpu;
 
@@ -36,10 +37,11 @@ pub(super) struct ShownMaps {
     pub(super) views: wgpu::Buffer,
     /// Arguments of the draws of triangles and of lines.
     pub(super) draws: wgpu::Buffer,
+    reconstruction: Reconstruction,
 }
 
 impl ShownMaps {
-    pub(super) fn new(gpu: &Gpu) -> Self {
+    pub(super) fn new(gpu: &Gpu, reconstruction: Reconstruction) -> Self {
         let buffer = |label, size: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -51,7 +53,8 @@ impl ShownMaps {
         let draws = buffer("draws of shown depth maps", 32, wgpu::BufferUsages::INDIRECT);
         let [triangles, lines] = VERTICES;
         gpu.queue.write_buffer(&draws, 0, bytemuck::cast_slice(&[triangles, 0, 0, 0, lines, 0, 0, 0]));
-        Self { views: buffer("shown depth maps", size_of::<DepthViews>(), wgpu::BufferUsages::UNIFORM), draws }
+        let views = buffer("shown depth maps", size_of::<DepthViews>(), wgpu::BufferUsages::UNIFORM);
+        Self { views, draws, reconstruction }
     }
 
     /// Takes the maps as the eye sees them, and as many cells as `cells` lists once its commands are done.
@@ -72,7 +75,9 @@ impl ShownMaps {
             *view = depth_view(camera, eye, place, away);
         }
         let is_reversed = u32::from(all.first().is_some_and(|camera| camera.depth == DepthDirection::Reversed));
-        let views = DepthViews { size, maps: all.len() as u32, is_reversed, views };
+        // No maps: the list is one of walls.
+        let maps = if self.reconstruction == Reconstruction::Vector { 0 } else { all.len() as u32 };
+        let views = DepthViews { size, maps, is_reversed, views };
         gpu.queue.write_buffer(&self.views, 0, bytemuck::bytes_of(&views));
         for draw in [0, 16] {
             encoder.copy_buffer_to_buffer(cells, 0, &self.draws, draw + 4, 4);

@@ -11,6 +11,7 @@ pub(crate) const TESTS: &[Test] = &[
     ("depth_shadows::lights_among_the_models_have_six_maps", cube),
     ("depth_shadows::each_detector_draws_every_mode", modes),
     ("depth_shadows::volumes_are_shown_as_those_of_meshes", volumes),
+    ("depth_shadows::walls_over_contours_are_fewer_and_cast_as_meshes_do", vector),
     ("depth_shadows::options_that_do_not_go_with_it_end_with_2", wrong_options),
 ];
 
@@ -83,6 +84,8 @@ fn cube() -> Outcome {
     ensure!(dark > 1000 && lit > 1000 && different < 200, "{different} of {dark} and {lit} differ");
     let message = ["light 0", "--detector every or world=T"];
     run(folder.path(), &line("--from-depth --detector differences=0.01 --mask @m")).expect(2, &message)?;
+    let vector = "--from-depth --detector differences=0.01 --reconstruct vector --mask @m";
+    run(folder.path(), &line(vector)).expect(2, &["light 0", "--reconstruct vector takes one"])?;
     ensure!(!folder.path().join("m.0.png").exists(), "a mask is left");
     Ok(())
 }
@@ -143,12 +146,53 @@ fn volumes() -> Outcome {
     Ok(())
 }
 
+fn vector() -> Outcome {
+    let folder = models()?;
+    let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
+    let draw = |name: &str, options: &str| {
+        let line = format!("shadow @ball.npz @ring.npz {VIEW} {lights} {options} --mask @{name} --json");
+        run(folder.path(), &line).json()
+    };
+    draw("mesh", "")?;
+    let map = "--from-depth 512 --detector differences=0.002";
+    let template = draw("template", map)?;
+    let vector = draw("vector", &format!("{map} --reconstruct vector"))?;
+    for light in 0..2 {
+        let names = |name: &str| [format!("mesh.{light}.png"), format!("{name}.{light}.png")];
+        let against = |name: &str| {
+            let [mesh, other] = names(name);
+            differences(&folder, [&mesh, &other])
+        };
+        let [different, dark, lit] = against("vector")?;
+        ensure!(dark > 1000 && lit > 1000 && different < 60, "light {light}: {different} of {dark} and {lit} differ");
+        let [cells, walls] = [&template, &vector].map(|found| &found["lights"][light]["depth_map"]);
+        ensure!(cells["reconstruction"] == "template" && cells["walls"].is_null(), "{cells:#}");
+        ensure!(walls["reconstruction"] == "vector" && walls["cells"].is_null(), "{walls:#}");
+        let [cells, walls] = [&cells["cells"], &walls["walls"]].map(|count| count.as_u64().unwrap_or(0));
+        ensure!(0 < walls && 4 * walls < cells, "light {light}: {walls} walls, {cells} cells");
+    }
+    // Walls are shown.
+    let shown = |name: &str, options: &str| {
+        let line = format!("shadow @ball.npz {VIEW} {lights} {map} --reconstruct vector {options} --out @{name}.png");
+        run(folder.path(), &line).expect(0, &[])?;
+        Ok::<_, String>(Image::read(&folder.path().join(format!("{name}.png")))?.bytes)
+    };
+    let (plain, walls) = (shown("plain", "")?, shown("walls", "--volumes")?);
+    let changed = plain.iter().zip(&walls).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+    ensure!(changed > 2000, "{changed} bytes changed");
+    Ok(())
+}
+
 fn wrong_options() -> Outcome {
     let folder = models()?;
     for (options, part) in [
         ("--from-depth --method zp+", "--method"),
         ("--from-depth --hide-covered", "--hide-covered"),
         ("--detector every", "--from-depth"),
+        ("--reconstruct vector", "--from-depth"),
+        ("--from-depth --reconstruct vector", "--detector differences=T"),
+        ("--from-depth --reconstruct vector --detector world=1", "--detector differences=T"),
+        ("--from-depth --reconstruct round", "round"),
         ("--from-depth 2", "3..=4096"),
         ("--from-depth 5000", "3..=4096"),
         ("--from-depth --detector some", "there is no detector `some`"),
