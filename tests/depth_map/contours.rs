@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use rimline::DepthDirection;
 use rimline::gpu::{
-    DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction,
-    DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
+    DanglingEdges, DepthEdges, DepthMap, DepthMapCube, DepthMapCubeError, DepthMapOptions, DepthMapPipelines,
+    DepthMapReconstruction, DepthMapVolumes, DepthMapVolumesError, ShadowFormat,
 };
 use rimline::reference::cpu::{ContourMap, Samples, contour_marks, contour_places, contour_walls};
 use rimline::reference::layout::{ContourShape, DepthMapShape};
@@ -495,6 +495,8 @@ fn refused() -> Result<(), String> {
     }
     let bits = refused(DepthMapOptions { bits: 2, ..options });
     same("bits", &[bits], &[Some(DepthMapVolumesError::ContourBits(2))])?;
+    let dangling = refused(DepthMapOptions { dangling: Some(DanglingEdges::default()), ..options });
+    same("dangling", &[dangling], &[Some(DepthMapVolumesError::ContourDangling)])?;
     if !matches!(
         refused(DepthMapOptions { reconstruction: with(f32::NAN, 0.01), ..options }),
         Some(DepthMapVolumesError::Sideways(_))

@@ -69,6 +69,9 @@ impl Contours {
         if options.bits > 1 {
             return Err(DepthMapVolumesError::ContourBits(options.bits));
         }
+        if options.dangling.is_some() {
+            return Err(DepthMapVolumesError::ContourDangling);
+        }
         let shared = pipelines.shared();
         let limits = DispatchLimits::new(&shared.device().limits());
         let tiles = size.map(|texels| (texels + 1).div_ceil(TILE));

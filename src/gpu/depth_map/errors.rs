@@ -99,6 +99,11 @@ pub enum DepthMapVolumesError {
     /// Contours have one bit.
     #[error("`DepthMapReconstruction::Contours` with {0} bits; take 1, or `DepthMapReconstruction::Triangles`")]
     ContourBits(u32),
+    /// Contours continue no edge.
+    #[error(
+        "`DepthMapReconstruction::Contours` with `dangling` edges; leave `dangling` out, or take `DepthMapReconstruction::Triangles`"
+    )]
+    ContourDangling,
     /// A segment cannot be as far from its contour.
     #[error("`sideways` of `DepthMapReconstruction::Contours` is {0}; take 0 to 0.5 texels")]
     Sideways(f32),

@@ -109,7 +109,7 @@ pub enum DepthMapReconstruction {
     /// elsewhere, where triangles were at none: at rims whose last facets are narrower than a texel. Keep a `slope_bias`
     /// of 1. Finding contours takes about ten times as long as finding cells on a software device.
     ///
-    /// Maps of a cube, and more than one bit, take triangles.
+    /// Maps of a cube, more than one bit, and edges that are continued take triangles.
     Contours {
         /// How far a segment may be from the places that are found for the contour, in texels, from 0 to 0.5. It has each sample
         /// on its own side in any case. 0.25 is a good choice.
