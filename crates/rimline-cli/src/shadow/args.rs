@@ -274,8 +274,8 @@ the stencil holds: places in their shadow may look lit), lights (a list of light
 file, casting, counting, silhouette_edges, each with one value a sample with --area; casting and counting are the \
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
-depth_map: size, side (null unless square), maps, reconstruction, and cells, those that the boundary of the shadow has triangles in, or walls; casting is then depth map, \
-and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
+depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has triangles in, null with vector) \
+and walls (null with template); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \

@@ -64,7 +64,7 @@ fn described() -> Outcome {
     let extract = ["extract", &model, light[0], light[1], "--out", &out];
     let query = ["query", &model, "--points", &at("points.npz"), light[0], light[1], "--out", &out];
     let shadow = ["shadow", &model, size[0], size[1], "--mask", &at("mask"), "--out", &png];
-    let lines: [(&[&str], &[&str]); 12] = [
+    let lines: [(&[&str], &[&str]); 13] = [
         (&extract, &["--device", "gpu"]),
         (&extract, &["--device", "gpu", "--method", "per-edge"]),
         (&extract, &["--device", "cpu"]),
@@ -73,6 +73,7 @@ fn described() -> Outcome {
         (&shadow, &["--area", "disc", "--samples", "2"]),
         (&shadow, &["--hide-covered"]),
         (&shadow, &["--from-depth", "64"]),
+        (&shadow, &["--from-depth", "64", "--reconstruct", "vector", "--detector", "differences=0.001"]),
         (&["info", &model], &[]),
         (&["info", &gltf], &[]),
         (&["verify", &at("bits")], &["--device", "cpu"]),
