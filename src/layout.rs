@@ -550,8 +550,8 @@ shared_structs! {
         at_infinity: u32,
         /// 1: triangles at the ends of marked edges are drawn, too.
         spread: u32,
-        /// 0.
-        unused: u32,
+        /// 1: both triangles of a cell are drawn, if one of them is.
+        whole_cells: u32,
     }
 
     /// How the contours of a depth map are traced and fitted. Distances count from the near plane on, in units of 2⁻²⁹ of the range of device depths.

@@ -36,11 +36,12 @@ fn sample(map: &Map, x: i64, y: i64) -> Option<f64> {
     (!is_far).then(|| depth.clamp(0.0, 1.0))
 }
 
-/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too.
+/// The triangles of cells, from their first corners. `spreads`: those with a depth beside a marked edge are drawn, too. `fills`:
+/// and so are those beside drawn ones in their cells.
 fn triangles(
     is_reversed: bool,
     threshold: f64,
-    spreads: bool,
+    [spreads, fills]: [bool; 2],
     places: impl Iterator<Item = [i64; 2]>,
     sample: &dyn Fn([i64; 2]) -> Option<f64>,
     vertex: &dyn Fn([i64; 2]) -> DVec4,
@@ -64,20 +65,22 @@ fn triangles(
         let is_cut_from_b = (rank(a) - rank(d)).abs() > (rank(b) - rank(c)).abs();
         // The corner between the edges, and the two ends of the diagonal.
         let halves = if is_cut_from_b { [[a, b, c], [d, b, c]] } else { [[b, a, d], [c, a, d]] };
-        for [between, p, q] in halves {
+        let is_beside_edge = |at: &[i64; 2]| {
+            let [x, y] = *at;
+            sample(*at).is_some()
+                && [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].iter().any(|&there| is_marked(*at, there))
+        };
+        let are_drawn = halves.map(|[between, p, q]| {
+            is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge)
+        });
+        for ([between, p, q], own) in halves.into_iter().zip(are_drawn) {
             let corners = [between, p, q].map(vertex);
             if corners.iter().all(|corner| corner.w == 0.0) {
                 continue;
             }
             let axis = |axis: DVec4| determinant(axis, corners[0], corners[1], corners[2]);
             let plane = DVec4::new(axis(DVec4::X), axis(DVec4::Y), axis(DVec4::Z), axis(DVec4::W));
-            let is_beside_edge = |at: &[i64; 2]| {
-                let [x, y] = *at;
-                sample(*at).is_some()
-                    && [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].iter().any(|&there| is_marked(*at, there))
-            };
-            let is_drawn =
-                is_marked(between, p) || is_marked(between, q) || spreads && [between, p, q].iter().any(is_beside_edge);
+            let is_drawn = own || fills && are_drawn.contains(&true);
             triangles.push(Triangle { corners, plane, is_drawn });
         }
     }
@@ -87,11 +90,17 @@ fn triangles(
 impl Boundary {
     /// The boundary of a map. Edges are marked where depths differ by more than the threshold, or everywhere if it is negative.
     pub(crate) fn new(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64) -> Self {
-        Self::moved(map, camera, light, threshold, None)
+        Self::edited(map, camera, light, (threshold, false), None)
     }
 
-    /// The same, moved by parts of a texel.
-    pub(crate) fn moved(map: &Map, camera: &ShadowCamera, light: DVec4, threshold: f64, by: Option<[f64; 2]>) -> Self {
+    /// The same, moved by parts of a texel, and with whole cells or not.
+    pub(crate) fn edited(
+        map: &Map,
+        camera: &ShadowCamera,
+        light: DVec4,
+        (threshold, fills): (f64, bool),
+        by: Option<[f64; 2]>,
+    ) -> Self {
         let [right, down] = by.unwrap_or([0.0; 2]);
         let matrix = Mat4::from_cols_array_2d(&camera.view_projection).as_dmat4().inverse();
         let origin = DVec3::from_array(camera.origin.map(f64::from));
@@ -109,10 +118,14 @@ impl Boundary {
             (place(x, y, 0.5) - place(x, y, near)).normalize().extend(0.0)
         };
         let places = (-1..height as i64).flat_map(|y| (-1..width as i64).map(move |x| [x, y]));
-        let triangles =
-            triangles(map.is_reversed, threshold, by.is_some(), places, &|[x, y]| sample(map, x, y), &|[x, y]| {
-                vertex(x, y)
-            });
+        let triangles = triangles(
+            map.is_reversed,
+            threshold,
+            [by.is_some(), fills],
+            places,
+            &|[x, y]| sample(map, x, y),
+            &|[x, y]| vertex(x, y),
+        );
         Self { triangles, light }
     }
 
@@ -159,7 +172,7 @@ impl Boundary {
         let of_face = |face: usize| {
             let places = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| [x, y]));
             let ray = |at: [i64; 2]| rays[&name(face, at)];
-            triangles(is_reversed, threshold, false, places, &|at| ray(at).0, &|at| ray(at).1)
+            triangles(is_reversed, threshold, [false; 2], places, &|at| ray(at).0, &|at| ray(at).1)
         };
         Self { triangles: (0..6).flat_map(of_face).collect(), light: light.extend(1.0) }
     }

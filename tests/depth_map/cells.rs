@@ -32,8 +32,8 @@ pub(crate) fn rank(map: &Map, sample: Option<f32>) -> i64 {
 }
 
 /// The entry of a cell, 0 if it is not listed. `objects`: none, or one for each texel. `spreads`: triangles at the ends of edges
-/// are drawn.
-fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u32) -> u32 {
+/// are drawn. `fills`: so is what is beside a drawn triangle in its cell.
+fn expected(map: &Map, objects: &[u32], threshold: f32, [spreads, fills]: [bool; 2], number: u32) -> u32 {
     let across = i64::from(map.size[0]) + 1;
     let (x, y) = (i64::from(number) % across - 1, i64::from(number) / across - 1);
     // What is cast, and the object.
@@ -61,7 +61,7 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u
     };
     let diagonal_touches = if is_split { touches(1, 0) || touches(0, 1) } else { touches(0, 0) || touches(1, 1) };
     // The triangle at a corner that the diagonal leaves out has the two edges of that corner.
-    let (first, second) = if is_split {
+    let (mut first, mut second) = if is_split {
         (
             is_marked(a, b) || is_marked(a, c) || touches(0, 0) || diagonal_touches,
             is_marked(d, b) || is_marked(d, c) || touches(1, 1) || diagonal_touches,
@@ -75,6 +75,9 @@ fn expected(map: &Map, objects: &[u32], threshold: f32, spreads: bool, number: u
     if !first && !second {
         return 0;
     }
+    if fills {
+        (first, second) = (true, true);
+    }
     let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
     number | bit(is_split, SPLIT) | bit(first, FIRST_TRIANGLE) | bit(second, SECOND_TRIANGLE)
 }
@@ -83,7 +86,7 @@ fn check(map: &Map, objects: &[u32], threshold: f32, shape: &DepthMapShape) -> R
     let found = depth_cells_of_objects(shape, &map.depths, objects);
     // An entry of 0 is no entry: an entry has a bit for a triangle.
     let all: Vec<_> = (0..shape.cells)
-        .map(|number| expected(map, objects, threshold, shape.spread == 1, number))
+        .map(|number| expected(map, objects, threshold, [shape.spread, shape.whole_cells].map(|set| set == 1), number))
         .filter(|&entry| entry != 0)
         .collect();
     if found.count as usize != all.len() || found.entries != all[..all.len().min(shape.capacity as usize)] {
@@ -114,6 +117,8 @@ fn listed_cells_are_those_of_exact_arithmetic() {
                 let mut shape = map.shape(threshold, capacity);
                 listed += check(&map, &[], threshold, &shape).expect("as expected");
                 shape.spread = random.below(2) as u32;
+                listed += check(&map, &[], threshold, &shape).expect("as expected");
+                shape.whole_cells = random.below(2) as u32;
                 listed += check(&map, &[], threshold, &shape).expect("as expected");
                 shape.objects = 1;
                 let objects: Vec<_> = (0..depths.len()).map(|_| random.below(3) as u32 * 0x7fff_ffff).collect();
@@ -147,6 +152,12 @@ fn another_map_is_noticed() {
     let spread = DepthMapShape { spread: 1, ..shape };
     assert!(check(&lone, &[], 0.125, &spread).is_ok());
     assert_ne!(depth_cells(&shape, &lone.depths), depth_cells(&spread, &lone.depths));
+    // An edge that dangles at a fold: half a cell, or all of it.
+    let fold = Map::new([7, 5], false, |texel| if texel % 7 > 2 { 0.5 + (texel / 7) as f32 / 16.0 } else { 0.5 });
+    let whole = DepthMapShape { whole_cells: 1, ..shape };
+    assert!(check(&fold, &[], 0.125, &shape).is_ok());
+    assert!(check(&fold, &[], 0.125, &whole).is_ok());
+    assert_ne!(depth_cells(&shape, &fold.depths), depth_cells(&whole, &fold.depths));
     let objects: Vec<_> = (0..35).map(|texel| texel / 9).collect();
     let shape = map.shape(0.7, u32::MAX);
     assert!(check(&map, &objects, 0.7, &shape).is_err());

@@ -33,7 +33,7 @@ impl Map {
             ratio: 0,
             at_infinity: 0,
             spread: 0,
-            unused: 0,
+            whole_cells: 0,
         }
     }
 }

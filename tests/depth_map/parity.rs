@@ -1,7 +1,7 @@
 //! The stencil against the crossings of each pixel's ray with the boundary, which an oracle of its own builds.
 
 use glam::{DVec2, DVec3, DVec4, Mat4};
-use rimline::gpu::{DepthEdges, DepthMapOptions};
+use rimline::gpu::{DepthEdges, DepthMapOptions, DepthMapReconstruction};
 use rimline::{DepthDirection, ShadowCamera};
 use rimline_measure::device::Gpu;
 use rimline_measure::harness::Test;
@@ -19,6 +19,7 @@ use crate::textures::texture;
 pub(crate) const TESTS: &[Test] = &[
     ("parity_is_that_of_rays", every_cell),
     ("parity_of_marked_cells_is_that_of_rays", differences),
+    ("parity_of_a_fixed_mesh_is_that_of_rays", fixed_mesh),
     ("parity_with_a_cut_near_rectangle_is_that_of_rays", cut),
     ("parity_of_lists_that_overflow_is_that_of_rays", overflow),
     ("parity_of_each_bit_is_that_of_its_rays", of_bits),
@@ -94,21 +95,38 @@ struct Tally {
     wrong: usize,
 }
 
-fn trial(
-    gpu: &Gpu,
-    random: &mut Random,
-    tally: &mut Tally,
-    near: f32,
+/// What trials have in common.
+#[derive(Clone, Copy, Debug)]
+struct Way<'a> {
+    /// From the least to the largest distance of the near plane.
+    near: [f32; 2],
     threshold: f32,
-    capacity: Option<u32>,
-    moves: &[[f64; 2]],
-) -> Result<(), String> {
+    overflows: bool,
+    reconstruction: DepthMapReconstruction,
+    /// Whether the boundary that is told the truth by has whole cells.
+    fills: bool,
+    /// Parts of a texel that each bit is moved by, if there is more than one.
+    moves: &'a [[f64; 2]],
+}
+
+const EVERY_CELL: Way<'_> = Way {
+    near: [0.05, 0.2],
+    threshold: -1.0,
+    overflows: false,
+    reconstruction: DepthMapReconstruction::Triangles,
+    fills: false,
+    moves: &[],
+};
+
+fn trial(gpu: &Gpu, random: &mut Random, tally: &mut Tally, way: Way<'_>) -> Result<(), String> {
+    let Way { near, threshold, overflows, reconstruction, fills, moves } = way;
+    let near = f64::from(random.between(near[0], near[1]));
+    let capacity = overflows.then(|| random.below(3) as u32);
     let (camera, light) = light(random);
     let map = map(random, &camera);
     let place = f64::from(random.between(0.5, 9.0)) * vector(random);
     let forward = vector(random) * 3.0 - place;
     let depth = [DepthDirection::Reversed, DepthDirection::Standard][random.below(2)];
-    let near = f64::from(near);
     let (far, half_width) = [(None, None), (Some(60.0), None), (Some(60.0), Some(6.0))][random.below(3)];
     let eye = Eye { place, forward, near, is_relative: random.below(2) == 0, depth, far, half_width }.camera();
     let rays = Rays::new(&eye, SIDE);
@@ -118,8 +136,8 @@ fn trial(
     let centres: Vec<_> = centres.collect();
     let depths: Vec<_> = centres.iter().map(|&centre| device_depth(&eye, seen(centre).1)).collect();
     let edges = if threshold < 0.0 { DepthEdges::EveryCell } else { DepthEdges::Differences { threshold } };
-    let options =
-        DepthMapOptions { edges, capacity, slope_bias: 0.0, bits: moves.len().max(1) as u32, ..Default::default() };
+    let bits = moves.len().max(1) as u32;
+    let options = DepthMapOptions { edges, capacity, reconstruction, slope_bias: 0.0, bits, ..Default::default() };
     let texture = texture(gpu, map.size, TextureFormat::R32Float, &map.depths)?;
     let bit = random.below(9 - options.bits as usize) as u32;
     let mask = u8::try_from(((1 << options.bits) - 1) << bit).map_err(text)?;
@@ -129,10 +147,10 @@ fn trial(
     if let Some(value) = stencil.iter().find(|&value| value & !mask != 0) {
         return Err(format!("{value:08b} where {mask:08b} are drawn"));
     }
-    let threshold = f64::from(threshold);
+    let edited = |by| Boundary::edited(&map, &camera, light, (f64::from(threshold), fills), by);
     let boundaries = match moves {
-        [] => vec![Boundary::new(&map, &camera, light, threshold)],
-        moves => moves.iter().map(|&by| Boundary::moved(&map, &camera, light, threshold, Some(by))).collect(),
+        [] => vec![edited(None)],
+        moves => moves.iter().map(|&by| edited(Some(by))).collect(),
     };
     let of_bits = (bit..).zip(&boundaries).flat_map(|(bit, boundary)| {
         centres.iter().zip(&stencil).map(move |(&centre, value)| (boundary, centre, value >> bit & 1 == 1))
@@ -168,27 +186,14 @@ fn trial(
     Ok(())
 }
 
-fn trials(seed: u64, count: u32, near: [f32; 2], threshold: f32, overflows: bool) -> Result<Tally, String> {
-    trials_of_bits(seed, count, near, threshold, overflows, &[])
-}
-
-fn trials_of_bits(
-    seed: u64,
-    count: u32,
-    near: [f32; 2],
-    threshold: f32,
-    overflows: bool,
-    moves: &[[f64; 2]],
-) -> Result<Tally, String> {
+fn trials(seed: u64, count: u32, way: Way<'_>) -> Result<Tally, String> {
     println!("seed {seed}");
     let gpu = Gpu::shared()?;
     let mut random = Random::new(seed);
     let mut tally = Tally::default();
     for number in 0..count {
-        let near = random.between(near[0], near[1]);
-        let capacity = overflows.then(|| random.below(3) as u32);
         let before = tally.wrong;
-        trial(&gpu, &mut random, &mut tally, near, threshold, capacity, moves)?;
+        trial(&gpu, &mut random, &mut tally, way)?;
         if tally.wrong > before {
             println!("trial {number}: {} wrong", tally.wrong - before);
         }
@@ -202,16 +207,25 @@ fn trials_of_bits(
 }
 
 fn every_cell() -> Result<(), String> {
-    trials(1621, 60, [0.05, 0.2], -1.0, false).map(drop)
+    trials(1621, 60, EVERY_CELL).map(drop)
 }
 
 fn differences() -> Result<(), String> {
-    trials(1622, 60, [0.05, 0.2], 0.01, false).map(drop)
+    trials(1622, 60, Way { threshold: 0.01, ..EVERY_CELL }).map(drop)
+}
+
+/// Whole cells. Half cells have other crossings where edges dangle, so they are the negative control.
+fn fixed_mesh() -> Result<(), String> {
+    let fixed = Way { threshold: 0.01, reconstruction: DepthMapReconstruction::FixedMesh, fills: true, ..EVERY_CELL };
+    trials(1628, 60, fixed)?;
+    trials(1629, 12, Way { overflows: true, ..fixed })?;
+    let halves = Way { reconstruction: DepthMapReconstruction::Triangles, ..fixed };
+    must_fail("half cells", &trials(1628, 60, halves))
 }
 
 /// Near rectangles that are large: most cut the boundary.
 fn cut() -> Result<(), String> {
-    let tally = trials(1623, 60, [0.5, 6.0], -1.0, false)?;
+    let tally = trials(1623, 60, Way { near: [0.5, 6.0], ..EVERY_CELL })?;
     if tally.cut < 1000 {
         return Err(format!("the near rectangle is cut too rarely: {tally:?}"));
     }
@@ -222,14 +236,17 @@ fn cut() -> Result<(), String> {
 fn of_bits() -> Result<(), String> {
     let of_two = [[-0.25, 0.25], [0.25, -0.25]];
     let of_four = [[-0.375, -0.125], [-0.125, 0.375], [0.125, -0.375], [0.375, 0.125]];
+    let near = [0.05, 0.5];
     for (seed, threshold, overflows) in [(1625, -1.0, false), (1626, 0.01, false), (1627, 0.01, true)] {
-        trials_of_bits(seed, 12, [0.05, 0.5], threshold, overflows, &of_two)?;
-        trials_of_bits(seed, 12, [0.05, 0.5], threshold, overflows, &of_four)?;
+        for moves in [&of_two[..], &of_four] {
+            trials(seed, 12, Way { near, threshold, overflows, moves, ..EVERY_CELL })?;
+        }
     }
     let exchanged = [of_two[1], of_two[0]];
-    must_fail("bits that are exchanged", &trials_of_bits(1625, 12, [0.05, 0.5], -1.0, false, &exchanged))
+    let exchanged = trials(1625, 12, Way { near, moves: &exchanged, ..EVERY_CELL });
+    must_fail("bits that are exchanged", &exchanged)
 }
 
 fn overflow() -> Result<(), String> {
-    trials(1624, 20, [0.05, 2.0], 0.01, true).map(drop)
+    trials(1624, 20, Way { near: [0.05, 2.0], threshold: 0.01, overflows: true, ..EVERY_CELL }).map(drop)
 }

@@ -1,7 +1,8 @@
 //! The lists that the GPU makes against those of the twin, for each format of a map.
 
 use rimline::gpu::{
-    DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapVolumes, ShadowFormat,
+    DanglingEdges, DepthEdges, DepthMap, DepthMapOptions, DepthMapPipelines, DepthMapReconstruction, DepthMapVolumes,
+    ShadowFormat,
 };
 use rimline::reference::cpu::{EdgeDetector, Samples, Second, depth_cells, depth_cells_of_objects, depth_edges};
 use rimline::reference::layout::DepthMapShape;
@@ -57,7 +58,7 @@ fn check(
     format: TextureFormat,
     threshold: f32,
     capacity: Option<u32>,
-    bits: u32,
+    (bits, is_fixed): (u32, bool),
 ) -> Result<u32, String> {
     // A depth attachment takes finite depths from 0 to 1 alone.
     let clamped: Vec<_> =
@@ -65,17 +66,25 @@ fn check(
     let depths = if format == TextureFormat::R32Float { &map.depths } else { &clamped };
     let texture = texture(gpu, map.size, format, depths)?;
     let depths = read(gpu, &texture)?;
-    let options = DepthMapOptions { bits, ..options(threshold, capacity) };
+    let reconstruction = if is_fixed { DepthMapReconstruction::FixedMesh } else { DepthMapReconstruction::Triangles };
+    let options = DepthMapOptions { bits, reconstruction, ..options(threshold, capacity) };
     let mut volumes = DepthMapVolumes::new(pipelines, map.size, options).map_err(text)?;
     let (view, light) = (depth_view(&texture), camera(direction(map)));
     gpu.submit(|encoder| {
         let map = DepthMap { texture: &view, light };
         volumes.encode(encoder, &map, &camera(DepthDirection::Reversed), None).map(drop).map_err(text)
     })?;
-    let shape = DepthMapShape { spread: u32::from(bits > 1), ..map.shape(threshold, capacity.unwrap_or(u32::MAX)) };
+    let shape = DepthMapShape {
+        spread: u32::from(bits > 1),
+        whole_cells: u32::from(is_fixed),
+        ..map.shape(threshold, capacity.unwrap_or(u32::MAX))
+    };
     let expected = depth_cells(&shape, &depths);
     let found: Vec<u32> = gpu.read(volumes.cells(), 1 + expected.entries.len())?;
-    let what = format!("{format:?} {:?}, reversed {}, threshold {threshold}, {bits} bits", map.size, map.is_reversed);
+    let what = format!(
+        "{format:?} {:?}, reversed {}, threshold {threshold}, {bits} bits, fixed {is_fixed}",
+        map.size, map.is_reversed
+    );
     same(&what, &found, &[&[expected.count], &expected.entries[..]].concat())?;
     Ok(expected.count)
 }
@@ -91,7 +100,8 @@ fn lists() -> Result<(), String> {
         for map in maps(&mut random) {
             for threshold in [-1.0, 0.0, 0.125, random.between(0.0, 0.3)] {
                 let capacity = (random.below(3) == 0).then(|| random.below(300) as u32);
-                listed += check((&gpu, &pipelines), &map, format, threshold, capacity, 1 + random.below(2) as u32)?;
+                let way = (1 + random.below(2) as u32, random.below(2) == 0);
+                listed += check((&gpu, &pipelines), &map, format, threshold, capacity, way)?;
             }
         }
     }
@@ -118,7 +128,7 @@ fn large() -> Result<(), String> {
         if random.below(9) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % 700) as f32 / 4096.0 }
     });
     for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None, 1)?;
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::Depth32Float, threshold, None, (1, false))?;
         if listed < 100_000 {
             return Err(format!("only {listed} cells"));
         }
@@ -136,7 +146,7 @@ fn largest() -> Result<(), String> {
         if random.below(99) == 0 { random.between(0.0, 1.0) } else { 0.25 + (texel % side) as f32 / 8192.0 }
     });
     for threshold in [-1.0, 0.01] {
-        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None, 3)?;
+        let listed = check((&gpu, &pipelines), &map, TextureFormat::R32Float, threshold, None, (3, false))?;
         println!("{listed} cells of {side}² texels, threshold {threshold}");
     }
     Ok(())
@@ -337,6 +347,7 @@ fn detectors() -> Result<(), String> {
                 dangling: (!is_second || random.below(2) == 0).then_some(dangling),
                 capacity: (random.below(4) == 0).then(|| random.below(30) as u32),
                 bits: 1 + random.below(2) as u32,
+                reconstruction: [DepthMapReconstruction::Triangles, DepthMapReconstruction::FixedMesh][random.below(2)],
                 ..Default::default()
             };
             let mut volumes = DepthMapVolumes::new(&pipelines, map.size, options).map_err(text)?;
@@ -355,6 +366,7 @@ fn detectors() -> Result<(), String> {
             })?;
             let shape = DepthMapShape {
                 objects: u32::from(options.objects),
+                whole_cells: u32::from(options.reconstruction == DepthMapReconstruction::FixedMesh),
                 at_infinity: world_shape(&map, &light, 1.0).at_infinity,
                 ..map.shape(-1.0, options.capacity.unwrap_or(u32::MAX))
             };

@@ -81,7 +81,7 @@ fn triangles_of_word(marked: u32, splits: u32) -> u32 {
   let left = (right << 4u) | ((marked >> 3u) & 1u);
   let first = top | (splits & left) | (~splits & right);
   let second = bottom | (splits & right) | (~splits & left);
-  return splits | (first << 1u) | (second << 2u);
+  return splits | (either(first, second) << 1u) | (either(second, first) << 2u);
 }
 
 // Workgroups take blocks in turn, where a dispatch may not have as many.

@@ -117,7 +117,7 @@ fn decided_by_marks(word: u32) -> u32 {
   let first = marks_from(at, 0u) | diagonal | select_bits(right | (upper >> 1u), left | upper, split);
   let second = marks_from(at + vec2<i32>(0, 1), 0u) | diagonal | select_bits(left | lower, right | (lower >> 1u), split);
   let taken = (1u << own.y) - 1u;
-  return apart(split & taken) | (apart(first & taken) << 1u) | (apart(second & taken) << 2u);
+  return apart(split & taken) | (apart(either(first, second) & taken) << 1u) | (apart(either(second, first) & taken) << 2u);
 }
 
 fn select_bits(otherwise: u32, taken: u32, bits: u32) -> u32 {

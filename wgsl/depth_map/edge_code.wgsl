@@ -107,11 +107,16 @@ fn is_split(keys: vec4<u32>) -> bool {
   return key_distance(keys.x, keys.w) > key_distance(keys.y, keys.z);
 }
 
+// Which of these triangles are drawn, if `others` are the other ones of their cells: with whole cells, those beside drawn ones, too.
+fn either(triangles: u32, others: u32) -> u32 {
+  return triangles | select(0u, others, depth_map.whole_cells != 0u);
+}
+
 // A triangle is drawn if one of its edges that lie on the border of the cell is marked. The bits of an entry.
 fn template_bits(code: u32, split: bool) -> u32 {
   let first = select(3u, 9u, split);
-  return select(0u, SPLIT, split) | select(0u, FIRST_TRIANGLE, (code & first) != 0u)
-    | select(0u, SECOND_TRIANGLE, (code & (15u - first)) != 0u);
+  return select(0u, SPLIT, split) | select(0u, FIRST_TRIANGLE, either(code & first, code & (15u - first)) != 0u)
+    | select(0u, SECOND_TRIANGLE, either(code & (15u - first), code & first) != 0u);
 }
 
 // The samples (0, 0), (1, 0), (0, 1) and (1, 1) of a cell by their numbers.
@@ -161,8 +166,10 @@ fn spread_templates(at: vec2<u32>) -> u32 {
   }
   // By the three samples of each.
   let split = is_split(keys);
-  return template_bits(code, split) | select(0u, FIRST_TRIANGLE, (ends & select(11u, 7u, split)) != 0u)
-    | select(0u, SECOND_TRIANGLE, (ends & select(13u, 14u, split)) != 0u);
+  let first = ends & select(11u, 7u, split);
+  let second = ends & select(13u, 14u, split);
+  return template_bits(code, split) | select(0u, FIRST_TRIANGLE, either(first, second) != 0u)
+    | select(0u, SECOND_TRIANGLE, either(second, first) != 0u);
 }
 
 fn templates(at: vec2<u32>) -> u32 {

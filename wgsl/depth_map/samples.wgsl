@@ -25,7 +25,8 @@ struct DepthMapShape {
   at_infinity: u32,
   // 1: triangles at the ends of marked edges are drawn, too.
   spread: u32,
-  unused: u32,
+  // 1: both triangles of a cell are drawn, if one is.
+  whole_cells: u32,
 }
 
 @group(0) @binding(0) var<uniform> depth_map: DepthMapShape;

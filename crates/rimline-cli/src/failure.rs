@@ -190,12 +190,12 @@ pub(crate) enum UsageError {
     CoveredPolygons { file: PathBuf },
     #[error(
         "light {light} is among the models or close to them, so it has six depth maps, whose device depths are nearly all alike; take \
-         --detector every or world=T"
+         --detector every, automatic or world=T"
     )]
     DetectorInCube { light: usize },
     #[error(
         "light {light} is among the models or close to them, so it has six depth maps, and --reconstruct vector takes one; leave it out, and \
-         take --detector every or world=T"
+         take --detector every, automatic or world=T"
     )]
     VectorInCube { light: usize },
     #[error(

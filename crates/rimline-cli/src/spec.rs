@@ -76,8 +76,10 @@ pub(crate) enum SpecError {
     RangeAtInfinity,
     #[error("there is no shape `{0}`; write rect, rect:W,H, disc, disc:R, sphere or sphere:R")]
     Area(String),
-    #[error("there is no detector `{0}`; write every, differences=T, world=T or objects")]
+    #[error("there is no detector `{0}`; write every, automatic, differences=T, second=LOW,HIGH, world=T or objects")]
     Detector(String),
+    #[error("second=LOW,HIGH has the lower threshold first, not {low},{high}")]
+    SecondThresholds { low: f32, high: f32 },
     #[error("device depths differ by 0 to 1, not {0}")]
     DepthThreshold(f32),
     #[error("a distance must not be negative")]
@@ -250,17 +252,30 @@ pub(crate) fn detector(text: &str) -> Result<DepthEdges, SpecError> {
     let unknown = || SpecError::Detector(text.to_owned());
     match text.split_once('=') {
         None if text == "every" => Ok(DepthEdges::EveryCell),
+        None if text == "automatic" => Ok(DepthEdges::Automatic),
         None if text == "objects" => Ok(DepthEdges::Outlines),
-        Some(("differences", threshold)) => match number(threshold)? {
-            threshold if (0.0..=1.0).contains(&threshold) => Ok(DepthEdges::Differences { threshold }),
-            threshold => Err(SpecError::DepthThreshold(threshold)),
-        },
+        Some(("differences", threshold)) => {
+            Ok(DepthEdges::Differences { threshold: depth_difference(number(threshold)?)? })
+        }
+        Some(("second", thresholds)) => {
+            let [low, high] = numbers(thresholds)?;
+            let (low, high) = (depth_difference(low)?, depth_difference(high)?);
+            if low <= high {
+                Ok(DepthEdges::SecondDifferences { low, high })
+            } else {
+                Err(SpecError::SecondThresholds { low, high })
+            }
+        }
         Some(("world", threshold)) => match number(threshold)? {
             threshold if threshold >= 0.0 => Ok(DepthEdges::WorldDifferences { threshold }),
             _ => Err(SpecError::WorldThreshold),
         },
         _ => Err(unknown()),
     }
+}
+
+fn depth_difference(value: f32) -> Result<f32, SpecError> {
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(SpecError::DepthThreshold(value)) }
 }
 
 /// A point, `x,y,z`.

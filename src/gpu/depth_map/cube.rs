@@ -81,7 +81,7 @@ impl DepthMapCube {
         if side < 3 {
             return Err(DepthMapCubeError::Side(side));
         }
-        if options.reconstruction != DepthMapReconstruction::Triangles {
+        if matches!(options.reconstruction, DepthMapReconstruction::Contours { .. }) {
             return Err(DepthMapCubeError::Contours);
         }
         if options.bits > 1 {

@@ -92,9 +92,14 @@ impl Default for DanglingEdges {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum DepthMapReconstruction {
-    /// Each cell by the triangles between its samples that have a marked edge.
+    /// Each cell by the triangles between its samples that have a marked edge: half a cell where a single edge is marked. After
+    /// section 4 of the paper, its table.
     #[default]
     Triangles,
+    /// Each cell that has a marked edge as a whole, by both of its triangles: the fixed mesh of section 4 of the paper. It has
+    /// more triangles than [`Self::Triangles`]. Shadows are the same, but beside edges that a detector misses: where an edge
+    /// dangles, it is continued by the whole cell.
+    FixedMesh,
     /// By walls along rays of the light, over contours that are traced between the samples of a jump and fitted with
     /// segments. Fewer triangles, and smoother borders of shadows, which lie between the samples and not at the outer
     /// ones. After section 8.1 of the paper.

@@ -8,7 +8,7 @@ use super::edges::{Detector, EdgeStages, threshold_bits};
 use super::errors::{DepthMapEncodeError, DepthMapVolumesError};
 use super::frame::DepthMapFrame;
 use super::jitter::{jitters, reach};
-use super::options::{DepthEdges, DepthMap, DepthMapOptions};
+use super::options::{DepthEdges, DepthMap, DepthMapOptions, DepthMapReconstruction};
 use super::pipelines::DepthMapPipelines;
 use super::texture::{check_objects, check_texture, object_texture};
 use super::view::{Placing, depth_map_view};
@@ -110,7 +110,17 @@ impl DepthMapVolumes {
         options: DepthMapOptions,
     ) -> Result<Self, DepthMapVolumesError> {
         let shared = pipelines.shared();
-        let DepthMapOptions { edges, objects, capacity, slope_bias, rounded_to, bits, memory_limit, .. } = options;
+        let DepthMapOptions {
+            edges,
+            objects,
+            reconstruction,
+            capacity,
+            slope_bias,
+            rounded_to,
+            bits,
+            memory_limit,
+            ..
+        } = options;
         // A cube has no border.
         let cells_of = |side: u32| if faces > 1 { u64::from(side).saturating_sub(1) } else { u64::from(side) + 1 };
         let count = size.map(cells_of).into_iter().fold(u64::from(faces), u64::saturating_mul);
@@ -152,7 +162,7 @@ impl DepthMapVolumes {
             ratio: 0,
             at_infinity: 0,
             spread: u32::from(bits > 1),
-            unused: 0,
+            whole_cells: u32::from(reconstruction == DepthMapReconstruction::FixedMesh),
         };
         // Contours have lists of their own.
         let (listed, blocks) = if contours.is_some() { (0, 0) } else { (shape.capacity, blocks) };

@@ -54,6 +54,23 @@ pub(super) const MUTATIONS: &[Mutation] = &[
         tests: LISTS,
     },
     Mutation {
+        name: "depth maps: a fixed mesh has half cells where the second triangle has no edge",
+        changes: &[
+            ("wgsl/depth_map/depth_cells.wgsl", "(either(second, first) << 2u);", "(second << 2u);"),
+            (
+                "wgsl/depth_map/edge_code.wgsl",
+                "either(code & (15u - first), code & first) != 0u",
+                "(code & (15u - first)) != 0u",
+            ),
+            (
+                "src/cpu/depth_map/edge_code.rs",
+                "if self.is_whole { [own[0] || own[1]; 2] }",
+                "if self.is_whole { [own[0] || own[1], own[1]] }",
+            ),
+        ],
+        tests: LISTS,
+    },
+    Mutation {
         name: "depth maps: cells are split across the smaller difference",
         changes: &[
             (

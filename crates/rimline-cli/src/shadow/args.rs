@@ -62,7 +62,9 @@ pub(crate) enum ModeArg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ReconstructArg {
-    /// Triangles between samples, those at edges that the detector finds. Exact to a texel
+    /// Triangles between samples, both of each cell that has an edge that the detector finds. Exact to a texel
+    Fixed,
+    /// Triangles between samples, those at such edges. Exact to a texel, with fewer triangles
     Template,
     /// Walls over contours that are traced between samples and fitted with segments: fewer triangles and smoother borders. One map a
     /// light, and --detector differences=T or objects
@@ -208,12 +210,14 @@ pub(crate) struct ShadowArgs {
     #[arg(long, value_name = "PREFIX", requires = "from_depth", conflicts_with_all = ["area", "depth"])]
     pub(crate) save_depth: Option<PathBuf>,
 
-    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; those where device depths differ by more than T, 0 to 1;
-    /// those where distances along the map's view differ by more than T; or, with a file that has `objects`, those between objects, which --depth takes
-    /// with either T, too. What a map casts must then be among the models, at the same place. A T that is too large turns shadows round in streaks
+    /// With --from-depth or --depth: which edges of a map bound shadows. `every` one; `automatic`: those where depths jump by more than
+    /// slopes beside them tell; those where device depths differ by more than T, 0 to 1; by more than HIGH, or by more than LOW and than
+    /// beside them; those where distances along the map's view differ by more than T; or, with a file that has `objects`, those between
+    /// objects, which --depth takes with all others but `every`, too. What a map casts must then be among the models, at the same place. A
+    /// threshold that is too large turns shadows round in streaks
     #[arg(
         long,
-        value_name = "every|differences=T|world=T|objects",
+        value_name = "every|automatic|differences=T|second=LOW,HIGH|world=T|objects",
         requires = "depth_maps",
         default_value = "every",
         value_parser = spec::detector,
@@ -243,6 +247,7 @@ impl ShadowArgs {
             (None, None) => return Ok(None),
         };
         let reconstruction = match self.reconstruct {
+            ReconstructArg::Fixed => Reconstruction::Fixed,
             ReconstructArg::Template => Reconstruction::Template,
             ReconstructArg::Vector => Reconstruction::Vector,
         };
@@ -275,7 +280,7 @@ file, casting, counting, silhouette_edges, each with one value a sample with --a
 most that any instance in the file needs; with --hide-covered also covered: tried, hidden, undecided, without_room and left_out \
 count faces of all files, sides and sides_left are the sides of shadow volumes before and after; with --from-depth or --depth also \
 depth_map: size, side (null unless square), maps, reconstruction, cells (those that the boundary of the shadow has triangles in, null with vector) \
-and walls (null with template); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
+and walls (null but with vector); casting is then depth map, and counting and method are parity), statistics (a list, one for each file, of file, skipped, every_face, \
 capped, count_bound, may_wrap, overflowed_caps, undecided_pairs, overflowed_lists; count_bound, may_wrap and \
 overflowed_caps are null where there are several files), totals (of all files: skipped, every_face and capped count \
 pairs of instance and light, then overflowed_caps, overflowed_sides, undecided_pairs, overflowed_lists, covered_faces: those left out), milliseconds \

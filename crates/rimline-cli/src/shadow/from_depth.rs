@@ -25,6 +25,7 @@ pub(crate) struct FromDepth {
 /// How shadows are rebuilt between the samples of a map: `--reconstruct`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reconstruction {
+    Fixed,
     Template,
     Vector,
 }
@@ -49,14 +50,16 @@ impl FromDepth {
     /// Refuses what has no sensible result: six maps around a light have so near a near plane that all device depths are much the same.
     pub(crate) fn check(&self, lights: &[Light], bodies: &[PosedModel<'_>]) -> Result<(), UsageError> {
         let MapSource::Drawn { side } = self.source else { return Ok(()) };
-        if !matches!(self.edges, DepthEdges::Differences { .. }) {
+        if !matches!(self.edges, DepthEdges::Differences { .. } | DepthEdges::SecondDifferences { .. }) {
             return Ok(());
         }
         let points = points(bodies);
         let is_cube = |light: &Light| matches!(LightCameras::new(light, &points, side), LightCameras::Cube(_));
         match (lights.iter().position(is_cube), self.reconstruction) {
             (None, _) => Ok(()),
-            (Some(light), Reconstruction::Template) => Err(UsageError::DetectorInCube { light }),
+            (Some(light), Reconstruction::Fixed | Reconstruction::Template) => {
+                Err(UsageError::DetectorInCube { light })
+            }
             (Some(light), Reconstruction::Vector) => Err(UsageError::VectorInCube { light }),
         }
     }
@@ -81,12 +84,13 @@ impl FromDepth {
             options.objects = map.has_objects();
             options.rounded_to = map.rounded_to;
         }
+        if self.edges == DepthEdges::Outlines && self.reconstruction != Reconstruction::Vector {
+            // Steep sides of objects are left out, and what is drawn must stay with them.
+            options.slope_bias = 0.0;
+        }
         match self.reconstruction {
-            Reconstruction::Template if self.edges == DepthEdges::Outlines => {
-                // Steep sides of objects are left out, and what is drawn must stay with them.
-                options.slope_bias = 0.0;
-            }
             Reconstruction::Template => {}
+            Reconstruction::Fixed => options.reconstruction = DepthMapReconstruction::FixedMesh,
             Reconstruction::Vector => {
                 let depth = match self.edges {
                     DepthEdges::Differences { threshold } => (THRESHOLDS * threshold).min(1.0),

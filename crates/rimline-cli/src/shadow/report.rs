@@ -137,6 +137,7 @@ impl Report {
                 let side = (size[0] == size[1]).then_some(size[0]);
                 let (maps, listed) = (each(|found| found.maps.into()), each(|found| found.listed.into()));
                 let (name, cells, walls) = match reconstruction {
+                    Reconstruction::Fixed => ("fixed", listed, Value::Null),
                     Reconstruction::Template => ("template", listed, Value::Null),
                     Reconstruction::Vector => ("vector", Value::Null, listed),
                 };

@@ -82,8 +82,15 @@ fn cube() -> Outcome {
     ensure!(found["lights"][0]["depth_map"]["maps"] == 6, "{found:#}");
     let [different, dark, lit] = differences(&folder, ["mesh.0.png", "map.0.png"])?;
     ensure!(dark > 1000 && lit > 1000 && different < 200, "{different} of {dark} and {lit} differ");
-    let message = ["light 0", "--detector every or world=T"];
-    run(folder.path(), &line("--from-depth --detector differences=0.01 --mask @m")).expect(2, &message)?;
+    let message = ["light 0", "--detector every, automatic or world=T"];
+    for detector in ["differences=0.01", "second=0.01,0.1"] {
+        run(folder.path(), &line(&format!("--from-depth --detector {detector} --mask @m"))).expect(2, &message)?;
+    }
+    let automatic = run(folder.path(), &line("--from-depth 512 --detector automatic --mask @automatic")).json()?;
+    let [different, ..] = differences(&folder, ["mesh.0.png", "automatic.0.png"])?;
+    ensure!(different < 200, "{different} differ with automatic");
+    let cells = |found: &serde_json::Value| found["lights"][0]["depth_map"]["cells"].as_u64().unwrap_or(0);
+    ensure!(3 * cells(&automatic) < cells(&found), "{automatic:#}");
     let vector = "--from-depth --detector differences=0.01 --reconstruct vector --mask @m";
     run(folder.path(), &line(vector)).expect(2, &["light 0", "--reconstruct vector takes one"])?;
     ensure!(!folder.path().join("m.0.png").exists(), "a mask is left");
@@ -93,9 +100,15 @@ fn cube() -> Outcome {
 fn modes() -> Outcome {
     let folder = models()?;
     let lights = "--light point:6,12,3 --light dir:-1,2,0.5";
-    for (mode, detector) in
-        [("ambient", "every"), ("black", "differences=0.0005"), ("composited", "world=0.02"), ("additive", "world=0")]
-    {
+    for (mode, detector) in [
+        ("ambient", "every"),
+        ("black", "differences=0.0005"),
+        ("composited", "world=0.02"),
+        ("additive", "world=0"),
+        ("black", "automatic"),
+        ("black", "second=0.0005,0.05"),
+        ("black", "differences=0.0005 --reconstruct fixed"),
+    ] {
         let draw = |name: &str, options: &str| {
             let line =
                 format!("shadow @ball.npz @ring.npz {VIEW} {lights} --mode {mode} {options} --out @{name}.png --json");
@@ -106,6 +119,18 @@ fn modes() -> Outcome {
         let apart = mesh.iter().zip(&map).filter(|(a, b)| a.abs_diff(**b) > 24).count();
         ensure!(mesh != map && apart * 30 < mesh.len(), "{mode}: {apart} of {} are apart", mesh.len());
     }
+    // Whole cells have as many cells, and other pictures of what is drawn.
+    let shown = |name: &str| {
+        let line = format!(
+            "shadow @ball.npz @ring.npz {VIEW} {lights} --from-depth 32 --detector differences=0.1 --reconstruct {name} --volumes"
+        );
+        let found = run(folder.path(), &format!("{line} --out @{name}.png --json")).json()?;
+        ensure!(found["lights"][0]["depth_map"]["reconstruction"] == name, "{found:#}");
+        let cells = found["lights"][0]["depth_map"]["cells"].clone();
+        Ok::<_, String>((cells, Image::read(&folder.path().join(format!("{name}.png")))?.bytes))
+    };
+    let (halves, wholes) = (shown("template")?, shown("fixed")?);
+    ensure!(halves.0 == wholes.0 && halves.1 != wholes.1, "{} and {} cells", halves.0, wholes.0);
     // Samples of an area have maps of their own.
     let line = format!(
         "shadow @ball.npz {VIEW} --light point:6,12,3 --area disc:0.5 --samples 3 --from-depth 64 --one-pattern --out @s.png --json"
@@ -198,6 +223,10 @@ fn wrong_options() -> Outcome {
         ("--from-depth --detector some", "there is no detector `some`"),
         ("--from-depth --detector differences=1.5", "0 to 1, not 1.5"),
         ("--from-depth --detector world=-1", "must not be negative"),
+        ("--from-depth --detector second=0.1", "second"),
+        ("--from-depth --detector second=0.1,0.05", "lower threshold first, not 0.1,0.05"),
+        ("--from-depth --detector second=0.1,2", "0 to 1, not 2"),
+        ("--from-depth --reconstruct vector --detector automatic", "--detector differences=T"),
     ] {
         run(folder.path(), &format!("shadow @ball.npz {options} --out @p.png")).expect(2, &[part])?;
         ensure!(!folder.path().join("p.png").exists(), "{options}: a picture");
